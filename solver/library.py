@@ -1,0 +1,33 @@
+"""The built-in materials."""
+
+import tomllib
+from collections.abc import Mapping
+from difflib import get_close_matches
+from functools import cache
+from importlib.resources import files
+from types import MappingProxyType
+
+from solver.material import Material, MaterialError
+
+
+@cache
+def materials() -> Mapping[str, Material]:
+    """Every built-in material by name; constants and sources stand in ``solver/materials.toml``."""
+    table = tomllib.loads(files("solver").joinpath("materials.toml").read_text(encoding="utf-8"))
+    return MappingProxyType({name: Material.from_mapping({"name": name, **entry}) for name, entry in table.items()})
+
+
+def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Material:
+    """The material of this name, from ``more`` (a user's own) first, then from the built-in ones.
+
+    Raises
+    ------
+    MaterialError
+        Naming the nearest known name.
+    """
+    known = {**materials(), **more}
+    if name not in known:
+        near = get_close_matches(name, known, 1, 0.5)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        raise MaterialError(f"material: {name!r} is unknown; {hint}known are {', '.join(known)}")
+    return known[name]

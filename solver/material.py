@@ -1,0 +1,195 @@
+"""Material constants of a transversely isotropic magneto-electro-elastic solid, poled along y."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from solver.arrays import Array, BoolArray
+
+VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m (CODATA 2022)
+VACUUM_PERMEABILITY = 1.25663706127e-6  # N s2/C2
+
+#: Unit of each constant, by name.
+UNITS: dict[str, str] = {
+    **dict.fromkeys(("c11", "c13", "c33", "c44"), "Pa"),
+    **dict.fromkeys(("e31", "e33", "e15"), "C m-2"),
+    **dict.fromkeys(("f31", "f33", "f15"), "N A-1 m-1"),
+    **dict.fromkeys(("eps11", "eps33"), "F m-1"),
+    **dict.fromkeys(("g11", "g33"), "N s V-1 C-1"),
+    **dict.fromkeys(("mu11", "mu33"), "N s2 C-2"),
+    "c12": "Pa",
+    "rho": "kg m-3",
+}
+
+
+_MU11_HINT = (
+    "published BaTiO3-CoFe2O4 tables carry mu11 = -590e-6 for CoFe2O4, a wrong sign: "
+    "use mu11 = +590e-6, and composites computed from it"
+)
+
+
+class MaterialError(ValueError):
+    """A material that is malformed, unknown or inadmissible."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Material:
+    """Constants of equations (1a)-(1c) of Elloumi et al. (2014), SI units; each an array over any case axes.
+
+    Parameters
+    ----------
+    c11, c13, c33, c44
+        Elastic stiffnesses [Pa] at constant electric and magnetic field.
+    e31, e33, e15
+        Piezoelectric constants [C/m2].
+    f31, f33, f15
+        Piezomagnetic constants [N/(A m)].
+    eps11, eps33
+        Dielectric permittivities [F/m]; vacuum by default.
+    g11, g33
+        Magneto-electric constants [N s/(V C)].
+    mu11, mu33
+        Magnetic permeabilities [N s2/C2]; vacuum by default.
+    c12
+        Transverse stiffness [Pa]; NaN where unknown. Only composites and out-of-plane stress need it.
+    rho
+        Mass density [kg/m3]; NaN where unknown. Only a moving punch needs it.
+    name, source, note
+        What it is, where the constants come from, what is disputed about them.
+    """
+
+    c11: Array
+    c13: Array
+    c33: Array
+    c44: Array
+    e31: Array = field(default_factory=lambda: np.array(0.0))
+    e33: Array = field(default_factory=lambda: np.array(0.0))
+    e15: Array = field(default_factory=lambda: np.array(0.0))
+    f31: Array = field(default_factory=lambda: np.array(0.0))
+    f33: Array = field(default_factory=lambda: np.array(0.0))
+    f15: Array = field(default_factory=lambda: np.array(0.0))
+    eps11: Array = field(default_factory=lambda: np.array(VACUUM_PERMITTIVITY))
+    eps33: Array = field(default_factory=lambda: np.array(VACUUM_PERMITTIVITY))
+    g11: Array = field(default_factory=lambda: np.array(0.0))
+    g33: Array = field(default_factory=lambda: np.array(0.0))
+    mu11: Array = field(default_factory=lambda: np.array(VACUUM_PERMEABILITY))
+    mu33: Array = field(default_factory=lambda: np.array(VACUUM_PERMEABILITY))
+    c12: Array = field(default_factory=lambda: np.array(np.nan))
+    rho: Array = field(default_factory=lambda: np.array(np.nan))
+    name: str = "material"
+    source: str = ""
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        for name in UNITS:
+            object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=np.float64))
+
+    @classmethod
+    def from_mapping(cls, mapping: Mapping[str, object]) -> Self:
+        """Material from plain values, checked for unknown, missing and non-numeric entries and for admissibility.
+
+        Raises
+        ------
+        MaterialError
+            Naming the entry, its value and what is allowed.
+        """
+        known = [entry.name for entry in fields(cls)]
+        label = str(mapping.get("name", "material"))
+        for key, value in mapping.items():
+            if key not in known:
+                raise MaterialError(f"{label}: {key}: unknown entry; known are {', '.join(known)}")
+            if key not in UNITS:
+                if not isinstance(value, str):
+                    raise MaterialError(f"{label}: {key}: {value!r} is not a text")
+            elif isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+                raise MaterialError(f"{label}: {key}: {value!r} is not a finite number [{UNITS[key]}]")
+        missing = [key for key in ("c11", "c13", "c33", "c44") if key not in mapping]
+        if missing:
+            raise MaterialError(f"{label}: {missing[0]}: missing; needed are c11, c13, c33, c44 [Pa]")
+        material = cls(**mapping)  # type: ignore[arg-type]  # each entry was checked against the fields above
+        material.check()
+        return material
+
+    @classmethod
+    def isotropic(cls, young: ArrayLike, poisson: ArrayLike, *, name: str = "isotropic", rho: float = np.nan) -> Self:
+        """Isotropic elastic solid without coupling, vacuum permittivity and permeability; moduli in Pa."""
+        E, nu = np.asarray(young, np.float64), np.asarray(poisson, np.float64)
+        shear, lame = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
+        c11 = lame + 2 * shear
+        material = cls(c11=c11, c12=lame, c13=lame, c33=c11, c44=shear, rho=np.array(rho), name=name)
+        material.check()
+        return material
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Case axes of the constants, broadcast."""
+        return np.broadcast_shapes(*(getattr(self, name).shape for name in UNITS))
+
+    def renamed(self, name: str, source: str = "") -> Self:
+        """The same constants under another name and source."""
+        return replace(self, name=name, source=source)
+
+    def generalised_stiffness(self) -> tuple[Array, Array, Array]:
+        """Q, R and T of the Stroh formalism (theory section 2), each (..., 4, 4), rows (u_x, u_y, phi, psi), SI."""
+        zero = np.zeros(())
+        Q = _matrix([
+            [self.c11, zero, zero, zero],
+            [zero, self.c44, self.e15, self.f15],
+            [zero, self.e15, -self.eps11, -self.g11],
+            [zero, self.f15, -self.g11, -self.mu11],
+        ])  # fmt: skip
+        R = _matrix([
+            [zero, self.c13, self.e31, self.f31],
+            [self.c44, zero, zero, zero],
+            [self.e15, zero, zero, zero],
+            [self.f15, zero, zero, zero],
+        ])  # fmt: skip
+        T = _matrix([
+            [self.c44, zero, zero, zero],
+            [zero, self.c33, self.e33, self.f33],
+            [zero, self.e33, -self.eps33, -self.g33],
+            [zero, self.f33, -self.g33, -self.mu33],
+        ])  # fmt: skip
+        return Q, R, T
+
+    def check(self) -> None:
+        """Refuse an inadmissible material (theory section 7): an energy that is not positive definite.
+
+        Raises
+        ------
+        MaterialError
+            Naming the first constant at fault, its value, the condition and the likely fix.
+        """
+        for name in UNITS:
+            value = getattr(self, name)
+            if not np.all(np.isfinite(value)) and name not in ("c12", "rho"):
+                raise MaterialError(f"{self.name}: {name}: not a finite number [{UNITS[name]}]")
+        for name in ("c11", "c33", "c44", "eps11", "eps33", "mu11", "mu33"):
+            hint = f"; {_MU11_HINT}" if name == "mu11" else ""
+            self._require(getattr(self, name) > 0, name, f"must be positive{hint}")
+        self._require(self.c13**2 < self.c11 * self.c33, "c13", "needs c13^2 < c11 c33 (positive definite stiffness)")
+        if not np.any(np.isnan(self.c12)):
+            self._require(abs(self.c12) < self.c11, "c12", "needs |c12| < c11 (positive definite stiffness)")
+            in_plane = 2 * self.c13**2 < (self.c11 + self.c12) * self.c33
+            self._require(in_plane, "c13", "needs 2 c13^2 < (c11 + c12) c33 (positive definite stiffness)")
+        for axis in ("11", "33"):
+            eps, g, mu = (getattr(self, name + axis) for name in ("eps", "g", "mu"))
+            rule = f"needs g{axis}^2 < eps{axis} mu{axis} (positive definite [[eps, g], [g, mu]])"
+            self._require(g**2 < eps * mu, f"g{axis}", rule)
+        if not np.any(np.isnan(self.rho)):
+            self._require(self.rho > 0, "rho", "must be positive")
+
+    def _require(self, holds: BoolArray, constant: str, rule: str) -> None:
+        """Raise, with the first offending value, unless the condition holds in every case."""
+        if not np.all(holds):
+            value = np.broadcast_to(getattr(self, constant), np.shape(holds))[np.logical_not(holds)].flat[0]
+            raise MaterialError(f"{self.name}: {constant} = {value:g} {UNITS[constant]}: {rule}")
+
+
+def _matrix(rows: list[list[Array]]) -> Array:
+    """Stack entries that broadcast against each other into (..., n, m)."""
+    shape = np.broadcast_shapes(*(entry.shape for row in rows for entry in row))
+    return np.stack([np.stack([np.broadcast_to(entry, shape) for entry in row], -1) for row in rows], -2)

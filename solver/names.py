@@ -1,0 +1,100 @@
+"""Names, units and meanings of factors, surface fields and quantities: one table each, used everywhere."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A numeric input of a case: unit, meaning, default (None: must be given) and lower bound."""
+
+    units: str
+    long_name: str
+    default: float | None = None
+    low: float = float("-inf")
+    low_allowed: bool = True
+    high: float = float("inf")
+
+    @property
+    def allowed(self) -> str:
+        """What is allowed, in words."""
+        text = "a finite number"
+        if self.low > float("-inf"):
+            text += f" {'>=' if self.low_allowed else '>'} {self.low:g}"
+        if self.high < float("inf"):
+            text += f" and <= {self.high:g}"
+        return f"{text} [{self.units}]"
+
+
+@dataclass(frozen=True)
+class Described:
+    """Unit and meaning of an output."""
+
+    units: str
+    long_name: str
+
+    @property
+    def attrs(self) -> dict[str, str]:
+        """CF attributes."""
+        return {"units": self.units, "long_name": self.long_name}
+
+
+#: Numeric factors of a case.
+FACTORS: dict[str, Factor] = {
+    "volume_fraction": Factor("1", "volume fraction of phase one", None, 0.0, high=1.0),
+    "radius": Factor("m", "punch radius R", None, 0.0, low_allowed=False),
+    "friction": Factor("1", "Coulomb coefficient eta", 0.0, 0.0),
+    "load": Factor("N m-1", "normal load P", None, 0.0, low_allowed=False),
+    "charge": Factor("C m-1", "electric charge T", 0.0),
+    "magnetic_charge": Factor("Wb m-1", "magnetic charge J", 0.0),
+    "datum": Factor("m", "reference length L of the potentials", 1.0, 0.0, low_allowed=False),
+}
+
+#: Factors that take one of a few names.
+CHOICES: dict[str, tuple[str, ...]] = {"composite": ("fibrous", "laminate")}
+
+#: Factors of the wider contact problem and the only value that this version solves.
+FIXED: dict[str, str | float] = {
+    "profile": "cylinder",
+    "electric": "conducting",
+    "magnetic": "conducting",
+    "speed": 0.0,
+}
+
+#: Surface fields over (case factors..., position).
+FIELDS: dict[str, Described] = {
+    "contact_pressure": Described("Pa", "contact pressure p = -sigma_yy"),
+    "shear_traction": Described("Pa", "surface shear stress sigma_xy"),
+    "electric_displacement_y": Described("C m-2", "normal electric displacement D_y"),
+    "magnetic_induction_y": Described("T", "normal magnetic induction B_y"),
+    "stress_xx": Described("Pa", "in-plane surface stress sigma_xx"),
+    "electric_displacement_x": Described("C m-2", "tangential electric displacement D_x"),
+    "magnetic_induction_x": Described("T", "tangential magnetic induction B_x"),
+}
+
+#: Fields with a square-root singularity at the edges, also given times sqrt|1 - X^2| as ``<name>_regular``.
+SINGULAR = tuple(FIELDS)[2:]
+
+#: Quantities, one number per case.
+QUANTITIES: dict[str, Described] = {
+    "contact_trailing": Described("m", "trailing extent a of the contact"),
+    "contact_leading": Described("m", "leading extent b of the contact"),
+    "pressure_exponent": Described("1", "pressure exponent alpha"),
+    "peak_pressure": Described("Pa", "largest contact pressure"),
+    "depth": Described("m", "indentation depth relative to the datum"),
+    "voltage": Described("V", "electric potential of the punch relative to the datum"),
+    "magnetic_potential": Described("A", "magnetic potential of the punch relative to the datum"),
+    "electric_edge_intensity_trailing": Described("C m-3/2", "edge intensity of D_y at the trailing edge"),
+    "electric_edge_intensity_leading": Described("C m-3/2", "edge intensity of D_y at the leading edge"),
+    "magnetic_edge_intensity_trailing": Described("T m1/2", "edge intensity of B_y at the trailing edge"),
+    "magnetic_edge_intensity_leading": Described("T m1/2", "edge intensity of B_y at the leading edge"),
+    "trailing_tension": Described("Pa", "sigma_xx just outside the trailing edge"),
+    "leading_compression": Described("Pa", "sigma_xx just outside the leading edge"),
+    "voltage_sensitivity": Described("V m N-1", "d voltage / d load without charges"),
+    "magnetic_sensitivity": Described("A m N-1", "d magnetic potential / d load without charges"),
+    "charge_sensitivity": Described("C N-1", "electric charge per load that makes the voltage 0, J = 0"),
+    "flux_sensitivity": Described("Wb N-1", "magnetic charge per load that makes the magnetic potential 0, T = 0"),
+    "stroke_per_volt": Described("m V-1", "depth per voltage at fixed load and magnetic charge"),
+    "stroke_per_ampere": Described("m A-1", "depth per magnetic potential at fixed load and electric charge"),
+    "blocked_load_per_volt": Described("N m-1 V-1", "load per voltage at fixed depth and magnetic charge"),
+    "blocked_load_per_ampere": Described("N m-1 A-1", "load per magnetic potential at fixed depth and electric charge"),
+}
