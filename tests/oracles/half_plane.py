@@ -1,0 +1,123 @@
+"""Surface response of the half-plane by the Barnett-Lothe angular integrals, in mpmath.
+
+The integrals need no eigenvectors, so that degenerate materials (isotropic elasticity) are nothing special, and the
+trapezoid rule on their period converges geometrically.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+from mpmath import cos, diag, inverse, matrix, mp, mpf, norm, pi, sin, zeros
+
+WORK_DIGITS = 100  # the results are good to 50 of them: the removable singularity kap -> 0 may eat the others
+_ELASTIC = ("c11", "c13", "c33", "c44")
+_COUPLING = ("e31", "e33", "e15", "f31", "f33", "f15")
+CONSTANTS = (*_ELASTIC, *_COUPLING, "eps11", "eps33", "g11", "g33", "mu11", "mu33")
+
+# Units of (u_x, u_y, phi, psi) in which all constants are of order one: m, m, 1e10 V, 1e8 A; stiffness 1e11 Pa.
+_UNITS = (1, 1, 10**10, 10**8)
+_STIFFNESS = 10**11
+
+
+@dataclass(frozen=True, eq=False)
+class HalfPlane:
+    """What the surface of a half-plane answers, and its constitutive matrices (SI units, 4x4 mpmath matrices).
+
+    Attributes
+    ----------
+    local : matrix
+        -S L^-1 of theory (2.1), the answer to the traction at the point itself.
+    compliance : matrix
+        L^-1 of theory (2.1), the answer to the Hilbert transform of the traction.
+    Q, R, T : matrix
+        Constitutive blocks of theory section 2: t_1 = Q u,x + R u,y and t_2 = R^T u,x + T u,y.
+    """
+
+    local: matrix
+    compliance: matrix
+    Q: matrix
+    R: matrix
+    T: matrix
+
+    @property
+    def normal_compliance(self) -> matrix:
+        """N of theory (2.2): L^-1 over (y, phi, psi), 3x3."""
+        return self.compliance[1:4, 1:4]
+
+    @property
+    def shear_coupling(self) -> list[mpf]:
+        """k of theory (2.2): -(S L^-1)[(y, phi, psi), x], three numbers."""
+        return [self.local[i, 0] for i in (1, 2, 3)]
+
+
+def half_plane(material: Mapping[str, float], speed: float = 0.0) -> HalfPlane:
+    """Surface response of a material at rest or under a punch in steady motion.
+
+    Parameters
+    ----------
+    material : mapping
+        The constants ``CONSTANTS`` in SI units (and ``rho`` [kg m-3] when there is a speed).
+    speed : float
+        Steady sliding speed [m s-1].
+    """
+    inertia = mpf(material["rho"]) * mpf(speed) ** 2 if speed else mpf(0)
+    return _half_plane(tuple(mpf(material[name]) for name in CONSTANTS), inertia)
+
+
+@lru_cache(maxsize=64)
+def _half_plane(constants: tuple[mpf, ...], inertia: mpf) -> HalfPlane:
+    c = dict(zip(CONSTANTS, constants, strict=True))
+    with mp.workdps(WORK_DIGITS):
+        Q, R, T = _blocks(c)
+        moving = Q - inertia * diag([1, 1, 0, 0])
+        units = diag([mpf(u) for u in _UNITS])
+        scaled = [units * block * units / _STIFFNESS for block in (moving, R, T)]
+        S, L = _angular_means(*scaled)
+        compliance = inverse(L)
+        local = units * (-S * compliance) * units / _STIFFNESS
+        return HalfPlane(local, units * compliance * units / _STIFFNESS, Q, R, T)
+
+
+def _blocks(c: Mapping[str, mpf]) -> tuple[matrix, matrix, matrix]:
+    """Theory section 2, Q, R, T."""
+    shear, axial = (c["c44"], c["e15"], c["f15"]), (c["c13"], c["e31"], c["f31"])
+    Q, R, T = zeros(4), zeros(4), zeros(4)
+    Q[0, 0], T[0, 0] = c["c11"], c["c44"]
+    for j in range(3):
+        R[0, j + 1], R[j + 1, 0] = axial[j], shear[j]
+    for block, n, stiffness, couplings in ((Q, "11", "c44", ("e15", "f15")), (T, "33", "c33", ("e33", "f33"))):
+        block[1, 1], block[2, 2], block[3, 3] = c[stiffness], -c["eps" + n], -c["mu" + n]
+        block[2, 3] = block[3, 2] = -c["g" + n]
+        for j, name in enumerate(couplings):
+            block[1, j + 2] = block[j + 2, 1] = c[name]
+    return Q, R, T
+
+
+def _angular_means(Q: matrix, R: matrix, T: matrix) -> tuple[matrix, matrix]:
+    """Barnett-Lothe S and L: means over the angle of N1 and -N3 (Ting, Anisotropic Elasticity, 1996, section 7.6)."""
+    count, old, total = 16, zeros(8, 4), zeros(8, 4)
+    angles = [pi * j / count for j in range(count)]
+    while True:
+        for angle in angles:
+            total += _rotated(Q, R, T, cos(angle), sin(angle))
+        mean = total / count
+        if norm(mean - old, mp.inf) < mpf(10) ** (10 - WORK_DIGITS) * norm(mean, mp.inf):
+            return mean[0:4, :], mean[4:8, :]
+        if count > 2**14:
+            raise ArithmeticError("Barnett-Lothe integrals do not converge: a Stroh root is next to the real axis")
+        old, angles = mean, [pi * (2 * j + 1) / (2 * count) for j in range(count)]
+        count *= 2
+
+
+def _rotated(Q: matrix, R: matrix, T: matrix, c: mpf, s: mpf) -> matrix:
+    """N1 above -N3 in the frame turned by the angle whose cosine and sine are given."""
+    mixed = R + R.T
+    inv_t = inverse(T * c**2 - mixed * (c * s) + Q * s**2)
+    r = R * c**2 + (T - Q) * (c * s) - R.T * s**2
+    q = Q * c**2 + mixed * (c * s) + T * s**2
+    n1 = -inv_t * r.T
+    out = zeros(8, 4)
+    out[0:4, :] = n1
+    out[4:8, :] = q + r * n1
+    return out

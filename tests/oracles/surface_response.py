@@ -1,0 +1,79 @@
+"""Surface response of the half-plane in double precision: angular integrals by NumPy, and the constitutive law."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_UNITS = np.array([1.0, 1.0, 1e10, 1e8])  # m, m, V, A: all constants of order one with stiffness in 1e11 Pa
+_STIFFNESS = 1e11
+_ANGLES = np.pi * np.arange(2048) / 2048  # 1e-15 while every Stroh root p has |(p-i)/(p+i)| < 0.98
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceResponse:
+    """Theory (2.1) and section 2 of one material, SI units.
+
+    Attributes
+    ----------
+    local, compliance : ndarray, shape (4, 4)
+        -S L^-1 and L^-1.
+    Q, R, T : ndarray, shape (4, 4)
+        Constitutive blocks.
+    """
+
+    local: Array
+    compliance: Array
+    Q: Array
+    R: Array
+    T: Array
+
+    @property
+    def normal_compliance(self) -> Array:
+        """N of theory (2.2): L^-1 over (y, phi, psi), shape (3, 3)."""
+        return self.compliance[1:, 1:]
+
+    @property
+    def shear_coupling(self) -> Array:
+        """k of theory (2.2): -(S L^-1)[(y, phi, psi), x], shape (3,)."""
+        return self.local[1:, 0]
+
+    def along_surface(self, t: Array, transform: Array) -> Array:
+        """t_1 = (sigma_xx, sigma_xy, D_x, B_x) from t_2 and its Hilbert transform, both of shape (4, n)."""
+        u_x = self.local @ t + self.compliance @ transform
+        units = _UNITS[:, None]
+        inverse = units * np.linalg.inv(units * self.T * _UNITS / _STIFFNESS) * _UNITS / _STIFFNESS
+        along: Array = self.Q @ u_x + self.R @ (inverse @ (t - self.R.T @ u_x))
+        return along
+
+
+def surface_response(material: Mapping[str, float], speed: float = 0.0) -> SurfaceResponse:
+    """Surface response of a material (constants of theory section 7 in SI units; rho when there is a speed)."""
+    m = material
+    Q = np.diag([m["c11"], m["c44"], -m["eps11"], -m["mu11"]])
+    Q[1, 2:] = Q[2:, 1] = m["e15"], m["f15"]
+    Q[2, 3] = Q[3, 2] = -m["g11"]
+    T = np.diag([m["c44"], m["c33"], -m["eps33"], -m["mu33"]])
+    T[1, 2:] = T[2:, 1] = m["e33"], m["f33"]
+    T[2, 3] = T[3, 2] = -m["g33"]
+    R = np.zeros((4, 4))
+    R[0, 1:], R[1:, 0] = (m["c13"], m["e31"], m["f31"]), (m["c44"], m["e15"], m["f15"])
+    inertia = m["rho"] * speed**2 * np.diag([1.0, 1.0, 0.0, 0.0]) if speed else np.zeros((4, 4))
+    scale = _UNITS[:, None] * _UNITS / _STIFFNESS
+    local, compliance = _angular_integrals(*((block * scale) for block in (Q - inertia, R, T)))
+    return SurfaceResponse(local * scale, compliance * scale, Q, R, T)
+
+
+def _angular_integrals(Q: Array, R: Array, T: Array) -> tuple[Array, Array]:
+    """-S L^-1 and L^-1 from S = mean of N1 and L = mean of -N3 over the angle."""
+    c, s = np.cos(_ANGLES)[:, None, None], np.sin(_ANGLES)[:, None, None]
+    q = Q * c**2 + (R + R.T) * c * s + T * s**2
+    r = R * c**2 + (T - Q) * c * s - R.T * s**2
+    t = T * c**2 - (R + R.T) * c * s + Q * s**2
+    n1 = -np.linalg.solve(t, r.transpose(0, 2, 1))
+    S, L = n1.mean(axis=0), (q + r @ n1).mean(axis=0)
+    compliance = np.linalg.inv(L)
+    return -S @ compliance, compliance
