@@ -13,7 +13,7 @@ help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
 
 run: .venv/run.stamp  ## run one study to its report: make run [STUDY=quickstart] [CORES=all]
-	@$(BIN)/meecontact-run --study "$(STUDY)" --cores "$(CORES)"
+	@$(BIN)/meecontact run "$(STUDY)" --cores "$(CORES)"
 
 test: .venv/dev.stamp  ## linters, types, import contract and every test
 	@$(MAKE) --no-print-directory lint
@@ -30,6 +30,9 @@ lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without dow
 	  --custom-compile-command "make lock" --extra build pyproject.toml -o requirements/run.txt
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	  --custom-compile-command "make lock" --extra build --extra dev -c requirements/run.txt pyproject.toml -o requirements/dev.txt
+
+schema: .venv/run.stamp  ## write the JSON schema and the documented default of a study from the model
+	$(BIN)/python -m workflow.schema
 
 .venv/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Python >= 3.11 is needed; set PYTHON=/path/to/one"; exit 2; }

@@ -179,7 +179,7 @@ def _number(name: str, array: xr.DataArray) -> xr.DataArray:
     try:
         array = array.astype(np.float64)
     except (TypeError, ValueError):
-        raise FactorError(f"{name}: {array.values.flat[0]!r} is not {factor.allowed}") from None
+        raise FactorError(f"{name}: {str(array.values.flat[0])!r} is not {factor.allowed}") from None
     values = array.values
     above = values >= factor.low if factor.low_allowed else values > factor.low
     bad = values[~(np.isfinite(values) & above & (values <= factor.high))]

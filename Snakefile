@@ -1,0 +1,29 @@
+# The whole pipeline: one study (config/<study>.yaml) becomes results/<study>/report.html.
+#
+#   slab -> quantities -> surrogate -> validation -> design -> figures -> report        (a study with `factors`)
+#   effect -> figures -> report                                                        (a study with `effects`)
+#
+# `make run STUDY=name` or `snakemake results/name/report.html`; any file below results/ can be asked for by name.
+
+from snakemake.utils import min_version
+
+min_version("9.20")
+
+report: "workflow/captions/workflow.rst"
+
+wildcard_constraints:
+    study="[A-Za-z0-9][A-Za-z0-9_-]*",
+    slab="[0-9]+",
+    name="[A-Za-z0-9_]+",
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/dataset.smk"
+include: "workflow/rules/surrogate.smk"
+include: "workflow/rules/design.smk"
+include: "workflow/rules/effects.smk"
+include: "workflow/rules/report.smk"
+
+rule all:
+    default_target: True
+    input:
+        f"results/{config.get('study', 'quickstart')}/report.html",

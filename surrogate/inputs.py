@@ -1,0 +1,125 @@
+"""Named inputs with a range and a scale, and the Chebyshev-Gauss levels of a range."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Scale = Literal["linear", "log"]
+SCALES: tuple[str, ...] = get_args(Scale)
+
+
+@dataclass(frozen=True)
+class Input:
+    """One input of a model: its name, its range and the scale on which it is mapped to [-1, 1].
+
+    Parameters
+    ----------
+    name : str
+        Name of the input.
+    low, high : float
+        Ends of the range, in `units`; finite, low < high, and low > 0 on a log scale.
+    scale : {"linear", "log"}
+        Scale on which the range is mapped to [-1, 1].
+    units, long_name : str
+        Carried into every labelled result.
+
+    Raises
+    ------
+    ValueError
+        A range or scale that is not as above; the message names the input and the value.
+    """
+
+    name: str
+    low: float
+    high: float
+    scale: Scale = "linear"
+    units: str = ""
+    long_name: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.name:
+            raise ValueError("an input needs a name")
+        if self.scale not in SCALES:
+            raise ValueError(f"input {self.name!r}: scale {self.scale!r} is none of {', '.join(SCALES)}")
+        if not (np.isfinite(self.low) and np.isfinite(self.high)):
+            raise ValueError(f"input {self.name!r}: the range [{self.low}, {self.high}] must be finite")
+        if not self.low < self.high:
+            raise ValueError(f"input {self.name!r}: low {self.low} must be less than high {self.high}")
+        if self.scale == "log" and self.low <= 0:
+            raise ValueError(f"input {self.name!r}: a log scale needs low > 0, got {self.low}")
+
+    def to_unit(self, value: ArrayLike) -> NDArray[np.float64]:
+        """Map physical values to the scaled coordinate, -1 at `low` and 1 at `high`; any shape."""
+        value = np.asarray(value, dtype=np.float64)
+        if self.scale == "log":
+            return np.asarray(2 * np.log(value / self.low) / np.log(self.high / self.low) - 1)
+        return 2 * (value - self.low) / (self.high - self.low) - 1
+
+    def from_unit(self, unit: ArrayLike) -> NDArray[np.float64]:
+        """Map scaled coordinates to physical values; any shape. The ends are met exactly."""
+        unit = np.asarray(unit, dtype=np.float64)
+        share = (unit + 1) / 2
+        if self.scale == "log":
+            value = self.low * np.exp(share * np.log(self.high / self.low))
+        else:
+            value = self.low + share * (self.high - self.low)
+        return np.asarray(np.where(unit == -1, self.low, np.where(unit == 1, self.high, value)))
+
+    def unit_slope(self, value: ArrayLike) -> NDArray[np.float64]:
+        """Return d(scaled coordinate)/d(value) at physical values, any shape, in 1/`units`."""
+        value = np.asarray(value, dtype=np.float64)
+        if self.scale == "log":
+            return np.asarray(2 / (np.log(self.high / self.low) * value))
+        return np.full_like(value, 2 / (self.high - self.low))
+
+    def levels(self, count: int) -> NDArray[np.float64]:
+        """Return the `count` Chebyshev-Gauss levels of the range, ascending, shape (count,)."""
+        return self.from_unit(gauss_points(count))
+
+    def range_text(self) -> str:
+        """Return the range as text for messages, e.g. ``[0.005, 0.2] m``."""
+        return f"[{self.low:g}, {self.high:g}]" + (f" {self.units}" if self.units else "")
+
+
+def gauss_points(count: int) -> NDArray[np.float64]:
+    """Return the zeros of the Chebyshev polynomial T_count, ascending, shape (count,)."""
+    if count != int(count) or count < 1:
+        raise ValueError(f"a level count must be a whole number >= 1, got {count!r}")
+    # the sine of an odd function's argument makes the points exactly antisymmetric
+    return np.sin(np.pi * np.arange(1 - count, count, 2) / (2 * count))
+
+
+def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear") -> NDArray[np.float64]:
+    """Return the Chebyshev-Gauss levels of a range, ascending.
+
+    The levels are the zeros of T_count mapped from [-1, 1] to [low, high], linearly in the value or in its
+    logarithm (L. N. Trefethen, Approximation Theory and Approximation Practice, 2013, chapter 2: "of the first kind").
+
+    Parameters
+    ----------
+    low, high : float
+        Ends of the range; they are not levels themselves.
+    count : int
+        Number of levels, >= 1.
+    scale : {"linear", "log"}
+        Scale of the factor; "log" needs low > 0.
+
+    Returns
+    -------
+    ndarray, shape (count,)
+        Levels in the units of `low` and `high`.
+
+    Raises
+    ------
+    ValueError
+        A bad range, scale or count.
+    """
+    return Input("level", low, high, scale).levels(count)
+
+
+def unit_coordinates(inputs: Sequence[Input], X: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Map physical points to scaled coordinates: (n, d) -> (d, n), one contiguous row per input."""
+    return np.stack([one.to_unit(X[:, k]) for k, one in enumerate(inputs)]) if len(inputs) else np.empty((0, len(X)))

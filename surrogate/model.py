@@ -1,0 +1,220 @@
+"""The face that all surrogates share: named, labelled inputs and outputs over scikit-learn's estimator conventions."""
+
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping
+from os import PathLike
+from typing import Any, ClassVar, Literal, Self, overload
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.utils.validation import check_is_fitted
+
+from surrogate.inputs import Input, unit_coordinates
+from surrogate.points import Points, named_points, outside, require_inside
+
+Array = NDArray[np.float64]
+
+# Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
+BLOCK = 2048
+
+
+class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
+    """Base of the surrogates: several outputs over named inputs, with mean, standard deviation and gradient.
+
+    Subclasses fit on a data set and answer at scaled coordinates; this class checks, labels and scales.
+
+    Attributes
+    ----------
+    inputs_ : tuple of Input
+        Inputs of the fitted model.
+    outputs_ : tuple of str
+        Names of its outputs.
+    attrs_ : dict
+        `units` and `long_name` of every output.
+    """
+
+    engine: ClassVar[str]
+    inputs_: tuple[Input, ...]
+    outputs_: tuple[str, ...]
+    attrs_: dict[str, dict[str, str]]
+
+    @abstractmethod
+    def fit(self, X: xr.Dataset, y: None = None) -> Self:
+        """Fit to a data set that holds inputs and outputs; `y` is there for scikit-learn's convention only."""
+
+    @abstractmethod
+    def _mean_std(self, t: Array, return_std: bool) -> tuple[Array, Array | None]:
+        """Return mean and standard deviation, (p, B), at scaled coordinates t, (d, B)."""
+
+    @abstractmethod
+    def _slopes(self, t: Array) -> Array:
+        """Return the derivatives of the means with respect to the scaled coordinates, (d, p, B)."""
+
+    @abstractmethod
+    def state(self) -> xr.Dataset:
+        """Return what a file must hold beside inputs, outputs and probes."""
+
+    @classmethod
+    @abstractmethod
+    def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
+        """Return the model of a stored state; ValueError names what is inconsistent."""
+
+    @property
+    def box(self) -> Mapping[str, Input]:
+        """The trained box: name -> Input, in order."""
+        check_is_fitted(self, "inputs_")
+        return {one.name: one for one in self.inputs_}
+
+    def predict(
+        self, points: Mapping[str, Any] | xr.Dataset, return_std: bool = True, *, extrapolate: bool = False
+    ) -> xr.Dataset:
+        """Predict every output, with its standard deviation, at named points.
+
+        Parameters
+        ----------
+        points : mapping or Dataset
+            One entry per input, in physical units: a scalar, a 1-d array (dimension `point`), or a DataArray of any
+            dimensions; they broadcast by name.
+        return_std : bool
+            Add `<output>_std`.
+        extrapolate : bool
+            Answer outside the trained box too, and add the boolean variable `extrapolated`.
+
+        Returns
+        -------
+        Dataset
+            `<output>` and `<output>_std` over the broadcast dimensions, with the units of the training data.
+
+        Raises
+        ------
+        OutOfBoxError
+            A point outside the trained box, unless `extrapolate`.
+        ValueError
+            Missing or unknown inputs, NaN, lengths or coordinates that do not agree.
+        """
+        check_is_fitted(self, "inputs_")
+        named = named_points(points, self.inputs_)
+        outer = self._checked(named, extrapolate)
+        mean, std = self._blocks(named.X, return_std)
+        answer: dict[str, xr.DataArray] = {}
+        for k, name in enumerate(self.outputs_):
+            attrs = self.attrs_[name]
+            answer[name] = named.labelled(mean[k], attrs)
+            if std is not None:
+                long_name = f"standard deviation of {attrs.get('long_name', name)}"
+                answer[f"{name}_std"] = named.labelled(std[k], {**attrs, "long_name": long_name})
+        if outer is not None:
+            answer["extrapolated"] = named.labelled(outer, {"long_name": "outside the trained box"})
+        return xr.Dataset(answer)
+
+    @overload
+    def predict_array(
+        self, X: NDArray[np.floating[Any]], return_std: Literal[False] = False, *, extrapolate: bool = False
+    ) -> Array: ...
+
+    @overload
+    def predict_array(
+        self, X: NDArray[np.floating[Any]], return_std: Literal[True], *, extrapolate: bool = False
+    ) -> tuple[Array, Array]: ...
+
+    def predict_array(
+        self, X: NDArray[np.floating[Any]], return_std: bool = False, *, extrapolate: bool = False
+    ) -> Array | tuple[Array, Array]:
+        """Predict at plain points: X (n, d) in physical units -> (n, n_outputs), or a pair of them with `return_std`.
+
+        Raises OutOfBoxError for a point outside the box (or NaN) unless `extrapolate`, ValueError for a wrong shape.
+        """
+        points = np.asarray(X, dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] != len(self.inputs_):
+            raise ValueError(f"points must have shape (n, {len(self.inputs_)}), got {points.shape}")
+        if not extrapolate:
+            require_inside(points, self.inputs_)
+        mean, std = self._blocks(points, return_std)
+        return (mean.T, std.T) if std is not None else mean.T
+
+    def gradient(self, points: Mapping[str, Any] | xr.Dataset, *, extrapolate: bool = False) -> xr.Dataset:
+        """Return d output/d input at named points, analytically, in physical units.
+
+        Parameters and errors as for `predict`. Returns a Dataset with `<output>` over (`input`, the points'
+        dimensions); the coordinates `input` and `input_units` name the inputs and their units.
+        """
+        check_is_fitted(self, "inputs_")
+        named = named_points(points, self.inputs_)
+        outer = self._checked(named, extrapolate)
+        chain = np.stack([one.unit_slope(named.X[:, k]) for k, one in enumerate(self.inputs_)])
+        slopes = np.empty((len(self.inputs_), len(self.outputs_), len(named.X)))
+        for block in _slices(len(named.X)):
+            slopes[..., block] = self._slopes(unit_coordinates(self.inputs_, named.X[block]))
+        slopes *= chain[:, None, :]
+        coords = {
+            "input": [one.name for one in self.inputs_],
+            "input_units": ("input", [i.units for i in self.inputs_]),
+        }
+        answer = {}
+        for k, name in enumerate(self.outputs_):
+            attrs = self.attrs_[name]
+            derivative = {"long_name": f"derivative of {attrs.get('long_name', name)} with respect to the input"}
+            derivative |= {"units": f"({attrs['units']}) / input_units"} if "units" in attrs else {}
+            each = [named.labelled(slopes[i, k], derivative) for i in range(len(self.inputs_))]
+            answer[name] = xr.concat(each, "input", coords="minimal", compat="override").assign_coords(coords)
+        if outer is not None:
+            answer["extrapolated"] = named.labelled(outer, {"long_name": "outside the trained box"})
+        return xr.Dataset(answer)
+
+    def score(self, X: xr.Dataset, y: xr.Dataset | None = None) -> float:
+        """Return the coefficient of determination R2 averaged over the outputs.
+
+        Parameters
+        ----------
+        X : Dataset
+            Cases with inputs and outputs: the kind of data set that `fit` takes, or scattered cases.
+        y : Dataset, optional
+            The outputs, when X holds the inputs only.
+        """
+        points, truth = self.cases(X if y is None else X.merge(y, join="exact"))
+        mean = self.predict(points, return_std=False)
+        scores = []
+        for name in self.outputs_:
+            true, predicted = xr.broadcast(truth[name], mean[name])
+            spread = float(((true - true.mean()) ** 2).sum())
+            error = float(((true - predicted) ** 2).sum())
+            scores.append(1 - error / spread if spread else float(error == 0))
+        return float(np.mean(scores))
+
+    def cases(self, dataset: xr.Dataset) -> tuple[dict[str, xr.DataArray], xr.Dataset]:
+        """Take a data set of cases, factorial or scattered, apart into points and true outputs.
+
+        Raises ValueError for an input or output that it lacks.
+        """
+        check_is_fitted(self, "inputs_")
+        for name in [one.name for one in self.inputs_] + list(self.outputs_):
+            if name not in dataset.variables:
+                raise ValueError(f"{name!r} is not in the data set; it has {', '.join(map(str, dataset.variables))}")
+        return {one.name: dataset[one.name] for one in self.inputs_}, dataset[list(self.outputs_)]
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the model to a netCDF-4 file, whole or not at all; the same model gives the same bytes."""
+        from surrogate.persistence import save
+
+        save(self, path)
+
+    def _checked(self, named: Points, extrapolate: bool) -> NDArray[np.bool_] | None:
+        if not extrapolate:
+            require_inside(named.X, self.inputs_)
+            return None
+        return np.asarray(outside(named.X, self.inputs_).any(axis=1))
+
+    def _blocks(self, X: Array, return_std: bool) -> tuple[Array, Array | None]:
+        mean = np.empty((len(self.outputs_), len(X)))
+        std = np.empty_like(mean) if return_std else None
+        for block in _slices(len(X)):
+            mean[:, block], part = self._mean_std(unit_coordinates(self.inputs_, X[block]), return_std)
+            if std is not None and part is not None:
+                std[:, block] = part
+        return mean, std
+
+
+def _slices(count: int) -> Iterator[slice]:
+    return (slice(start, start + BLOCK) for start in range(0, count, BLOCK))

@@ -1,0 +1,183 @@
+"""Robust constrained optimisation on a box: the best worst case over scenarios, under limits in every scenario."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import NonlinearConstraint, minimize
+from scipy.stats import qmc
+
+Array = NDArray[np.float64]
+
+_FEASIBLE = 1e-9  # largest excess, in units of the limits, that counts as none: SLSQP's own accuracy
+_TIE = 1e-9  # share of the objective's range over the box that counts as none
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Maximise ``min_s f(x, s)`` subject to ``max_s g_k(x, s) <= 0`` over ``-1 <= x <= 1``.
+
+    Parameters
+    ----------
+    dimension
+        Number d of design variables.
+    value
+        Maps points (n, d) to values (n, s, 1 + k): over s scenarios the objective f, then the excesses g of the k
+        limits, scaled so that one unit matters.
+    slope
+        Maps one point (d,) to the derivatives of these values by x, (s, 1 + k, d).
+    """
+
+    dimension: int
+    value: Callable[[Array], Array]
+    slope: Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """What was found.
+
+    Attributes
+    ----------
+    x
+        The best point (d,); where nothing is feasible, the point of the least largest excess.
+    objective
+        ``min_s f`` there.
+    excess
+        ``max_s g_k`` there; (k,).
+    feasible
+        Whether every excess is zero or less.
+    scenarios
+        Which scenario is the worst for the objective and for each limit; (1 + k,).
+    """
+
+    x: Array
+    objective: float
+    excess: Array
+    feasible: bool
+    scenarios: NDArray[np.intp]
+
+
+def maximise(problem: Problem, *, scan: int = 4096, starts: int = 6, seed: int = 0) -> Optimum:
+    """Sobol scan, then sequential quadratic programming from the best starts, in epigraph form.
+
+    The worst case makes objective and limits kink; the epigraph form (one constraint a scenario) is smooth. Where the
+    objective leaves a choice, as when a variable does not move it, the point of the largest margins is taken.
+
+    Parameters
+    ----------
+    problem
+        What to maximise.
+    scan
+        Number of scanned points, a power of two.
+    starts
+        Number of local searches.
+    seed
+        Seed of the scan.
+    """
+    X = 2 * qmc.Sobol(problem.dimension, rng=seed).random(scan) - 1
+    values = problem.value(X)
+    worst, largest = values[..., 0].min(1), values[..., 1:].max((1, 2), initial=-np.inf)
+    order = np.lexsort((-worst, np.maximum(largest, 0.0)))
+    local = _Local(problem, float(np.ptp(worst)) or 1.0)
+    candidates = [X[order[0]]]
+    for start in _apart(X[order], starts):
+        feasible = local.relax(start)
+        candidates += [feasible, local.climb(feasible)]
+    best = _best(problem, candidates)
+    if best.feasible and best.excess.size:
+        best = _best(problem, [best.x, local.settle(best)], tie=_TIE * local.scale)
+    return best
+
+
+def _best(problem: Problem, candidates: list[Array], tie: float = 0.0) -> Optimum:
+    """Least violation first, then the objective; a later candidate that ties in both is preferred."""
+    best = _judge(problem, candidates[0])
+    for x in candidates[1:]:
+        other = _judge(problem, x)
+        gain = _violation(best) - _violation(other)
+        if gain > 0 or (gain == 0 and other.objective >= best.objective - tie):
+            best = other
+    return best
+
+
+def _violation(optimum: Optimum) -> float:
+    return 0.0 if optimum.feasible else float(optimum.excess.max())
+
+
+def _judge(problem: Problem, x: Array) -> Optimum:
+    values = problem.value(x[None])[0]
+    excess = values[:, 1:].max(0)
+    scenarios = np.concatenate([values[:, :1].argmin(0), values[:, 1:].argmax(0)])
+    feasible = bool(np.all(excess <= _FEASIBLE))
+    return Optimum(x, float(values[:, 0].min()), excess, feasible, scenarios)
+
+
+def _apart(ranked: Array, count: int) -> Array:
+    """The best points that keep some distance from each other."""
+    chosen = [ranked[0]]
+    for x in ranked[1:]:
+        if len(chosen) == count:
+            break
+        if min(np.linalg.norm(x - other) for other in chosen) > 0.2:
+            chosen.append(x)
+    return np.array(chosen)
+
+
+@dataclass(frozen=True)
+class _Local:
+    """Local searches: variables z = (x, level), where level bounds the objective below or every excess above."""
+
+    problem: Problem
+    scale: float
+
+    def relax(self, start: Array) -> Array:
+        """The least largest excess near an infeasible start; a feasible start itself."""
+        excess = self.problem.value(start[None])[0, :, 1:].max(initial=-np.inf)
+        return start if excess <= 0 else self._search(start, float(excess), rise=False, floor=None)
+
+    def climb(self, start: Array) -> Array:
+        """The best worst case under the limits."""
+        level = float(self.problem.value(start[None])[0, :, 0].min()) / self.scale
+        return self._search(start, level, rise=True, floor=None)
+
+    def settle(self, best: Optimum) -> Array:
+        """The largest margins that the best objective leaves."""
+        return self._search(best.x, float(best.excess.max()), rise=False, floor=best.objective / self.scale - _TIE)
+
+    def _search(self, x: Array, level: float, *, rise: bool, floor: float | None) -> Array:
+        d = self.problem.dimension
+        direction = np.zeros(d + 1)
+        direction[d] = -1.0 if rise else 1.0
+
+        def height(z: Array) -> float:
+            return float(direction @ z)
+
+        def height_slope(_: Array) -> Array:
+            return direction
+
+        def margins(z: Array) -> Array:
+            values = self.problem.value(z[None, :d])[0]
+            objective, excess = values[:, 0] / self.scale, values[:, 1:].ravel()
+            above = [objective - z[d]] if rise else [] if floor is None else [objective - floor]
+            return np.concatenate([*above, -excess if rise else z[d] - excess])
+
+        def margins_slope(z: Array) -> Array:
+            slope = self.problem.slope(z[:d])
+            above = [slope[:, 0] / self.scale] if rise or floor is not None else []
+            limits = -slope[:, 1:].reshape(-1, d)
+            level_slope = [np.full(len(slope), -1.0 if rise else 0.0)] if above else []
+            level_slope += [np.full(len(limits), 0.0 if rise else 1.0)]
+            return np.column_stack([np.vstack([*above, limits]), np.concatenate(level_slope)])
+
+        found = minimize(
+            height,
+            np.append(x, level),
+            jac=height_slope,
+            method="SLSQP",
+            bounds=[(-1.0, 1.0)] * d + [(None, None)],
+            constraints=NonlinearConstraint(margins, 0.0, np.inf, jac=margins_slope),
+            options={"maxiter": 200, "ftol": 1e-14},
+        )
+        return np.asarray(np.clip(found.x[:d], -1.0, 1.0))

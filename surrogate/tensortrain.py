@@ -1,0 +1,94 @@
+"""Tensor trains: a coefficient tensor compressed to a stated tolerance, evaluated factor by factor.
+
+I. V. Oseledets, Tensor-train decomposition, SIAM J. Sci. Comput. 33 (2011) 2295, algorithm 1. The output index is the
+last mode, so that one pass gives every output.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TensorTrain:
+    """A tensor over d factors and p outputs as d cores.
+
+    Attributes
+    ----------
+    cores : tuple of ndarray
+        Core k has shape (r_k, modes_k, r_{k+1}), with r_0 = 1 and r_d = p.
+    """
+
+    cores: tuple[Array, ...]
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Number of modes of every factor."""
+        return tuple(core.shape[1] for core in self.cores)
+
+    def check(self, sizes: Sequence[int], outputs: int) -> None:
+        """Raise ValueError unless the cores chain up, have at most sizes[k] modes each, and give `outputs` outputs."""
+        rank = 1
+        for k, (core, size) in enumerate(zip(self.cores, sizes, strict=True)):
+            if core.ndim != 3 or core.shape[0] != rank or not 1 <= core.shape[1] <= size:
+                raise ValueError(f"core {k} has the shape {core.shape} after rank {rank}, with {size} levels")
+            rank = core.shape[2]
+        if rank != outputs:
+            raise ValueError(f"the last core gives {rank} outputs, not {outputs}")
+
+    def evaluate(self, features: Sequence[Array]) -> Array:
+        """Contract with features, one (modes_k, B) array a factor; returns (p, B)."""
+        state = None
+        for core, feature in zip(self.cores, features, strict=True):
+            state = _absorb(state, core, feature)
+        return np.asarray(state)
+
+    def gradient(self, features: Sequence[Array], slopes: Sequence[Array]) -> Array:
+        """Contract with the features of all factors but one, and the slopes of that one; returns (d, p, B)."""
+        states: list[Array | None] = [None]
+        for core, feature in zip(self.cores, features, strict=True):
+            states.append(_absorb(states[-1], core, feature))
+        parts = []
+        for k, slope in enumerate(slopes):
+            state = _absorb(states[k], self.cores[k], slope)
+            for core, feature in zip(self.cores[k + 1 :], features[k + 1 :], strict=True):
+                state = _absorb(state, core, feature)
+            parts.append(state)
+        return np.stack(parts)
+
+    def scaled(self, weights: Sequence[Array]) -> "TensorTrain":
+        """Return the train with the modes of factor k multiplied by weights[k], shape (modes_k,)."""
+        return TensorTrain(tuple(core * w[:, None] for core, w in zip(self.cores, weights, strict=True)))
+
+
+def compress(tensor: Array, error: float) -> TensorTrain:
+    """Compress a tensor of shape (modes_1, ..., modes_d, p) with a Frobenius-norm error of at most `error`.
+
+    An error of 0 keeps every direction that is not exactly zero.
+    """
+    *modes, outputs = tensor.shape
+    allowed = error**2 / max(len(modes) - 1, 1)
+    cores, rest, rank = [], tensor, 1
+    for size in modes[:-1]:
+        rest = rest.reshape(rank * size, -1)
+        # the left singular vectors need only the triangle of the short side
+        short = np.asarray(np.linalg.qr(rest.T, mode="r")).T if rest.shape[1] > rest.shape[0] else rest
+        left, values, _ = np.linalg.svd(short, full_matrices=False)
+        dropped = np.cumsum(values[::-1] ** 2)[::-1]
+        kept = max(1, int(np.count_nonzero(dropped > allowed)))
+        left = left[:, :kept]
+        cores.append(np.ascontiguousarray(left).reshape(rank, size, kept))
+        rest, rank = left.T @ rest, kept
+    cores.append(np.ascontiguousarray(rest).reshape(rank, modes[-1], outputs))
+    return TensorTrain(tuple(cores))
+
+
+def _absorb(state: Array | None, core: Array, feature: Array) -> Array:
+    """Contract a (r, B) state, none at first, and a (modes, B) feature with a (r, modes, s) core: (s, B)."""
+    r, modes, s = core.shape
+    product = feature if state is None else (state[:, None, :] * feature).reshape(r * modes, -1)
+    return np.asarray(core.reshape(r * modes, s).T @ product)

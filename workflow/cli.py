@@ -1,0 +1,198 @@
+"""The command ``meecontact``: solve cases, query a surrogate, check a material, check and run a study."""
+
+import argparse
+import csv
+import io
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+import xarray as xr
+
+from solver import FactorError, Material, MaterialError, find, solve
+from solver.halfplane import HalfPlane
+from solver.material import UNITS
+from surrogate import FormatError, OutOfBoxError, load
+from surrogate.netcdf import write_whole
+from workflow import study as studies
+from workflow.files import write_text
+from workflow.inputs import InputError, read_cases, read_material
+from workflow.targets import nearest
+
+
+class _Parser(argparse.ArgumentParser):
+    """Complains in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message}\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments
+        Words after the program's name; by default the process's own.
+
+    Returns
+    -------
+    int
+        0; 2 on bad input, with one line on standard error and nothing written.
+    """
+    options = _parser().parse_args(arguments)
+    try:
+        return int(options.run(options) or 0)
+    except (InputError, FactorError, MaterialError, OutOfBoxError, FormatError) as error:
+        print(f"meecontact: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"meecontact: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
+        return 2
+
+
+def _parser() -> _Parser:
+    parser = _Parser(prog="meecontact", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    command = commands.add_parser("solve", help="exact quantities (and surface fields) of a table of cases")
+    command.add_argument("cases", type=Path, metavar="CASES.csv", help="one row a case, columns are factors")
+    command.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.nc")
+    command.add_argument("--positions", metavar="X1,X2,...", help="surface positions X = (x - c)/h, any but -1 and 1")
+    command.add_argument(
+        "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"
+    )
+    command.set_defaults(run=_solve)
+
+    command = commands.add_parser("query", help="mean and standard deviation from a trained surrogate")
+    command.add_argument("surrogate", type=Path, metavar="surrogate.nc")
+    command.add_argument(
+        "table", type=Path, nargs="?", metavar="AT.csv", help="one row a point, columns are the inputs"
+    )
+    command.add_argument("--at", metavar="NAME=VALUE,...", help="one point, printed")
+    command.add_argument("-o", "--output", type=Path, metavar="OUT.csv")
+    command.add_argument("--extrapolate", action="store_true", help="answer outside the trained box too, flagged")
+    command.set_defaults(run=_query)
+
+    command = commands.add_parser("material", help="check a material; print roots, compliance and admissibility")
+    command.add_argument("material", metavar="FILE.yaml", help="a material's file, or the name of a built-in one")
+    command.set_defaults(run=_material)
+
+    command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
+    command.add_argument("study", help="name of a study in config/")
+    command.add_argument("--cores", default="all")
+    command.set_defaults(run=_run)
+    return parser
+
+
+def _solve(options: argparse.Namespace) -> None:
+    columns = read_cases(options.cases)
+    own = dict(read_material(path) for path in options.materials)
+    positions = None if options.positions is None else _numbers("--positions", options.positions)
+    factors = xr.Dataset({name: ("case", np.asarray(values)) for name, values in columns.items()})
+    try:
+        out = solve(factors, positions, materials=own)
+    except (FactorError, MaterialError) as error:
+        raise InputError(f"{options.cases}: {error}") from None
+    write_whole(out, options.output)
+
+
+def _query(options: argparse.Namespace) -> None:
+    model = load(options.surrogate)
+    if (options.table is None) == (options.at is None):
+        raise InputError("query: give either a table AT.csv or --at NAME=VALUE,...")
+    if options.table is not None and options.output is None:
+        raise InputError("query: a table needs -o OUT.csv")
+    if options.at is not None:
+        where = "--at"
+        points: dict[str, list[float | str]] = {name: [value] for name, value in _pairs(options.at).items()}
+    else:
+        where, points = str(options.table), read_cases(options.table)
+    for name in points:
+        if name not in model.box:
+            raise InputError(f"{where}: {name}: not an input of the surrogate; {nearest(name, list(model.box))}")
+    for name in model.box:
+        if name not in points:
+            raise InputError(f"{where}: {name}: missing; the surrogate needs {', '.join(model.box)}")
+    named = {name: xr.DataArray(np.asarray(values, dtype=np.float64), dims="point") for name, values in points.items()}
+    try:
+        answer = model.predict(named, extrapolate=options.extrapolate)
+    except ValueError as error:
+        raise InputError(f"{where}: {error}") from None
+    if options.at is not None and options.output is None:
+        _print_answer(answer, list(model.outputs_))
+    else:
+        _write_answer(options.output, points, answer)
+
+
+def _print_answer(answer: xr.Dataset, outputs: list[str]) -> None:
+    if "extrapolated" in answer and bool(answer["extrapolated"].values[0]):
+        print("extrapolated: the point lies outside the trained box; its intervals are not to be trusted")
+    for name in outputs:
+        mean, std = (float(answer[key].values[0]) for key in (name, f"{name}_std"))
+        print(f"{name:34s} {mean: .10g}  +- {std:.2g}  {answer[name].attrs.get('units', '')}")
+
+
+def _write_answer(path: Path, points: dict[str, list[Any]], answer: xr.Dataset) -> None:
+    columns = {**points, **{str(name): answer[name].values for name in answer.data_vars}}
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(
+        [repr(float(v)) if not isinstance(v, np.bool_) else int(v) for v in row]
+        for row in zip(*columns.values(), strict=True)
+    )
+    write_text(path, text.getvalue())
+
+
+def _material(options: argparse.Namespace) -> None:
+    path = Path(options.material)
+    material = read_material(path)[1] if path.suffix in (".yaml", ".yml") or path.exists() else find(options.material)
+    print(_described(material))
+
+
+def _described(material: Material) -> str:
+    half = HalfPlane(material)
+    lines = [f"{material.name}: admissible"]
+    lines += [f"{label}: {text}" for label, text in (("source", material.source), ("note", material.note)) if text]
+    lines.append("constants")
+    lines += [f"  {name:6s} {float(getattr(material, name)):< 14.6g} {unit}" for name, unit in UNITS.items()]
+    lines.append("Stroh roots")
+    lines += [f"  {p.real:+.6f} {p.imag:+.6f}i" for p in half.roots]
+    lines.append("compliance N of (u_y, phi, psi) to (sigma_yy, D_y, B_y), SI")
+    lines += ["  " + "  ".join(f"{value: .6e}" for value in row) for row in half.compliance]
+    lines.append("friction coupling k of (u_y, phi, psi), SI")
+    lines.append("  " + "  ".join(f"{value: .6e}" for value in half.friction_coupling))
+    return "\n".join(lines)
+
+
+def _run(options: argparse.Namespace) -> None:
+    studies.named(options.study)
+    report = f"results/{options.study}/report.html"
+    command = ["snakemake", "--cores", options.cores, "--quiet", "rules", "host", "reason", "--", report]
+    os.execv(Path(sys.executable).with_name("snakemake"), command)
+
+
+def _numbers(where: str, text: str) -> list[float]:
+    values = []
+    for part in text.split(","):
+        try:
+            values.append(float(part))
+        except ValueError:
+            raise InputError(f"{where}: {part.strip()!r} is not a number") from None
+    return values
+
+
+def _pairs(text: str) -> dict[str, float]:
+    pairs: dict[str, float] = {}
+    for part in text.split(","):
+        name, equals, value = part.partition("=")
+        if not equals:
+            raise InputError(f"--at: {part.strip()!r} is not of the form NAME=VALUE")
+        if name.strip() in pairs:
+            raise InputError(f"--at: {name.strip()}: given twice")
+        pairs[name.strip()] = _numbers(f"--at: {name.strip()}", value)[0]
+    return pairs

@@ -1,0 +1,185 @@
+"""Figures of the report, one function each; SVG without date, so that equal data give equal bytes."""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+
+mpl.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from solver.names import FACTORS
+
+_STYLE: dict[Any, Any] = {
+    "figure.constrained_layout.use": True,
+    "font.size": 9,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlesize": 9.5,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+    "svg.hashsalt": "meecontact",
+}
+_BLUE, _ORANGE, _GREY = "#2166ac", "#d95f02", "#8a8a8a"
+
+#: Fields that the parametric study shows, in the paper's order, and how each is scaled and named on its axis.
+SHOWN = {
+    "contact_pressure": (1e-6, "contact pressure [MPa]"),
+    "electric_displacement_y": (1e3, "$D_y$ [mC/m²]"),
+    "magnetic_induction_y": (1e3, "$B_y$ [mT]"),
+    "stress_xx": (1e-6, "surface $\\sigma_{xx}$ [MPa]"),
+    "electric_displacement_x": (1e3, "$D_x$ [mC/m²]"),
+    "magnetic_induction_x": (1e3, "$B_x$ [mT]"),
+}
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure as SVG, whole or not at all."""
+    temporary = path.with_name(f".{path.name}")
+    figure.savefig(temporary, format="svg", metadata={"Date": None, "Creator": "meecontact"})
+    plt.close(figure)
+    temporary.replace(path)
+
+
+@mpl.rc_context(_STYLE)
+def fields(slab: xr.Dataset) -> Figure:
+    """Surface fields of a few cases of a slab: its first axis at both ends and in the middle, the others in theirs."""
+    factors = [str(dim) for dim in slab["contact_pressure"].dims if dim != "position"]
+    middle = slab.isel({name: slab.sizes[name] // 2 for name in factors[1:]})
+    varied = factors[1] if len(factors) > 1 else factors[0]
+    chosen = slab.isel({name: slab.sizes[name] // 2 for name in factors if name != varied})
+    held = ", ".join(f"{name} {float(middle[name].values.flat[0]):.3g}" for name in factors if name != varied)
+    figure = _field_panels(chosen, varied)
+    figure.suptitle(f"one case a curve: {held}", fontsize=9)
+    return figure
+
+
+@mpl.rc_context(_STYLE)
+def effect(data: xr.Dataset) -> Figure:
+    """Effect of one factor on the six surface fields of the paper's parametric study."""
+    varied = next(str(dim) for dim in data["contact_pressure"].dims if dim != "position")
+    return _field_panels(data, varied)
+
+
+def _field_panels(data: xr.Dataset, varied: str) -> Figure:
+    values = data[varied].values
+    numeric = np.issubdtype(values.dtype, np.number)
+    colours = (
+        plt.get_cmap("viridis")(np.linspace(0.0, 0.88, len(values)))
+        if numeric
+        else plt.get_cmap("tab10")(np.arange(len(values)) % 10)
+    )
+    figure, axes = plt.subplots(2, 3, figsize=(10.5, 5.6))
+    X = data["position"].values
+    for ax, (name, (scale, label)) in zip(axes.flat, SHOWN.items(), strict=True):
+        curves = data[name].transpose(varied, "position").values * scale
+        inside_only = name in ("contact_pressure", "electric_displacement_y", "magnetic_induction_y")
+        shown = np.abs(X) < 1 if inside_only else np.abs(X) < np.inf
+        for curve, value, colour in zip(curves, values, colours, strict=False):
+            text = f"{value:g}" if numeric else str(value)
+            for part in (X < -1, np.abs(X) < 1, X > 1):  # no line across an edge
+                use = part & shown
+                if use.any():
+                    ax.plot(X[use], curve[use], color=colour, lw=1.4, label=text if part[X.size // 2] else None)
+        ax.set_ylabel(label)
+        _bounded(ax, curves[:, shown])
+        for edge in (-1, 1):
+            ax.axvline(edge, color=_GREY, lw=0.7, ls=":")
+        if not inside_only:
+            ax.set_xlim(-3, 3)
+    for ax in axes[1]:
+        ax.set_xlabel("X = (x - c)/h   (trailing edge at X = 1)")
+    unit = FACTORS[varied].units if varied in FACTORS else ""
+    title = f"{varied.replace('_', ' ')}" + (f" [{unit}]" if unit not in ("", "1") else "")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside right upper", title=title)
+    return figure
+
+
+def _bounded(ax: Axes, curves: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> None:
+    """Cut the square-root singularities at the edges, which have no peak."""
+    low, high = np.percentile(curves, [3, 97])
+    low, high = min(low, 0.0), max(high, 0.0)
+    pad = 0.12 * (high - low) or 1.0
+    ax.set_ylim(max(low - pad, float(curves.min()) - pad / 2), min(high + pad, float(curves.max()) + pad / 2))
+
+
+@mpl.rc_context(_STYLE)
+def parity(validation: xr.Dataset) -> Figure:
+    """Predicted against exact for every output, on cases that the surrogate never saw."""
+    names = [str(name) for name in validation["output"].values]
+    columns = 6
+    rows = -(-len(names) // columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(11, 1.95 * rows), squeeze=False)
+    for ax, name in zip(axes.flat, names, strict=False):
+        one = validation.sel(output=name)
+        exact, predicted = one["exact"].values, one["predicted"].values
+        some = slice(None, None, max(1, exact.size // 400))
+        ends = [float(exact.min()), float(exact.max())]
+        ax.plot(ends, ends, color=_GREY, lw=0.8)
+        ax.plot(exact[some], predicted[some], ".", ms=2.5, color=_BLUE, rasterized=False)
+        ax.set_title(
+            name.replace("_", " ").replace("electric edge", "el. edge").replace("magnetic", "magn."), fontsize=7.5
+        )
+        ax.tick_params(labelsize=6.5)
+        ax.text(0.04, 0.88, f"{float(one['max_error']):.1e}", transform=ax.transAxes, fontsize=7)
+        ax.ticklabel_format(scilimits=(-2, 3), useMathText=True)
+        for offset in (ax.xaxis.get_offset_text(), ax.yaxis.get_offset_text()):
+            offset.set_fontsize(6)
+    for ax in list(axes.flat)[len(names) :]:
+        ax.set_visible(False)
+    figure.supxlabel("exact (SI units)", fontsize=9)
+    figure.supylabel("predicted", fontsize=9)
+    return figure
+
+
+@mpl.rc_context(_STYLE)
+def errors(validation: xr.Dataset) -> Figure:
+    """Largest error over range of every output, the baseline beside it, against the tolerance."""
+    names = [str(name) for name in validation["output"].values]
+    y = np.arange(len(names))
+    figure, ax = plt.subplots(figsize=(9, 0.27 * len(names) + 1.1))
+    floor = 1e-17
+    ax.plot(np.maximum(validation["max_error"], floor), y, "o", color=_BLUE, label="Gaussian process, max")
+    ax.plot(np.maximum(validation["rmse"], floor), y, "o", mfc="none", color=_BLUE, label="its RMS error")
+    ax.plot(
+        np.maximum(validation["baseline_max_error"], floor), y, "x", color=_ORANGE,
+        label="tensor Chebyshev interpolation, max",
+    )  # fmt: skip
+    ax.axvline(validation.attrs["tolerance"], color=_GREY, ls="--", lw=1, label="tolerance of the study")
+    ax.set_xscale("log")
+    ax.set_yticks(y, [name.replace("_", " ") for name in names])
+    ax.invert_yaxis()
+    ax.set_xlabel("error over range, on exact cases never trained on")
+    ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
+    return figure
+
+
+@mpl.rc_context(_STYLE)
+def design_map(answer: xr.Dataset) -> Figure:
+    """Worst-case objective over two design variables, the infeasible region hatched, the exact optimum marked."""
+    x, y = answer["map_x"], answer["map_y"]
+    names = [str(axis.attrs["factor"]) for axis in (x, y)]
+    figure, ax = plt.subplots(figsize=(7.2, 4.6))
+    objective, excess = answer["map_objective"].values.T, answer["map_excess"].values.T
+    filled = ax.contourf(x, y, objective, 24, cmap="viridis")
+    ax.contourf(x, y, excess, [0.0, max(float(excess.max()), 1e-9)], colors="none", hatches=["////"])
+    ax.contour(x, y, excess, [0.0], colors="white", linewidths=1.6)
+    best = [float(answer["value"].sel(factor=name)) for name in names]
+    ax.plot(*best, "*", ms=15, mfc=_ORANGE, mec="white")
+    for name, axis, setter in zip(names, (x, y), (ax.set_xscale, ax.set_yscale), strict=True):
+        if axis.values[0] > 0 and not np.allclose(np.diff(axis.values), np.diff(axis.values)[0]):
+            setter("log")
+        label = FACTORS[name].long_name + (f" [{FACTORS[name].units}]" if FACTORS[name].units != "1" else "")
+        (ax.set_xlabel if axis is x else ax.set_ylabel)(label)
+    maximised = answer.attrs["maximise"]
+    unit = str(answer["units"].sel(term="objective").values)
+    figure.colorbar(filled, ax=ax, label=f"worst-case {maximised} [{unit}]", format="%.3g")
+    ax.grid(visible=False)
+    return figure

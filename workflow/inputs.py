@@ -1,0 +1,138 @@
+"""Files that people write: YAML (safe, with YAML 1.2 numbers, no key twice) and tables of cases."""
+
+import csv
+import re
+from collections.abc import Hashable
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from solver import Material, MaterialError
+from solver.names import CHOICES, FACTORS, FIXED
+from workflow.targets import nearest
+
+_LARGEST = 1 << 20  # bytes; a study or a material is a few kB
+_LARGEST_TABLE = 1 << 28
+
+#: Factors whose values are names.
+TEXT_FACTORS = ("material", *CHOICES, *(name for name, value in FIXED.items() if isinstance(value, str)))
+_COLUMNS = (*TEXT_FACTORS, *FACTORS, *(name for name, value in FIXED.items() if not isinstance(value, str)))
+
+
+class InputError(ValueError):
+    """Bad input, in one line that names file, key, value and what is allowed."""
+
+
+class _Loader(yaml.SafeLoader):
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        seen: set[Any] = set()
+        for key_node, _ in node.value:
+            key = self.construct_object(key_node, deep=True)
+            if not isinstance(key, Hashable) or key in seen:
+                raise yaml.constructor.ConstructorError(None, None, f"key {key!r} is given twice", key_node.start_mark)
+            seen.add(key)
+        return super().construct_mapping(node, deep)
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        if self.check_event(yaml.AliasEvent):  # nested aliases grow without bound
+            raise yaml.composer.ComposerError(None, None, "aliases are not allowed", None)
+        return super().compose_node(parent, index)
+
+
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float",
+    re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?$|^[-+]?\.(?:inf|Inf|INF)$|^\.(?:nan|NaN|NAN)$"),
+    list("-+.0123456789"),
+)
+
+
+def read_yaml(path: Path) -> dict[str, Any]:
+    """The mapping in a YAML file.
+
+    Raises
+    ------
+    InputError
+        Missing, unreadable, oversized or malformed file, or not a mapping.
+    """
+    try:
+        with path.open("rb") as file:
+            raw = file.read(_LARGEST + 1)
+        if len(raw) > _LARGEST:
+            raise InputError(f"{path}: larger than {_LARGEST} bytes")
+        content = _Loader(raw.decode("utf-8")).get_single_data()
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a UTF-8 text") from None
+    except RecursionError:
+        raise InputError(f"{path}: nested too deeply") from None
+    except (yaml.YAMLError, ValueError) as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f" line {mark.line + 1}:" if mark else ""
+        reason = getattr(error, "problem", None) or str(error).splitlines()[0]
+        raise InputError(f"{path}:{where} not valid YAML: {reason}") from None
+    if not isinstance(content, dict) or not all(isinstance(key, str) for key in content):
+        raise InputError(f"{path}: not a mapping of names to values")
+    return content
+
+
+def read_material(path: Path) -> tuple[str, Material]:
+    """Name and constants of a user's material file.
+
+    Raises
+    ------
+    InputError
+        One line that names file, constant, value and what is allowed.
+    """
+    content = read_yaml(path)
+    try:
+        material = Material.from_mapping({"name": path.stem, **content})
+    except MaterialError as error:
+        raise InputError(f"{path}: {error}") from None
+    return material.name, material
+
+
+def read_cases(path: Path) -> dict[str, list[float | str]]:
+    """Columns of a table of cases (CSV with a header of factor names), one row a case.
+
+    Raises
+    ------
+    InputError
+        Missing or oversized file, no header, an unknown or repeated column, a ragged row or a cell that is no number;
+        names file, line, column and value.
+    """
+    try:
+        if path.stat().st_size > _LARGEST_TABLE:
+            raise InputError(f"{path}: larger than {_LARGEST_TABLE} bytes")
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = [row for row in csv.reader(file, strict=True) if row]
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: not a CSV table in UTF-8: {error}") from None
+    if len(rows) < 2:
+        raise InputError(f"{path}: needs a header of factor names and at least one case")
+    header = [name.strip() for name in rows[0]]
+    for name in header:
+        if name not in _COLUMNS:
+            raise InputError(f"{path}: column {name!r}: unknown factor; {nearest(name, list(_COLUMNS))}")
+        if header.count(name) > 1:
+            raise InputError(f"{path}: column {name!r}: given twice")
+    columns: dict[str, list[float | str]] = {name: [] for name in header}
+    for line, row in enumerate(rows[1:], 2):
+        if len(row) != len(header):
+            raise InputError(f"{path}: case {line - 1}: {len(row)} cells, the header has {len(header)}")
+        for name, cell in zip(header, row, strict=True):
+            columns[name].append(_cell(f"{path}: case {line - 1}: {name}", name, cell.strip()))
+    return columns
+
+
+def _cell(where: str, name: str, text: str) -> float | str:
+    if name in TEXT_FACTORS:
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        allowed = FACTORS[name].allowed if name in FACTORS else "a number"
+        raise InputError(f"{where}: {text!r} is not {allowed}") from None

@@ -1,0 +1,52 @@
+"""What is wrong with a study, in the words of one line."""
+
+from collections.abc import Mapping
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from workflow.targets import nearest
+
+
+def first_problem(error: ValidationError, model: type[BaseModel], content: Mapping[str, Any]) -> str:
+    """The first finding of pydantic as ``key: value: what is allowed``."""
+    findings = error.errors()
+    # an unknown key is named before what is missing for it
+    found = next((one for one in findings if one["type"] == "extra_forbidden"), findings[0])
+    place = _written(found["loc"], content)
+    where = ".".join(place)
+    message = found["msg"].removeprefix("Value error, ")
+    if found["type"] == "extra_forbidden":
+        return f"{where}: unknown key; {nearest(place[-1], _keys_at(model, found['loc'][:-1]))}"
+    if found["type"] == "missing":
+        return f"{'.'.join([*place, str(found['loc'][-1])])}: missing"
+    if found["type"] == "value_error":
+        return f"{where}: {message}" if where else message
+    return f"{where}: {found['input']!r}: {message[0].lower()}{message[1:]}"
+
+
+def _written(loc: tuple[int | str, ...], content: Any) -> list[str]:
+    """The part of a location that stands in the file: pydantic adds the branches of its unions."""
+    place: list[str] = []
+    for part in loc:
+        try:
+            content = content[part]
+        except (LookupError, TypeError):
+            continue
+        place.append(str(part))
+    return place
+
+
+def _keys_at(model: type[BaseModel], loc: tuple[int | str, ...]) -> list[str]:
+    """Names of the fields that a model allows at a location."""
+    node: Any = model
+    for part in loc:
+        node = node.model_fields[str(part)].annotation if _is_model(node) else get_args(node)[-1]
+        while get_origin(node) in (Annotated, Union, UnionType):
+            node = get_args(node)[0]
+    return list(node.model_fields) if _is_model(node) else []
+
+
+def _is_model(node: object) -> bool:
+    return isinstance(node, type) and issubclass(node, BaseModel)

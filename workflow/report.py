@@ -1,0 +1,163 @@
+"""The report: one self-contained HTML page from the files of a study."""
+
+import base64
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from solver.names import CHOICES, FACTORS, QUANTITIES
+from surrogate.netcdf import read_whole
+from workflow.study import Study
+
+#: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
+CAPTIONS = Path(__file__).parent / "captions"
+
+
+def page(study: Study, name: str, folder: Path, figures: list[Path], provenance: Path) -> str:
+    """The page as text.
+
+    Parameters
+    ----------
+    study, name
+        The study and its name.
+    folder
+        ``results/<study>``, holding the files of the parts that the study has.
+    figures
+        SVG files, in the order of the page.
+    provenance
+        ``provenance.json``.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"number": _number, "seconds": _seconds, "words": _words}
+    content: dict[str, Any] = {
+        "study": study,
+        "name": name,
+        "figures": {path.stem: _figure(path) for path in figures},
+        "provenance": json.loads(provenance.read_text(encoding="utf-8")),
+        "factors": FACTORS,
+        "quantities": QUANTITIES,
+        "choices": CHOICES,
+        "dataset": None,
+        "validation": None,
+        "timing": None,
+        "designs": [],
+        "effects": list(study.effects.vary) if study.effects else [],
+    }
+    if study.factors:
+        content["dataset"] = _dataset(folder)
+        content["validation"] = _validation(folder)
+        content["timing"] = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
+        content["designs"] = [_design(folder / "design" / f"{target}.nc") for target in study.design]
+    return environment.get_template("report.html.j2").render(content)
+
+
+def _figure(path: Path) -> dict[str, str]:
+    kind = path.stem.partition("_")[0]
+    caption = (CAPTIONS / f"{kind}.rst").read_text(encoding="utf-8").replace("\n", " ").replace("``", "").strip()
+    data = base64.b64encode(path.read_bytes()).decode("ascii")
+    return {"caption": caption, "source": f"data:image/svg+xml;base64,{data}", "name": path.stem}
+
+
+def _dataset(folder: Path) -> dict[str, Any]:
+    data = read_whole(folder / "quantities.nc")
+    slabs = sorted((folder / "fields").glob("slab_*.nc"))
+    rows = [
+        {
+            "name": str(name),
+            "units": QUANTITIES[str(name)].units,
+            "long_name": QUANTITIES[str(name)].long_name,
+            "low": float(array.min()),
+            "high": float(array.max()),
+        }
+        for name, array in data.data_vars.items()
+    ]
+    return {"rows": rows, "slabs": len(slabs), "bytes": sum(slab.stat().st_size for slab in slabs)}
+
+
+def _validation(folder: Path) -> dict[str, Any]:
+    data = read_whole(folder / "validation.nc")
+    tolerance = float(data.attrs["tolerance"])
+    rows: list[dict[str, Any]] = [
+        {
+            "name": str(name),
+            "error": float(one["max_error"]),
+            "rmse": float(one["rmse"]),
+            "baseline": float(one["baseline_max_error"]),
+            "r2": float(one["r2"]),
+            "coverage": float(one["coverage"]),
+        }
+        for name in data["output"].values
+        for one in [data.sel(output=name)]
+    ]
+    worst = max(rows, key=lambda row: row["error"])
+    return {"rows": rows, "tolerance": tolerance, "worst": worst, "cases": data.sizes["case"]}
+
+
+def _design(path: Path) -> dict[str, Any]:
+    data = read_whole(path)
+    terms = [
+        {
+            "name": data.attrs["maximise"] if name == "objective" else str(name),
+            **{key: float(one[key]) for key in ("predicted", "predicted_std", "exact", "limit", "margin")},
+            "units": str(one["units"].values),
+            "error": abs(float(one["predicted"]) / float(one["exact"]) - 1) if float(one["exact"]) else np.nan,
+        }
+        for name in data["term"].values
+        for one in [data.sel(term=name)]
+    ]
+    variables = [
+        {"name": str(name), "role": str(one["role"].values), "value": float(one["value"]), "units": FACTORS[name].units}
+        for name in data["factor"].values
+        for one in [data.sel(factor=name)]
+    ]
+    return {
+        "target": str(data["target"].values),
+        "status": str(data["status"].values),
+        "feasible": bool(data["feasible"].values),
+        "objective": terms[0],
+        "limits": terms[1:],
+        "variables": variables,
+        "ranges": _ranges(data),
+    }
+
+
+def _ranges(data: xr.Dataset) -> list[dict[str, Any]]:
+    return [
+        {"name": str(name), "low": float(one["exact_low"]), "high": float(one["exact_high"])}
+        for name in data["quantity"].values
+        for one in [data.sel(quantity=name)]
+    ]
+
+
+def _number(value: float, digits: int = 4) -> str:
+    """A number for people: plain where short, else with a power of ten."""
+    if np.isnan(value):
+        return "–"
+    if value == 0 or 1e-3 <= abs(value) < 1e5:
+        return f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}")
+    mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
+    superscript = str(int(power)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"{mantissa}\N{MULTIPLICATION SIGN}10{superscript}".replace("-", "\N{MINUS SIGN}")
+
+
+def _seconds(value: float) -> str:
+    """A time with a fitting unit."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if value >= size:
+            return f"{value / size:.3g} {unit}"
+    return f"{value / 1e-9:.3g} ns"
+
+
+def _words(name: str) -> str:
+    """A name of the interface as words."""
+    return name.replace("_", " ")

@@ -1,0 +1,35 @@
+# Design targets: found on the surrogate, solved again exactly.
+
+
+rule target:
+    input:
+        "results/{study}/surrogate.nc",
+    output:
+        "results/{study}/design/{name}.nc",
+    params:
+        study=sections(*PHYSICS, "design"),
+        code=provenance.code("workflow/scripts/target.py"),
+    log:
+        "logs/{study}/target/{name}.log",
+    benchmark:
+        "logs/{study}/target/{name}.tsv"
+    script:
+        "../scripts/target.py"
+
+
+rule design:
+    input:
+        lambda wildcards: expand(
+            "results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design
+        ),
+    output:
+        nc="results/{study}/design.nc",
+        csv="results/{study}/design.csv",
+    params:
+        code=provenance.code("workflow/scripts/design.py"),
+    log:
+        "logs/{study}/design.log",
+    benchmark:
+        "logs/{study}/design.tsv"
+    script:
+        "../scripts/design.py"

@@ -1,0 +1,129 @@
+# What people see: figures (also in `snakemake --report`), provenance and the page.
+
+
+def figures_of(wildcards):
+    study = study_of(wildcards)
+    names = ["fields", "errors", "parity"] if study.factors else []
+    names += [f"design_{name}" for name, target in study.design.items() if len(target.over) > 1]
+    names += [f"effect_{name}" for name in (study.effects.vary if study.effects else [])]
+    return expand("results/{study}/figures/{figure}.svg", study=wildcards.study, figure=names)
+
+
+def results_of(wildcards):
+    study = study_of(wildcards)
+    names = ["quantities.nc", "surrogate.nc", "validation.nc", "timing.json"] if study.factors else []
+    names += ["design.nc", "design.csv"] if study.design else []
+    names += [f"fields/effect_{name}.nc" for name in (study.effects.vary if study.effects else [])]
+    return expand("results/{study}/{file}", study=wildcards.study, file=names)
+
+
+rule figure_fields:
+    input:
+        "results/{study}/fields/slab_0.nc",
+    output:
+        report(
+            "results/{study}/figures/fields.svg",
+            caption="../captions/fields.rst",
+            category="Data set",
+            labels={"figure": "surface fields"},
+        ),
+    params:
+        code=provenance.code("workflow/scripts/figure_fields.py"),
+    log:
+        "logs/{study}/figure_fields.log",
+    script:
+        "../scripts/figure_fields.py"
+
+
+rule figure_errors:
+    input:
+        "results/{study}/validation.nc",
+    output:
+        errors=report(
+            "results/{study}/figures/errors.svg",
+            caption="../captions/errors.rst",
+            category="Surrogate",
+            labels={"figure": "errors"},
+        ),
+        parity=report(
+            "results/{study}/figures/parity.svg",
+            caption="../captions/parity.rst",
+            category="Surrogate",
+            labels={"figure": "parity"},
+        ),
+    params:
+        code=provenance.code("workflow/scripts/figure_errors.py"),
+    log:
+        "logs/{study}/figure_errors.log",
+    script:
+        "../scripts/figure_errors.py"
+
+
+rule figure_design:
+    input:
+        "results/{study}/design/{name}.nc",
+    output:
+        report(
+            "results/{study}/figures/design_{name}.svg",
+            caption="../captions/design.rst",
+            category="Design",
+            labels={"figure": "map", "target": "{name}"},
+        ),
+    params:
+        code=provenance.code("workflow/scripts/figure_design.py"),
+    log:
+        "logs/{study}/figure_design/{name}.log",
+    script:
+        "../scripts/figure_design.py"
+
+
+rule figure_effect:
+    input:
+        "results/{study}/fields/effect_{name}.nc",
+    output:
+        report(
+            "results/{study}/figures/effect_{name}.svg",
+            caption="../captions/effect.rst",
+            category="Effects",
+            labels={"figure": "surface fields", "factor": "{name}"},
+        ),
+    params:
+        code=provenance.code("workflow/scripts/figure_effect.py"),
+    log:
+        "logs/{study}/figure_effect/{name}.log",
+    script:
+        "../scripts/figure_effect.py"
+
+
+rule provenance:
+    input:
+        results_of,
+    output:
+        "results/{study}/provenance.json",
+    params:
+        study=lambda wildcards: study_of(wildcards).digest(*type(study_of(wildcards)).model_fields),
+        code=provenance.code("workflow/scripts/provenance.py"),
+    log:
+        "logs/{study}/provenance.log",
+    script:
+        "../scripts/provenance.py"
+
+
+rule report:
+    input:
+        results=results_of,
+        designs=lambda wildcards: expand(
+            "results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design
+        ),
+        figures=figures_of,
+        provenance="results/{study}/provenance.json",
+    output:
+        "results/{study}/report.html",
+    params:
+        code=provenance.code("workflow/scripts/report.py", "workflow/templates/report.html.j2"),
+    log:
+        "logs/{study}/report.log",
+    benchmark:
+        "logs/{study}/report.tsv"
+    script:
+        "../scripts/report.py"

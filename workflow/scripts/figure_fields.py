@@ -1,0 +1,13 @@
+"""Rule figure_fields: surface fields of some cases of the data set."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from surrogate.netcdf import read_whole
+from workflow import figures, joblog
+
+snakemake: Snakemake
+
+joblog.start(snakemake.log[0])
+figures.save(figures.fields(read_whole(Path(snakemake.input[0]))), Path(snakemake.output[0]))

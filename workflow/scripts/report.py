@@ -1,0 +1,17 @@
+"""Rule report: the self-contained page."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from workflow import joblog, report, study
+from workflow.files import write_text
+
+snakemake: Snakemake
+
+joblog.start(snakemake.log[0])
+output = Path(snakemake.output[0])
+name = snakemake.wildcards.study
+figures = [Path(figure) for figure in snakemake.input.figures]
+page = report.page(study.named(name), name, output.parent, figures, Path(snakemake.input.provenance))
+write_text(output, page)

@@ -1,0 +1,14 @@
+"""Rule surrogate: the Gaussian process on the factorial."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from surrogate.netcdf import read_whole
+from workflow import joblog, learning, study
+
+snakemake: Snakemake
+
+joblog.start(snakemake.log[0])
+config = study.named(snakemake.wildcards.study)
+learning.fit(config, read_whole(Path(snakemake.input[0]))).save(Path(snakemake.output[0]))

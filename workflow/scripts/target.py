@@ -1,0 +1,16 @@
+"""Rule target: one design target, found on the surrogate and solved again exactly."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+import surrogate
+from surrogate.netcdf import write_whole
+from workflow import design, joblog, study
+
+snakemake: Snakemake
+
+joblog.start(snakemake.log[0])
+config = study.named(snakemake.wildcards.study)
+answer = design.solve_target(config, snakemake.wildcards.name, surrogate.load(snakemake.input[0]))
+write_whole(answer, Path(snakemake.output[0]))

@@ -1,0 +1,21 @@
+"""Rule validation: errors on exact cases that the surrogate never saw, and both times."""
+
+import json
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+import surrogate
+from surrogate.netcdf import read_whole, write_whole
+from workflow import joblog, learning, study
+from workflow.files import write_text
+
+snakemake: Snakemake
+
+joblog.start(snakemake.log[0])
+config = study.named(snakemake.wildcards.study)
+quantities = read_whole(Path(snakemake.input.quantities))
+model = surrogate.load(snakemake.input.surrogate)
+write_whole(learning.validate(config, quantities, model), Path(snakemake.output.validation))
+timing = learning.timing(config, quantities, model)
+write_text(Path(snakemake.output.timing), json.dumps(timing, indent=2) + "\n")

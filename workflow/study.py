@@ -1,0 +1,258 @@
+"""The study: one strict model of everything that a run can be asked for."""
+
+import hashlib
+import json
+from math import prod
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
+
+from solver import FactorError, Material, MaterialError, solve
+from solver.names import CHOICES, FACTORS, QUANTITIES
+from workflow import targets
+from workflow.inputs import InputError, read_material, read_yaml
+from workflow.problems import first_problem
+
+MOST_CASES = 20_000_000
+FOLDER = Path("config")
+
+
+def _one_of(names: list[str], kind: str) -> AfterValidator:
+    def check(name: str) -> str:
+        if name not in names:
+            raise ValueError(f"{name!r} is not a {kind}; {targets.nearest(name, names)}")
+        return name
+
+    return AfterValidator(check)
+
+
+Number = Annotated[float, Field(allow_inf_nan=False)]
+FactorName = Annotated[str, _one_of(list(FACTORS), "factor")]
+InputName = Annotated[str, _one_of(["material", *CHOICES, *FACTORS], "factor")]
+QuantityName = Annotated[str, _one_of(list(QUANTITIES), "quantity")]
+Interval = Annotated[list[Number], Field(min_length=2, max_length=2)]
+
+
+class Strict(BaseModel):
+    """No unknown keys, no silent conversions, no changes afterwards."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class Axis(Strict):
+    """Range of a factor, sampled at Chebyshev-Gauss levels."""
+
+    low: Number = Field(description="lower end of the range, in the factor's SI unit")
+    high: Number = Field(description="upper end of the range")
+    levels: int = Field(ge=2, le=1000, description="number of Chebyshev-Gauss levels; 2 are enough where it is linear")
+    scale: Literal["linear", "log"] = Field("linear", description="coordinate in which the levels are spread")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not self.low < self.high:
+            raise ValueError(f"low = {self.low:g} must be below high = {self.high:g}")
+        if self.scale == "log" and self.low <= 0:
+            raise ValueError(f"low = {self.low:g} must be positive on a log scale")
+        return self
+
+
+class Positions(Strict):
+    """Surface positions of the stored fields, X = (x - c)/h."""
+
+    inside: int = Field(40, ge=1, le=10_000, description="Chebyshev-Gauss positions under the punch, |X| < 1")
+    outside: int = Field(24, ge=0, le=10_000, description="positions beside it, dense near the edges; even")
+    reach: Number = Field(4.0, gt=1, le=1e3, description="largest |X|")
+
+    def values(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        """The positions, ascending; none is -1 or 1."""
+        within = -np.cos(np.pi * (np.arange(self.inside) + 0.5) / self.inside)
+        side = self.outside // 2
+        beyond = 1 + (self.reach - 1) * (np.arange(1, side + 1) / max(side, 1)) ** 2
+        return np.concatenate([-beyond[::-1], within, beyond])
+
+
+class DataSet(Strict):
+    """What is stored of the factorial."""
+
+    positions: Positions = Field(default_factory=Positions, description="positions of the surface fields")
+    slabs: int = Field(4, ge=1, le=4096, description="files, and jobs, that the factorial is split into")
+    precision: Literal["float32", "float64"] = Field("float64", description="stored precision of the surface fields")
+
+
+class Surrogate(Strict):
+    """The Gaussian process on the factorial."""
+
+    kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
+    outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
+
+
+class Validation(Strict):
+    """Exact cases that the surrogate never saw."""
+
+    cases: int = Field(2000, ge=20, le=1_000_000, description="random cases in the box, to measure errors")
+    calibration: int = Field(500, ge=20, le=1_000_000, description="further random cases, to scale the intervals")
+    seed: int = Field(1, ge=0, description="seed of both samples")
+    tolerance: Number = Field(1e-6, gt=0, description="largest error over range that every quantity should keep")
+
+
+class Target(Strict):
+    """One design question: the best factors under limits, in the worst case."""
+
+    maximise: str = Field(description="objective: quantity or abs(quantity)")
+    over: list[FactorName] = Field(min_length=1, description="design variables; their ranges are the factors'")
+    at: dict[FactorName, Number] = Field(default_factory=dict, description="factors held at a value")
+    worst_case: dict[FactorName, Interval] = Field(
+        default_factory=dict, description="factors that may take any value of a range [low, high]"
+    )
+    limits: list[str] = Field(default_factory=list, description='constraints "quantity <= value", in SI units')
+
+    @model_validator(mode="after")
+    def _readable(self) -> Self:
+        targets.objective(self.maximise)
+        for text in self.limits:
+            targets.limit(text)
+        for name, (low, high) in self.worst_case.items():
+            if not low <= high:
+                raise ValueError(f"worst_case: {name}: {low:g} must not be above {high:g}")
+        return self
+
+
+class Effects(Strict):
+    """One factor at a time about a baseline, on the exact solver."""
+
+    baseline: dict[InputName, Number | str] = Field(description="factors of the reference case")
+    vary: dict[InputName, list[Number] | list[str]] = Field(min_length=1, description="values of each factor in turn")
+    positions: Positions = Field(
+        default_factory=lambda: Positions(inside=200, outside=200), description="positions of the curves"
+    )
+
+    def case(self, factor: str) -> dict[str, Any]:
+        """Factors of one effect; a material and a composite replace each other."""
+        case: dict[str, Any] = {**self.baseline, factor: self.vary[factor]}
+        other = {
+            "material": ("composite", "volume_fraction"),
+            "composite": ("material",),
+            "volume_fraction": ("material",),
+        }
+        return {name: value for name, value in case.items() if name not in other.get(factor, ())}
+
+
+class Study(Strict):
+    """Everything that a run can be asked for; each part is optional but a study needs ``factors`` or ``effects``."""
+
+    title: str = Field(min_length=1, max_length=200, description="headline of the report")
+    description: str = Field("", description="what the study is for")
+    materials: list[str] = Field(default_factory=list, description="files of own materials, relative to the study")
+    phases: Annotated[list[str], Field(min_length=2, max_length=2)] = Field(
+        default_factory=lambda: ["BaTiO3", "CoFe2O4"], description="phase one (fibres) and phase two (matrix)"
+    )
+    fixed: dict[InputName, Number | str] = Field(default_factory=dict, description="factors with one value")
+    factors: dict[FactorName, Axis] = Field(default_factory=dict, description="the axes of the factorial")
+    dataset: DataSet = Field(default_factory=DataSet, description="what is stored of the factorial")
+    surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
+    validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
+    design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
+    effects: Effects | None = Field(None, description="one factor at a time, as figures")
+
+    _own: dict[str, Material] = PrivateAttr(default_factory=dict)
+
+    @property
+    def own_materials(self) -> dict[str, Material]:
+        """The study's own materials by name."""
+        return self._own
+
+    @property
+    def cases(self) -> int:
+        """Number of cases of the factorial."""
+        return prod(axis.levels for axis in self.factors.values()) if self.factors else 0
+
+    @property
+    def outputs(self) -> list[str]:
+        """Quantities that the surrogate learns."""
+        return self.surrogate.outputs or list(QUANTITIES)
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if not self.factors and self.effects is None:
+            raise ValueError("factors: a study needs factors, or effects, or both")
+        if self.cases > MOST_CASES:
+            raise ValueError(f"factors: {self.cases} cases are more than {MOST_CASES}")
+        for name in self.factors:
+            if name in self.fixed:
+                raise ValueError(f"fixed: {name}: is one of the factors already")
+        for label, target in self.design.items():
+            if not label.isidentifier():
+                raise ValueError(f"design: {label!r} must be letters, digits and underscores")
+            self._check_target(f"design: {label}", target)
+        return self
+
+    def _check_target(self, where: str, target: Target) -> None:
+        given = [*target.over, *target.at, *target.worst_case]
+        for name in given:
+            if name not in self.factors:
+                raise ValueError(f"{where}: {name!r} is not one of the study's factors: {', '.join(self.factors)}")
+            if given.count(name) > 1:
+                raise ValueError(f"{where}: {name!r} is given twice; over, at and worst_case exclude each other")
+        for name, axis in self.factors.items():
+            if name not in given:
+                raise ValueError(f"{where}: {name!r} is missing; put it in over, at or worst_case")
+            for value in [*target.worst_case.get(name, []), *([target.at[name]] if name in target.at else [])]:
+                if not axis.low <= value <= axis.high:
+                    raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
+        for term in [targets.objective(target.maximise), *(targets.limit(text).term for text in target.limits)]:
+            if term.quantity not in self.outputs:
+                raise ValueError(f"{where}: {term.quantity!r} is not one of surrogate.outputs")
+
+    def corners(self) -> dict[str, Any]:
+        """Ends of the factorial's box with the fixed factors: what the solver is asked once before any work."""
+        return {**self.fixed, **{name: [axis.low, axis.high] for name, axis in self.factors.items()}}
+
+    def digest(self, *sections: str) -> str:
+        """Hash of some sections, and of own materials where the physics is among them."""
+        content = self.model_dump(mode="json", include=set(sections))
+        text = json.dumps(content, sort_keys=True)
+        if "phases" in sections:
+            text += json.dumps({name: repr(material) for name, material in self._own.items()}, sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def named(name: str) -> Study:
+    """The study ``config/<name>.yaml`` of this folder.
+
+    Raises
+    ------
+    InputError
+        Also for a name that is unknown or no plain name.
+    """
+    known = sorted(file.stem for file in FOLDER.glob("*.yaml"))
+    if name not in known:
+        raise InputError(f"study: {name!r} is unknown; {targets.nearest(name, known)}")
+    return load(FOLDER / f"{name}.yaml")
+
+
+def load(path: str | Path) -> Study:
+    """Read and check a study, down to one solution at every corner of its box.
+
+    Raises
+    ------
+    InputError
+        One line that names file, key, value and what is allowed.
+    """
+    path = Path(path)
+    content = read_yaml(path)
+    try:
+        study = Study.model_validate(content)
+    except ValidationError as error:
+        raise InputError(f"{path}: {first_problem(error, Study, content)}") from None
+    study._own.update(read_material(path.parent / name) for name in study.materials)
+    try:
+        if study.factors:
+            solve(study.corners(), materials=study.own_materials, phases=study.phases)
+        if study.effects is not None:
+            for factor in study.effects.vary:
+                solve(study.effects.case(factor), materials=study.own_materials, phases=study.phases)
+    except (FactorError, MaterialError) as error:
+        raise InputError(f"{path}: {error}") from None
+    return study
