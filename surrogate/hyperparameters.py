@@ -48,11 +48,17 @@ def level_errors(factor: Factor, grams: Array) -> tuple[Array, Array]:
 def choose(make: Callable[[float], Factor], grams: Array, bounds: tuple[float, float]) -> Factor:
     """Return the factor whose parameter maximises the leave-one-level-out predictive density, summed over outputs.
 
-    The variance of every output is profiled out; the parameter is searched for within `bounds` on a log scale.
+    The parameter is searched for within `bounds` on a log scale. A kernel with a constant has unit variance averaged
+    over the levels, as the standardised outputs have, so that its decay follows the size of the errors: the mean hardly
+    depends on it. The variance of a stationary kernel is profiled out for every output.
     """
 
     def cost(logarithm: float) -> float:
-        errors, variances = level_errors(make(float(np.exp(logarithm))), grams)
+        factor = make(float(np.exp(logarithm)))
+        errors, variances = level_errors(factor, grams)
+        if factor.constant:
+            variances = variances / (factor.constant + factor.features(factor.t, 1).prior.mean())
+            return float(np.mean(errors / variances) + np.mean(np.log(variances)))
         return float(np.mean(np.log((errors / variances).mean(axis=1))) + np.mean(np.log(variances)))
 
     grid = np.linspace(float(np.log(bounds[0])), float(np.log(bounds[1])), COARSE)

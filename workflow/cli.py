@@ -3,7 +3,7 @@
 import argparse
 import csv
 import io
-import os
+import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -50,7 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"meecontact: {error}", file=sys.stderr)
         return 2
     except OSError as error:
-        print(f"meecontact: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
+        reason = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+        print(f"meecontact: {reason}", file=sys.stderr)
         return 2
 
 
@@ -169,11 +170,14 @@ def _described(material: Material) -> str:
     return "\n".join(lines)
 
 
-def _run(options: argparse.Namespace) -> None:
+def _run(options: argparse.Namespace) -> int:
     studies.named(options.study)
     report = f"results/{options.study}/report.html"
-    command = ["snakemake", "--cores", options.cores, "--quiet", "rules", "host", "reason", "--", report]
-    os.execv(Path(sys.executable).with_name("snakemake"), command)
+    command = ["--cores", options.cores, "--quiet", "rules", "host", "reason", "--", report]
+    status = subprocess.run([Path(sys.executable).with_name("snakemake"), *command], check=False).returncode
+    if status == 0:
+        print(f"report: {report}")
+    return status
 
 
 def _numbers(where: str, text: str) -> list[float]:

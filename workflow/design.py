@@ -109,7 +109,7 @@ def _search(question: Question, model: GaussianProcess) -> Optimum:
         excess = (exact[0, :, 1:].max(0) - limits) / np.abs(limits)
         if not best.feasible or np.all(excess <= 0):
             break
-        slack += 2 * np.maximum(excess, 0) + 1e-12 * (excess > 0)
+        slack += np.where(excess > 0, 1.02 * excess + 1e-12, 0.0)
     return best
 
 
@@ -156,8 +156,9 @@ def _verdict(question: Question, best: Optimum, exact: xr.Dataset, predicted: xr
     limits = np.array([np.nan, *(limit.value for limit in question.limits)])
     margin = (limits - solved[worst, take]) / np.abs(limits)
     factors = {name: array.values[0] for name, array in question.factors(best.x[None], _JUDGED).items()}
-    feasible = bool(np.all(margin[1:] >= 0)) if margin.size > 1 else True
-    binding = [str(t) for t, m in zip(question.limits, margin[1:], strict=True) if m < 1e-4]
+    feasible = bool(np.all(margin[1:] >= 0))
+    binding = [str(limit) for limit, m in zip(question.limits, margin[1:], strict=True) if m < 1e-3]
+    binding += [f"{name} at its end" for name, u in zip(question.target.over, best.x, strict=True) if abs(u) > 1 - 1e-6]
     if feasible:
         status = f"feasible; binding: {', '.join(binding) or 'none'}"
     else:
@@ -219,7 +220,8 @@ def _map(question: Question, model: GaussianProcess) -> xr.Dataset:
 def together(answers: list[xr.Dataset]) -> xr.Dataset:
     """All designs over ``target``; what a target has not is missing there."""
     kept = [answer.drop_dims(["map_x", "map_y"], errors="ignore") for answer in answers]
-    return xr.Dataset(attrs={"title": "designs"}) if not kept else xr.concat(kept, dim="target", join="outer")
+    whole = xr.concat(kept, dim="target", join="outer", data_vars="all", fill_value={"units": "", "role": ""})
+    return whole.assign_attrs(title="designs")
 
 
 def table(answers: list[xr.Dataset]) -> str:

@@ -27,6 +27,7 @@ _STYLE: dict[Any, Any] = {
     "legend.fontsize": 8,
     "svg.hashsalt": "meecontact",
 }
+_NEAR = 0.02  # distance in X from an edge within which a singular field is cut
 _BLUE, _ORANGE, _GREY = "#2166ac", "#d95f02", "#8a8a8a"
 
 #: Fields that the parametric study shows, in the paper's order, and how each is scaled and named on its axis.
@@ -43,7 +44,8 @@ SHOWN = {
 def save(figure: Figure, path: Path) -> None:
     """Write a figure as SVG, whole or not at all."""
     temporary = path.with_name(f".{path.name}")
-    figure.savefig(temporary, format="svg", metadata={"Date": None, "Creator": "meecontact"})
+    with mpl.rc_context(_STYLE):  # the salt of the ids acts while saving
+        figure.savefig(temporary, format="svg", metadata={"Date": None, "Creator": "meecontact"})
     plt.close(figure)
     temporary.replace(path)
 
@@ -89,7 +91,7 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
                 if use.any():
                     ax.plot(X[use], curve[use], color=colour, lw=1.4, label=text if part[X.size // 2] else None)
         ax.set_ylabel(label)
-        _bounded(ax, curves[:, shown])
+        _bounded(ax, curves[:, shown & (np.abs(np.abs(X) - 1) > _NEAR)])
         for edge in (-1, 1):
             ax.axvline(edge, color=_GREY, lw=0.7, ls=":")
         if not inside_only:
@@ -103,11 +105,10 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
 
 
 def _bounded(ax: Axes, curves: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> None:
-    """Cut the square-root singularities at the edges, which have no peak."""
-    low, high = np.percentile(curves, [3, 97])
-    low, high = min(low, 0.0), max(high, 0.0)
-    pad = 0.12 * (high - low) or 1.0
-    ax.set_ylim(max(low - pad, float(curves.min()) - pad / 2), min(high + pad, float(curves.max()) + pad / 2))
+    """Set the range by the curves away from the edges: a square-root singularity has no peak."""
+    low, high = min(float(curves.min()), 0.0), max(float(curves.max()), 0.0)
+    pad = 0.06 * (high - low) or 1.0
+    ax.set_ylim(low - pad, high + pad)
 
 
 @mpl.rc_context(_STYLE)

@@ -16,18 +16,20 @@ PACKAGES = ("meecontact", "numpy", "scipy", "xarray", "netCDF4", "scikit-learn",
 
 @cache
 def sources(module: Path) -> frozenset[Path]:
-    """Files of the rooms that a module imports, directly or not, itself included; a package's data files too."""
+    """Files of the rooms that a module uses, directly or not, itself included, and data files that these name.
+
+    ``from room import name`` leads to the module that defines the name, not to everything that the room's
+    ``__init__`` gathers.
+    """
     found: set[Path] = set()
     waiting = [module]
     while waiting:
         path = waiting.pop()
-        if path in found:
-            continue
-        found.add(path)
-        if path.suffix == ".py":
-            waiting += _imported(path)
-            if path.name == "__init__.py":
-                waiting += [data for data in path.parent.iterdir() if data.suffix == ".toml"]
+        if path not in found:
+            found.add(path)
+            text = path.read_text(encoding="utf-8")
+            waiting += _used(text)
+            found |= {data for data in _data(path.relative_to(ROOT).parts[0]) if data.name in text}
     return frozenset(found)
 
 
@@ -37,7 +39,14 @@ def code(*paths: str) -> str:
     Snakemake sees an edit in a script but not in a package that the script imports: this hash, as a parameter of the
     rule, makes the edit rerun exactly what depends on it.
     """
-    files = sorted({file for path in paths for file in sources(ROOT / path)})
+    found: set[Path] = set()
+    for path in paths:
+        file = ROOT / path
+        found |= sources(file) if file.suffix == ".py" else {file}
+    return _hash(sorted(found))
+
+
+def _hash(files: list[Path]) -> str:
     digest = hashlib.sha256()
     for file in files:
         digest.update(file.relative_to(ROOT).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
@@ -54,7 +63,7 @@ def write(path: Path, study_digest: str, seed: int, results: list[Path]) -> None
     content = {
         "study_sha256": study_digest,
         "seed": seed,
-        "sources_sha256": code(*(f"{room}/{file.relative_to(ROOT / room)}" for room in ROOMS for file in _room(room))),
+        "sources_sha256": _hash([file for room in ROOMS for file in _room(room)]),
         "versions": versions(),
         "platform": platform.platform(),
         "results_sha256": {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in results},
@@ -66,18 +75,38 @@ def _room(room: str) -> list[Path]:
     return sorted(file for file in (ROOT / room).rglob("*") if file.is_file() and "__pycache__" not in file.parts)
 
 
-def _imported(path: Path) -> Iterator[Path]:
-    """Files of the rooms that one module's import statements name."""
-    for node in ast.walk(ast.parse(path.read_bytes())):
-        names: list[str] = []
+@cache
+def _data(room: str) -> list[Path]:
+    return [file for file in _room(room) if file.suffix in (".toml", ".j2")]
+
+
+def _used(text: str) -> Iterator[Path]:
+    """Files of the rooms that a module's import statements lead to."""
+    for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names]
+            yield from (file for alias in node.names if (file := _file(alias.name)))
         elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
-            names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-        for name in names:
-            parts = name.split(".")
-            if parts[0] not in ROOMS:
-                continue
-            for depth in range(1, len(parts) + 1):  # importing a.b runs a/__init__.py as well
-                target = ROOT.joinpath(*parts[:depth])
-                yield from (file for file in (target / "__init__.py", target.with_suffix(".py")) if file.is_file())
+            for alias in node.names:
+                file = _file(f"{node.module}.{alias.name}") or _definition(node.module, alias.name)
+                if file:
+                    yield file
+
+
+def _file(name: str) -> Path | None:
+    """The file of a module of the rooms."""
+    parts = name.split(".")
+    if parts[0] not in ROOMS:
+        return None
+    target = ROOT.joinpath(*parts)
+    return next((file for file in (target.with_suffix(".py"), target / "__init__.py") if file.is_file()), None)
+
+
+def _definition(module: str, name: str) -> Path | None:
+    """The file that defines a name which a module of the rooms may only pass on."""
+    file = _file(module)
+    if file is None or file.name != "__init__.py":
+        return file
+    for node in ast.parse(file.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ImportFrom) and node.module and name in [alias.name for alias in node.names]:
+            return _file(f"{node.module}.{name}") or _definition(node.module, name)
+    return file

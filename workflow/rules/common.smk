@@ -1,4 +1,4 @@
-# What every rule needs: the study behind a wildcard, and the hashes that say when a rule must run again.
+# What the other files need: the study behind a wildcard, and the hashes that say when a job must run again.
 
 from functools import cache
 
@@ -20,8 +20,24 @@ def study_of(wildcards):
 
 
 def sections(*names):
-    """Parameter of a rule: changes when these sections of the study change."""
+    """A parameter that changes when these sections of the study change."""
     return lambda wildcards: study_of(wildcards).digest(*names)
 
 
 PHYSICS = ("phases", "materials", "fixed", "factors")
+
+
+def figures_of(wildcards):
+    study = study_of(wildcards)
+    names = ["fields", "errors", "parity"] if study.factors else []
+    names += [f"design_{name}" for name, target in study.design.items() if len(target.over) > 1]
+    names += [f"effect_{name}" for name in (study.effects.vary if study.effects else [])]
+    return expand("results/{study}/figures/{figure}.svg", study=wildcards.study, figure=names)
+
+
+def results_of(wildcards):
+    study = study_of(wildcards)
+    names = ["quantities.nc", "surrogate.nc", "validation.nc", "timing.json"] if study.factors else []
+    names += ["design.nc", "design.csv"] if study.design else []
+    names += [f"fields/effect_{name}.nc" for name in (study.effects.vary if study.effects else [])]
+    return expand("results/{study}/{file}", study=wildcards.study, file=names)

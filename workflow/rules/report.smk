@@ -1,22 +1,6 @@
 # What people see: figures (also in `snakemake --report`), provenance and the page.
 
 
-def figures_of(wildcards):
-    study = study_of(wildcards)
-    names = ["fields", "errors", "parity"] if study.factors else []
-    names += [f"design_{name}" for name, target in study.design.items() if len(target.over) > 1]
-    names += [f"effect_{name}" for name in (study.effects.vary if study.effects else [])]
-    return expand("results/{study}/figures/{figure}.svg", study=wildcards.study, figure=names)
-
-
-def results_of(wildcards):
-    study = study_of(wildcards)
-    names = ["quantities.nc", "surrogate.nc", "validation.nc", "timing.json"] if study.factors else []
-    names += ["design.nc", "design.csv"] if study.design else []
-    names += [f"fields/effect_{name}.nc" for name in (study.effects.vary if study.effects else [])]
-    return expand("results/{study}/{file}", study=wildcards.study, file=names)
-
-
 rule figure_fields:
     input:
         "results/{study}/fields/slab_0.nc",
@@ -120,7 +104,10 @@ rule report:
     output:
         "results/{study}/report.html",
     params:
-        code=provenance.code("workflow/scripts/report.py", "workflow/templates/report.html.j2"),
+        code=provenance.code(
+            "workflow/scripts/report.py",
+            *(f"workflow/captions/{kind}.rst" for kind in ("fields", "errors", "parity", "design", "effect")),
+        ),
     log:
         "logs/{study}/report.log",
     benchmark:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-import surrogate
+from surrogate import load
 from surrogate.netcdf import write_whole
 from workflow import design, joblog, study
 
@@ -12,5 +12,5 @@ snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
 config = study.named(snakemake.wildcards.study)
-answer = design.solve_target(config, snakemake.wildcards.name, surrogate.load(snakemake.input[0]))
+answer = design.solve_target(config, snakemake.wildcards.name, load(snakemake.input[0]))
 write_whole(answer, Path(snakemake.output[0]))

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-import surrogate
+from surrogate import load
 from surrogate.netcdf import read_whole, write_whole
 from workflow import joblog, learning, study
 from workflow.files import write_text
@@ -15,7 +15,7 @@ snakemake: Snakemake
 joblog.start(snakemake.log[0])
 config = study.named(snakemake.wildcards.study)
 quantities = read_whole(Path(snakemake.input.quantities))
-model = surrogate.load(snakemake.input.surrogate)
+model = load(snakemake.input.surrogate)
 write_whole(learning.validate(config, quantities, model), Path(snakemake.output.validation))
 timing = learning.timing(config, quantities, model)
 write_text(Path(snakemake.output.timing), json.dumps(timing, indent=2) + "\n")

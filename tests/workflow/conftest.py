@@ -1,0 +1,98 @@
+"""Fixtures of the workflow's tests: a small study, and a copy of the project in which it has run."""
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from workflow.provenance import ROOT
+
+SMALL = """\
+title: A small study
+fixed: {composite: fibrous}
+factors:
+  volume_fraction: {low: 0.4, high: 0.8, levels: 8}
+  friction: {low: 0.0, high: 0.5, levels: 4}
+  radius: {low: 0.02, high: 0.2, levels: 4, scale: log}
+  load: {low: 5e3, high: 5e4, levels: 5, scale: log}
+dataset: {slabs: 2, positions: {inside: 12, outside: 8}}
+surrogate: {outputs: [voltage_sensitivity, stroke_per_volt, trailing_tension, peak_pressure]}
+validation: {cases: 200, tolerance: 1e-3}
+design:
+  sensor:
+    maximise: abs(voltage_sensitivity)
+    over: [volume_fraction, radius]
+    at: {load: 1e4}
+    worst_case: {friction: [0.1, 0.4]}
+    limits: [trailing_tension <= 50e6, peak_pressure <= 500e6]
+  impossible:
+    maximise: abs(stroke_per_volt)
+    over: [volume_fraction, radius]
+    at: {load: 5e4}
+    worst_case: {friction: [0.1, 0.4]}
+    limits: [trailing_tension <= 1e6]
+effects:
+  baseline: {volume_fraction: 0.5, radius: 0.05, load: 1e5, friction: 0.3}
+  vary: {friction: [0.0, 0.3], material: [BaTiO3, PZT-4]}
+  positions: {inside: 30, outside: 30}
+"""
+
+
+@dataclass(frozen=True)
+class Project:
+    """A copy of the project's files with room for results of its own."""
+
+    folder: Path
+
+    def run(self, *command: str, check: bool = True) -> subprocess.CompletedProcess[str]:
+        """Run a command of the virtual environment inside the copy."""
+        program = Path(sys.executable).with_name(command[0])
+        environment = {**os.environ, "PYTHONPATH": str(self.folder), "OMP_NUM_THREADS": "1"}
+        done = subprocess.run(
+            [program, *command[1:]], cwd=self.folder, env=environment, capture_output=True, text=True, check=False
+        )
+        assert not check or done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
+        return done
+
+    def snakemake(self, *arguments: str, check: bool = True) -> subprocess.CompletedProcess[str]:
+        """Run Snakemake on two cores."""
+        return self.run("snakemake", "--cores", "2", *arguments, check=check)
+
+    def planned(self, target: str) -> set[str]:
+        """Rules that a dry run would execute for a target."""
+        done = self.snakemake("-n", "--quiet", "host", "--", target)
+        lines = [line.strip() for line in (done.stdout + done.stderr).splitlines()]
+        return {
+            line.split()[1].rstrip(":")
+            for line in lines
+            if line.startswith(("rule ", "localrule ")) and line[-1] == ":"
+        }
+
+
+@pytest.fixture(scope="session")
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Project]:
+    """Make copies of the project that hold the small study."""
+
+    def make(name: str) -> Project:
+        folder = tmp_path_factory.mktemp(name)
+        for part in ("solver", "surrogate", "workflow", "config", "profiles"):
+            shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
+        for part in ("Snakefile", "pyproject.toml"):
+            shutil.copy(ROOT / part, folder / part)
+        (folder / "config" / "small.yaml").write_text(SMALL, encoding="utf-8")
+        return Project(folder)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def ran(copy: Callable[[str], Project]) -> Project:
+    """A copy in which the small study has run to its report."""
+    project = copy("ran")
+    project.run("meecontact", "run", "small", "--cores", "2")
+    return project

@@ -1,0 +1,225 @@
+"""The command line as a user meets it: results, exit statuses, one-line complaints, nothing half written."""
+
+import csv
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surrogate
+from solver import solve
+from solver.names import FIELDS, QUANTITIES
+from surrogate.netcdf import read_whole
+from tests.workflow.conftest import Project
+from workflow import cli
+
+
+def write(path: Path, text: str) -> Path:
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def complaint(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
+    """The single line of a refused command."""
+    try:
+        status = cli.main([str(argument) for argument in arguments])
+    except SystemExit as stopped:
+        status = int(stopped.code or 0)
+    captured = capsys.readouterr()
+    assert status == 2
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    return captured.err
+
+
+def test_solve_gives_every_quantity_of_every_case(tmp_path: Path) -> None:
+    cases = write(tmp_path / "cases.csv", "material,radius,friction,load\nPZT-4,0.05,0.3,1e5\nsteel,0.01,0,2e4\n")
+    out = tmp_path / "out.nc"
+    assert cli.main(["solve", str(cases), "-o", str(out)]) == 0
+    data = read_whole(out)
+    assert set(data.data_vars) == set(QUANTITIES)
+    assert data.sizes == {"case": 2}
+    exact = solve({"material": "PZT-4", "radius": 0.05, "friction": 0.3, "load": 1e5})
+    for name in QUANTITIES:
+        assert float(data[name][0]) == pytest.approx(float(exact[name]), rel=1e-14)
+    assert data.attrs["Conventions"] == "CF-1.11"
+
+
+def test_solve_gives_fields_where_positions_are_given(tmp_path: Path) -> None:
+    cases = write(tmp_path / "cases.csv", "volume_fraction,radius,load\n0.5,0.05,1e5\n0.7,0.05,1e5\n")
+    out = tmp_path / "out.nc"
+    assert cli.main(["solve", str(cases), "-o", str(out), "--positions=-2,0,0.5,3"]) == 0
+    data = read_whole(out)
+    assert list(data["position"].values) == [-2.0, 0.0, 0.5, 3.0]
+    for name, described in FIELDS.items():
+        assert data[name].dims == ("case", "position")
+        assert data[name].attrs["units"] == described.units
+
+
+def test_solve_takes_own_materials(tmp_path: Path) -> None:
+    own = write(tmp_path / "mine.yaml", "name: mine\nc11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n")
+    cases = write(tmp_path / "cases.csv", "material,radius,load\nmine,0.05,1e5\n")
+    assert cli.main(["solve", str(cases), "-o", str(tmp_path / "out.nc"), "--materials", str(own)]) == 0
+    assert (tmp_path / "out.nc").is_file()
+
+
+@pytest.mark.parametrize(
+    ("table", "expected"),
+    [
+        ("", "needs a header of factor names and at least one case"),
+        ("material,radius,load\n", "needs a header of factor names and at least one case"),
+        ("material,radus,load\nsteel,1,1\n", "column 'radus': unknown factor; did you mean 'radius'?"),
+        ("material,load,load\nsteel,1,1\n", "column 'load': given twice"),
+        ("material,radius,load\nsteel,1\n", "case 1: 2 cells, the header has 3"),
+        ("material,radius,load\nsteel,0.1,abc\n", "case 1: load: 'abc' is not a finite number > 0 [N m-1]"),
+        ("material,radius,load\nsteel,0.1,1e4\nsteel,0.1,nan\n", "load: nan is not a finite number > 0 [N m-1]"),
+        ("material,radius,load\nsteel,0.1,inf\n", "load: inf is not a finite number > 0 [N m-1]"),
+        ("material,radius,load\nsteel,-0.1,1e4\n", "radius: -0.1 is not a finite number > 0 [m]"),
+        ("material,radius,load\nsteel,0,1e4\n", "radius: 0 is not a finite number > 0 [m]"),
+        ("material,radius,load,friction\nsteel,1,1e4,-0.1\n", "friction: -0.1 is not a finite number >= 0 [1]"),
+        ("material,radius,load\nstel,0.1,1e4\n", "material: 'stel' is unknown; did you mean 'steel'?"),
+        ("material,load\nsteel,1e4\n", "radius: missing; must be a finite number > 0 [m]"),
+        ("radius,load\n0.1,1e4\n", "material: missing; give a material's name, or a composite's volume_fraction"),
+        ("volume_fraction,radius,load\n1.5,0.1,1e4\n", "volume_fraction: 1.5 is not a finite number >= 0 and <= 1"),
+        ("material,radius,load,profile\nsteel,0.1,1,ball\n", "profile: 'ball' is not one of"),
+    ],
+)
+def test_solve_refuses_bad_tables(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], table: str, expected: str
+) -> None:
+    cases = write(tmp_path / "cases.csv", table)
+    line = complaint(capsys, "solve", cases, "-o", tmp_path / "out.nc")
+    assert line.startswith(f"meecontact: {cases}: ")
+    assert expected in line
+    assert sorted(tmp_path.iterdir()) == [cases]
+
+
+@pytest.mark.parametrize(
+    ("positions", "expected"),
+    [("1", "positions: 1 is not allowed"), ("0,x", "--positions: 'x' is not a number"), ("nan", "positions: nan")],
+)
+def test_solve_refuses_bad_positions(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], positions: str, expected: str
+) -> None:
+    cases = write(tmp_path / "cases.csv", "material,radius,load\nsteel,0.1,1e4\n")
+    assert expected in complaint(capsys, "solve", cases, "-o", tmp_path / "out.nc", "--positions", positions)
+    assert sorted(tmp_path.iterdir()) == [cases]
+
+
+def test_missing_files_and_folders_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    absent = tmp_path / "absent.csv"
+    assert f"{absent}: No such file" in complaint(capsys, "solve", absent, "-o", tmp_path / "out.nc")
+    cases = write(tmp_path / "cases.csv", "material,radius,load\nsteel,0.1,1e4\n")
+    line = complaint(capsys, "solve", cases, "-o", tmp_path / "absent" / "out.nc")
+    assert f"{tmp_path / 'absent'} does not exist" in line
+    assert "invalid choice" in complaint(capsys, "slove")
+    assert "-o/--output" in complaint(capsys, "solve", cases)
+
+
+def test_material_prints_roots_compliance_and_source(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["material", "BaTiO3-CoFe2O4 50:50"]) == 0
+    text = capsys.readouterr().out
+    for word in ("admissible", "1.901723i", "1.324019i", "0.935605i", "0.797192i", "Sih", "compliance"):
+        assert word in text
+
+
+def test_material_refuses_the_widely_copied_sign(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = "c11: 286e9\nc12: 173e9\nc13: 170.5e9\nc33: 269.5e9\nc44: 45.3e9\nmu11: -590e-6\nmu33: 157e-6\n"
+    path = write(tmp_path / "cobalt.yaml", text)
+    line = complaint(capsys, "material", path)
+    assert f"{path}: cobalt: mu11 = -0.00059 N s2 C-2: must be positive" in line
+    assert "use mu11 = +590e-6" in line
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("c11: 1e11\n", "c13: missing"),
+        ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: abc\n", "c44: 'abc' is not a finite number [Pa]"),
+        ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\nc99: 1\n", "c99: unknown entry"),
+        ("c11: 1e11\nc13: 2e11\nc33: 1e11\nc44: 1e10\n", "c13 = 2e+11 Pa: needs c13^2 < c11 c33"),
+        ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\ng11: 1.0\n", "g11 = 1 N s V-1 C-1: needs g11^2 < eps11 mu11"),
+        ("- 1\n", "not a mapping"),
+    ],
+)
+def test_material_refuses_bad_files(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, expected: str
+) -> None:
+    assert expected in complaint(capsys, "material", write(tmp_path / "m.yaml", text))
+
+
+def test_query_prints_and_writes_what_the_surrogate_says(
+    ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = ran.folder / "results/small/surrogate.nc"
+    model = surrogate.load(path)
+    point = {"volume_fraction": 0.6, "friction": 0.2, "radius": 0.1, "load": 1e4}
+    assert cli.main(["query", str(path), "--at", ",".join(f"{k}={v}" for k, v in point.items())]) == 0
+    printed = capsys.readouterr().out
+    for name in model.outputs_:
+        assert name in printed
+    table = write(tmp_path / "at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.5,0,0.02,5e3\n")
+    out = tmp_path / "out.csv"
+    assert cli.main(["query", str(path), str(table), "-o", str(out)]) == 0
+    with out.open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    expected = model.predict({name: np.array([value]) for name, value in point.items()})
+    for name in model.outputs_:
+        for key in (name, f"{name}_std"):
+            assert float(rows[0][key]) == pytest.approx(float(expected[key][0]), rel=1e-9)
+    assert [row["radius"] for row in rows] == ["0.1", "0.02"]
+
+
+def test_query_outside_the_box_is_refused_or_flagged(
+    ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = ran.folder / "results/small/surrogate.nc"
+    at = "volume_fraction=0.6,friction=0.2,radius=0.5,load=1e4"
+    line = complaint(capsys, "query", path, "--at", at)
+    assert "radius" in line
+    assert "0.5" in line
+    assert cli.main(["query", str(path), "--at", at, "--extrapolate"]) == 0
+    assert "extrapolated" in capsys.readouterr().out
+    table = write(tmp_path / "at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.6,0.2,0.5,1e4\n")
+    out = tmp_path / "out.csv"
+    complaint(capsys, "query", path, table, "-o", out)
+    assert not out.exists()
+    assert cli.main(["query", str(path), str(table), "-o", str(out), "--extrapolate"]) == 0
+    with out.open(encoding="utf-8") as file:
+        assert [row["extrapolated"] for row in csv.DictReader(file)] == ["0", "1"]
+
+
+@pytest.mark.parametrize(
+    ("at", "expected"),
+    [
+        ("radius=0.1", "volume_fraction: missing; the surrogate needs volume_fraction, friction, radius, load"),
+        ("radius=0.1,raduis=0.2", "raduis: not an input of the surrogate; did you mean 'radius'?"),
+        ("radius=0.1,radius=0.2", "radius: given twice"),
+        ("radius", "'radius' is not of the form NAME=VALUE"),
+        ("radius=big", "radius: 'big' is not a number"),
+        ("volume_fraction=nan,friction=0.2,radius=0.1,load=1e4", "nan"),
+    ],
+)
+def test_query_refuses_bad_points(ran: Project, capsys: pytest.CaptureFixture[str], at: str, expected: str) -> None:
+    path = ran.folder / "results/small/surrogate.nc"
+    assert expected in complaint(capsys, "query", path, "--at", at)
+
+
+def test_query_refuses_what_is_no_surrogate(ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "quantities.nc" in complaint(capsys, "query", ran.folder / "results/small/quantities.nc", "--at", "radius=1")
+    whole = (ran.folder / "results/small/surrogate.nc").read_bytes()
+    cut = tmp_path / "cut.nc"
+    cut.write_bytes(whole[: len(whole) // 2])
+    assert "cut.nc" in complaint(capsys, "query", cut, "--at", "radius=1")
+    flipped = tmp_path / "flipped.nc"
+    flipped.write_bytes(whole[:-2000] + bytes([whole[-2000] ^ 1]) + whole[-1999:])
+    assert "flipped.nc" in complaint(capsys, "query", flipped, "--at", "radius=1")
+
+
+def test_the_installed_command_exits_with_the_status(copy: Callable[[str], Project]) -> None:
+    project = copy("command")
+    done = project.run("meecontact", "material", "stel", check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("meecontact: material: 'stel' is unknown; did you mean 'steel'?")
+    assert project.run("meecontact", "--help").stdout.startswith("usage: meecontact")

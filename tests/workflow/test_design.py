@@ -1,0 +1,47 @@
+"""Designs against a dense exact search of the same question."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import solve
+from workflow import design, factorial, learning
+from workflow.study import Study, load
+
+
+@pytest.fixture(scope="module")
+def quickstart() -> Study:
+    return load(Path("config/quickstart.yaml"))
+
+
+def dense(quantity: str, sides: int = 300) -> tuple[float, float]:
+    """Best worst-case |quantity| at the rated load over the box, by brute force on the exact solver."""
+    over = {"volume_fraction": np.linspace(0.05, 0.95, sides), "radius": np.geomspace(5e-3, 0.2, sides)}
+    exact = solve({**over, "friction": np.linspace(0.1, 0.4, 13), "load": 1e4})
+    worst = abs(exact[quantity]).min("friction")
+    allowed = (exact["trailing_tension"].max("friction") <= 50e6) & (exact["peak_pressure"].max("friction") <= 500e6)
+    best = worst.where(allowed)
+    where = best.argmax(...)
+    return float(best.max()), float(best["volume_fraction"][where["volume_fraction"]])
+
+
+def test_designs_have_no_regret_and_break_no_limit(quickstart: Study) -> None:
+    model = learning.fit(quickstart, factorial.exact(quickstart, dict(factorial.levels(quickstart))))
+    for name, quantity in (("sensor", "voltage_sensitivity"), ("actuator", "stroke_per_volt")):
+        answer = design.solve_target(quickstart, name, model)
+        best, fraction = dense(quantity)
+        objective = float(answer["exact"].sel(term="objective"))
+        assert objective >= best * (1 - 1e-9)  # 90,000 designs, and none is better
+        assert objective <= best * 1.01
+        assert np.all(answer["margin"].values[1:] >= 0)
+        assert float(answer["value"].sel(factor="volume_fraction")) == pytest.approx(fraction, abs=0.01)
+        predicted, exact = answer["predicted"].values, answer["exact"].values
+        np.testing.assert_allclose(predicted, exact, rtol=1e-5)
+
+
+def test_the_sensor_is_interior_in_composition_and_bound_in_radius(quickstart: Study) -> None:
+    model = learning.fit(quickstart, factorial.exact(quickstart, dict(factorial.levels(quickstart))))
+    answer = design.solve_target(quickstart, "sensor", model)
+    assert 0.1 < float(answer["value"].sel(factor="volume_fraction")) < 0.9
+    assert float(answer["margin"].sel(term="trailing_tension <= 5e+07")) < 1e-6

@@ -1,0 +1,184 @@
+"""The pipeline as real processes: what it makes, when it runs again, and that equal inputs give equal bytes."""
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surrogate
+from solver import solve
+from solver.names import FIELDS, QUANTITIES
+from surrogate.netcdf import read_whole
+from tests.workflow.conftest import Project
+
+REPORT = "results/small/report.html"
+
+
+def test_makes_every_promised_file(ran: Project) -> None:
+    results = ran.folder / "results" / "small"
+    for name in (
+        "quantities.nc", "surrogate.nc", "validation.nc", "design.nc", "design.csv", "report.html", "provenance.json",
+        "fields/slab_0.nc", "fields/slab_1.nc", "fields/effect_friction.nc", "fields/effect_material.nc",
+    ):  # fmt: skip
+        assert (results / name).is_file(), name
+
+
+def test_quantities_are_the_exact_solution(ran: Project) -> None:
+    data = read_whole(ran.folder / "results/small/quantities.nc")
+    assert list(data.data_vars) == list(QUANTITIES)
+    assert dict(data.sizes) == {"volume_fraction": 8, "friction": 4, "radius": 4, "load": 5}
+    case = data.isel(volume_fraction=5, friction=2, radius=1, load=3)
+    names = ("volume_fraction", "friction", "radius", "load")
+    again = solve({name: float(case[name]) for name in names})
+    for name in QUANTITIES:
+        assert float(case[name]) == pytest.approx(float(again[name]), rel=1e-13)
+        assert data[name].attrs["units"] == QUANTITIES[name].units
+
+
+def test_slabs_hold_the_fields_of_the_whole_factorial(ran: Project) -> None:
+    slabs = [read_whole(ran.folder / f"results/small/fields/slab_{k}.nc") for k in (0, 1)]
+    assert [slab.sizes["volume_fraction"] for slab in slabs] == [4, 4]
+    for slab in slabs:
+        assert set(FIELDS) <= set(slab.data_vars)
+        assert slab.sizes["position"] == 20
+        assert not any(np.isnan(slab[name]).any() for name in slab.data_vars)
+
+
+def test_validation_is_on_cases_outside_the_factorial(ran: Project) -> None:
+    data = read_whole(ran.folder / "results/small/validation.nc")
+    levels = read_whole(ran.folder / "results/small/quantities.nc")["volume_fraction"].values
+    assert data.sizes["case"] == 200
+    assert not np.isin(data["volume_fraction"].values, levels).any()
+    model = surrogate.load(ran.folder / "results/small/surrogate.nc")
+    inputs = {name: data[name] for name in model.box}
+    exact = solve({**inputs, "composite": "fibrous"})
+    for name in data["output"].values:
+        one = data.sel(output=name)
+        error = np.abs(model.predict(inputs)[name] - exact[name]).max() / np.ptp(exact[name].values)
+        assert float(one["max_error"]) == pytest.approx(float(error), rel=1e-6)
+        assert float(one["max_error"]) < 1e-3
+
+
+def test_a_design_is_solved_again_exactly(ran: Project) -> None:
+    data = read_whole(ran.folder / "results/small/design.nc").sel(target="sensor")
+    values = {str(name): float(data["value"].sel(factor=name)) for name in data["factor"].values}
+    friction = np.linspace(0.1, 0.4, 301)
+    exact = solve({**values, "friction": friction, "composite": "fibrous"})
+    assert float(data["exact"].sel(term="objective")) == pytest.approx(
+        float(abs(exact["voltage_sensitivity"]).min()), rel=1e-9
+    )
+    assert float(exact["trailing_tension"].max()) <= 50e6
+    assert str(data["status"].values).startswith("feasible; binding: trailing_tension <= 5e+07")
+
+
+def test_an_infeasible_target_names_what_binds(ran: Project) -> None:
+    data = read_whole(ran.folder / "results/small/design.nc").sel(target="impossible")
+    assert not bool(data["feasible"])
+    assert str(data["status"].values).startswith("infeasible: trailing_tension <= 1e+06 binds; the least violated")
+    assert "infeasible: trailing_tension" in (ran.folder / "results/small/design.csv").read_text(encoding="utf-8")
+
+
+def test_provenance_names_versions_hashes_and_seed(ran: Project) -> None:
+    content = json.loads((ran.folder / "results/small/provenance.json").read_text(encoding="utf-8"))
+    assert content["seed"] == 1
+    assert content["versions"]["numpy"] == np.__version__
+    assert set(content["results_sha256"]) >= {"quantities.nc", "surrogate.nc", "validation.nc", "design.nc"}
+
+
+def test_a_second_run_does_nothing(ran: Project) -> None:
+    done = ran.snakemake(REPORT)
+    assert "Nothing to be done" in done.stdout + done.stderr
+
+
+def test_edits_rerun_exactly_what_depends_on_them(copy: Callable[[str], Project]) -> None:
+    project = copy("edits")
+    project.snakemake(REPORT)
+    everything_after_the_surrogate = {
+        "surrogate", "validation", "target", "design", "figure_errors", "figure_design", "provenance", "report",
+    }  # fmt: skip
+    study = project.folder / "config/small.yaml"
+    original = study.read_text(encoding="utf-8")
+
+    def plan(file: Path, old: str, new: str) -> set[str]:
+        text = file.read_text(encoding="utf-8")
+        assert old in text
+        file.write_text(text.replace(old, new, 1), encoding="utf-8")
+        planned = project.planned(REPORT)
+        file.write_text(text, encoding="utf-8")
+        return planned
+
+    assert project.planned(REPORT) == set()
+    assert plan(study, "A small study", "A smaller study") == {"provenance", "report"}
+    assert plan(study, "trailing_tension <= 1e6", "trailing_tension <= 2e6") == {
+        "target", "design", "figure_design", "provenance", "report",
+    }  # fmt: skip
+    assert plan(study, "friction: [0.0, 0.3]", "friction: [0.0, 0.2]") == {
+        "effect", "figure_effect", "provenance", "report",
+    }  # fmt: skip
+    assert plan(project.folder / "surrogate/gridgp.py", '"""', '"""Edited. ') == everything_after_the_surrogate
+    solver = plan(project.folder / "solver/contact.py", '"""', '"""Edited. ')
+    assert solver == everything_after_the_surrogate | {"slab", "quantities", "effect", "figure_fields", "figure_effect"}
+    assert plan(project.folder / "workflow/templates/report.html.j2", "<h2>Study", "<h2>The study") == {"report"}
+    assert plan(project.folder / "workflow/scripts/design.py", '"""Rule', '"""The rule') >= {"design", "report"}
+    assert study.read_text(encoding="utf-8") == original
+
+
+def test_equal_inputs_give_equal_bytes(ran: Project, copy: Callable[[str], Project]) -> None:
+    again = copy("again")
+    again.run("snakemake", "--cores", "1", REPORT)
+    results = ran.folder / "results/small"
+    compared = sorted(file for file in results.rglob("*") if file.suffix in (".nc", ".csv", ".svg"))
+    assert len(compared) > 12
+    for file in compared:
+        other = again.folder / "results/small" / file.relative_to(results)
+        assert file.read_bytes() == other.read_bytes(), file.name
+
+
+def test_any_intermediate_file_can_be_asked_for(copy: Callable[[str], Project]) -> None:
+    project = copy("part")
+    project.snakemake("results/small/fields/slab_1.nc")
+    made = [file.name for file in (project.folder / "results/small").rglob("*") if file.is_file()]
+    assert made == ["slab_1.nc"]
+
+
+def test_snakemake_report_shows_the_figures_with_captions(ran: Project) -> None:
+    ran.snakemake("--report", "snakemake-report.html", "--", REPORT)
+    page = (ran.folder / "snakemake-report.html").read_text(encoding="utf-8")
+    for word in ("Worst-case objective on the surrogate", "Exact surface fields while one factor varies", "parity"):
+        assert word in page
+
+
+def test_rulegraph_and_lint(ran: Project) -> None:
+    graph = ran.snakemake("--rulegraph", "--", REPORT).stdout
+    assert all(f'label = "{rule}"' in graph for rule in ("slab", "quantities", "surrogate", "validation", "report"))
+    # the pinned virtual environment is the software of every rule: the one finding that is meant to stay
+    findings = re.findall(r"^ +\* (.*):$", ran.run("snakemake", "--lint", check=False).stderr, re.MULTILINE)
+    assert set(findings) == {"Specify a conda environment or container for each rule."}
+
+
+def test_a_bad_study_ends_with_one_line_and_nothing_written(copy: Callable[[str], Project]) -> None:
+    project = copy("bad")
+    study = project.folder / "config/small.yaml"
+    study.write_text(study.read_text(encoding="utf-8").replace("friction:", "fricton:", 1), encoding="utf-8")
+    done = project.run("meecontact", "run", "small", check=False)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "config/small.yaml: factors.fricton: 'fricton' is not a factor; did you mean 'friction'?" in done.stderr
+    assert not (project.folder / "results").exists()
+    done = project.run("meecontact", "run", "../small", check=False)
+    assert done.returncode == 2
+    assert "study: '../small' is unknown" in done.stderr
+
+
+def test_a_study_without_factors_reports_its_effects_only(copy: Callable[[str], Project]) -> None:
+    project = copy("effects")
+    only = "title: Effects only\neffects:\n  baseline: {material: PZT-4, radius: 0.05, load: 1e5}\n"
+    only += "  vary: {friction: [0.0, 0.4]}\n"
+    (project.folder / "config/small.yaml").write_text(only, encoding="utf-8")
+    project.snakemake(REPORT)
+    page = (project.folder / REPORT).read_text(encoding="utf-8")
+    assert 'id="figure-effect_friction"' in page
+    assert 'id="surrogate"' not in page

@@ -1,0 +1,37 @@
+"""The hash of a script follows the sources that the script reaches, and nothing else."""
+
+from workflow import provenance
+
+SCRIPTS = provenance.ROOT / "workflow" / "scripts"
+
+
+def reached(script: str) -> set[str]:
+    return {file.relative_to(provenance.ROOT).as_posix() for file in provenance.sources(SCRIPTS / script)}
+
+
+def test_slabs_reach_the_solver_and_its_data() -> None:
+    files = reached("slab.py")
+    assert {"solver/labelled.py", "solver/fields.py", "solver/materials.toml", "workflow/factorial.py"} <= files
+    assert not files & {"workflow/report.py", "workflow/design.py", "workflow/figures.py", "workflow/cli.py"}
+    assert not files & {"surrogate/gridgp.py", "surrogate/optimise.py", "surrogate/persistence.py"}
+
+
+def test_a_design_reaches_solver_and_surrogate() -> None:
+    files = reached("target.py")
+    assert {"solver/contact.py", "surrogate/optimise.py", "workflow/design.py"} <= files
+    assert "workflow/report.py" not in files
+
+
+def test_the_page_does_not_reach_the_design_search() -> None:
+    assert "workflow/design.py" not in reached("report.py")
+
+
+def test_the_hash_follows_the_bytes() -> None:
+    one = provenance.code("workflow/scripts/report.py")
+    assert one == provenance.code("workflow/scripts/report.py")
+    assert one != provenance.code("workflow/scripts/report.py", "workflow/captions/design.rst")
+    assert "workflow/templates/report.html.j2" in reached("report.py")
+
+
+def test_versions_name_every_named_package() -> None:
+    assert set(provenance.versions()) == {"python", *provenance.PACKAGES}

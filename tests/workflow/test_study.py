@@ -1,0 +1,186 @@
+"""The study model: what it accepts, and the one line with which it refuses."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from workflow import schema
+from workflow.inputs import InputError, read_yaml
+from workflow.study import Study, load
+
+QUICKSTART = Path("config/quickstart.yaml")
+
+
+def refusal(tmp_path: Path, old: str, new: str) -> str:
+    """The line with which a changed quickstart is refused."""
+    text = QUICKSTART.read_text(encoding="utf-8")
+    assert old in text
+    path = tmp_path / "changed.yaml"
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load(path)
+    line = str(caught.value)
+    assert line.startswith(f"{path}:")
+    assert "\n" not in line
+    return line.removeprefix(f"{path}: ")
+
+
+@pytest.mark.parametrize("path", sorted(Path("config").glob("*.yaml")), ids=lambda path: path.stem)
+def test_every_study_of_the_project_loads(path: Path) -> None:
+    assert load(path).title
+
+
+def test_quickstart_is_the_factorial_of_the_documentation() -> None:
+    study = load(QUICKSTART)
+    assert study.cases == 41_600
+    assert {name: axis.levels for name, axis in study.factors.items()} == {
+        "volume_fraction": 26, "friction": 5, "radius": 8, "load": 10, "charge": 4,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("high: 0.6", "hihg: 0.6", "factors.friction.hihg: unknown key; did you mean 'high'? allowed: low, high,"),
+        ("title:", "titel:", "titel: unknown key; did you mean 'title'?"),
+        ("levels: 5", "levels: 5.5", "factors.friction.levels: 5.5: input should be a valid integer"),
+        ("levels: 5", "levels: 1", "factors.friction.levels: 1: input should be greater than or equal to 2"),
+        ("levels: 5", "levels: '5'", "factors.friction.levels: '5': input should be a valid integer"),
+        ("levels: 5", "levels: true", "factors.friction.levels: True: input should be a valid integer"),
+        (", levels: 5", "", "factors.friction.levels: missing"),
+        ("high: 0.6", "high: .nan", "factors.friction.high: nan: input should be a finite number"),
+        ("high: 0.2,", "high: .inf,", "factors.radius.high: inf: input should be a finite number"),
+        ("low: 0.0, high: 0.6", "low: 0.7, high: 0.6", "factors.friction: low = 0.7 must be below high = 0.6"),
+        ("low: 0.0, high: 0.6", "low: -0.1, high: 0.6", "friction: -0.1 is not a finite number >= 0 [1]"),
+        ("low: 5e-3", "low: 0.0", "factors.radius: low = 0 must be positive on a log scale"),
+        ("high: 0.95", "high: 1.05", "volume_fraction: 1.05 is not a finite number >= 0 and <= 1 [1]"),
+        ("friction: {low", "fricton: {low", "factors.fricton: 'fricton' is not a factor; did you mean 'friction'?"),
+        ("[BaTiO3, CoFe2O4]", "[BaTi3, CoFe2O4]", "material: 'BaTi3' is unknown; did you mean 'BaTiO3'?"),
+        ("[BaTiO3, CoFe2O4]", "[BaTiO3]", "phases: ['BaTiO3']: list should have at least 2 items"),
+        ("composite: fibrous", "composite: fibruos", "composite: 'fibruos' is not one of fibrous, laminate"),
+        ("magnetic_charge: 0.0", "magnetic_charge: none", "magnetic_charge: 'none' is not a finite number [Wb m-1]"),
+        ("magnetic_charge: 0.0", "charge: 0.0", "fixed: charge: is one of the factors already"),
+        ("tension <=", "tensin <=", "design.sensor: 'trailing_tensin' is not a quantity; did you mean 'trailing_t"),
+        ("<= 50e6", ">= 50e6", "design.sensor: 'trailing_tension >= 50e6' is not of the form quantity <= value"),
+        ("abs(volt", "sqrt(volt", "design.sensor: 'sqrt(voltage_sensitivity)' is not of the form"),
+        ("[0.1, 0.4]", "[0.1, 0.9]", "design: sensor: friction = 0.9 is not within 0 to 0.6"),
+        ("[0.1, 0.4]", "[0.4, 0.1]", "design.sensor: worst_case: friction: 0.4 must not be above 0.1"),
+        ("[0.1, 0.4]", "[0.1]", "design.sensor.worst_case.friction: [0.1]: list should have at least 2 items"),
+        ("{load: 1e4, charge: 0.0}", "{load: 1e4}", "design: sensor: 'charge' is missing; put it in over, at or"),
+        ("over: [volume_fraction, radius]", "over: [radius, radius]", "design: sensor: 'radius' is given twice"),
+        ("  sensor:", "  my sensor:", "design: 'my sensor' must be letters, digits and underscores"),
+        ("cases: 5000", "cases: 5000\n  cases: 4", "line 27: not valid YAML: key 'cases' is given twice"),
+        ("\ndesign:", "\n\tdesign:", "line 30: not valid YAML: found character '\\t' that cannot start any token"),
+    ],
+)  # fmt: skip
+def test_refuses_in_one_line(tmp_path: Path, old: str, new: str, expected: str) -> None:
+    line = refusal(tmp_path, old, new)
+    assert re.sub(r"line \d+", "line", line).startswith(re.sub(r"line \d+", "line", expected))
+
+
+def test_refuses_more_cases_than_it_can_hold(tmp_path: Path) -> None:
+    text = re.sub(r"levels: \d+", "levels: 1000", QUICKSTART.read_text(encoding="utf-8"))
+    path = tmp_path / "huge.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="factors: 1000000000000000 cases are more than 20000000"):
+        load(path)
+
+
+def test_numbers_follow_yaml_1_2(tmp_path: Path) -> None:
+    path = tmp_path / "numbers.yaml"
+    path.write_text("a: 1e4\nb: -2.5E-3\nc: .5\nd: 7\ne: '1e4'\n", encoding="utf-8")
+    assert read_yaml(path) == {"a": 1e4, "b": -2.5e-3, "c": 0.5, "d": 7, "e": "1e4"}
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("!!python/object/apply:os.system ['true']", "not valid YAML"),
+        ("a: &x [1]\nb: *x", "aliases are not allowed"),
+        ("[1, 2]", "not a mapping"),
+        ("", "not a mapping"),
+        ("1: 2", "not a mapping of names"),
+        ("a: " + "[" * 3000 + "]" * 3000, "nested too deeply"),
+        ("a: 2020-13-45", "not valid YAML"),
+    ],
+)
+def test_yaml_is_data_only(tmp_path: Path, text: str, expected: str) -> None:
+    path = tmp_path / "bad.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=expected):
+        read_yaml(path)
+
+
+@given(st.text(max_size=200))
+def test_any_text_is_a_mapping_or_a_named_refusal(tmp_path_factory: pytest.TempPathFactory, text: str) -> None:
+    path = tmp_path_factory.mktemp("fuzz") / "text.yaml"
+    path.write_bytes(text.encode("utf-8", "replace"))
+    try:
+        content = read_yaml(path)
+    except InputError as error:
+        content = {}
+        named = str(error).startswith(f"{path}:")
+    else:
+        named = True
+    assert named
+    assert isinstance(content, dict)
+
+
+def test_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"absent\.yaml: No such file"):
+        load(tmp_path / "absent.yaml")
+
+
+def test_own_material_is_read_and_checked(tmp_path: Path) -> None:
+    text = QUICKSTART.read_text(encoding="utf-8").replace(
+        "[BaTiO3, CoFe2O4]", "[mine, CoFe2O4]\nmaterials: [mine.yaml]"
+    )
+    study = tmp_path / "own.yaml"
+    study.write_text(text, encoding="utf-8")
+    constants = "c11: 166e9\nc12: 77e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\neps11: 11.2e-9\neps33: 12.6e-9\n"
+    (tmp_path / "mine.yaml").write_text(constants, encoding="utf-8")
+    assert float(load(study).own_materials["mine"].c33) == 162e9
+    (tmp_path / "mine.yaml").write_text(constants + "mu11: -590e-6\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"mine\.yaml: mine: mu11 = -0\.00059 N s2 C-2: must be positive; .*\+590e-6"):
+        load(study)
+
+
+def test_positions_never_touch_the_edges() -> None:
+    X = Study.model_validate({"title": "t", "factors": {}, "effects": {"baseline": {}, "vary": {"friction": [0.1]}}})
+    assert X.effects is not None
+    values = X.effects.positions.values()
+    assert np.all(np.diff(values) > 0)
+    assert not np.any(np.abs(values) == 1)
+
+
+def test_digest_follows_its_sections_only(tmp_path: Path) -> None:
+    one = load(QUICKSTART)
+    text = (
+        QUICKSTART.read_text(encoding="utf-8")
+        .replace("maximise: abs(stroke", "maximise: abs(blocked_load")
+        .replace("blocked_load_per_volt)", "blocked_load_per_volt)")
+    )
+    path = tmp_path / "other.yaml"
+    path.write_text(text, encoding="utf-8")
+    other = load(path)
+    assert one.digest("phases", "factors") == other.digest("phases", "factors")
+    assert one.digest("design") != other.digest("design")
+
+
+def test_schema_and_documented_default_are_the_model() -> None:
+    assert schema.SCHEMA.read_text(encoding="utf-8") == schema.schema_text()
+    assert schema.DEFAULT.read_text(encoding="utf-8") == schema.default_text()
+
+
+def test_documented_default_holds_every_default() -> None:
+    documented = yaml.safe_load(schema.default_text().replace("1e-06", "1.0e-06"))
+    documented["title"] = "t"
+    fields = {name: field for name, field in Study.model_fields.items() if not field.is_required()}
+    plain = {name: field.get_default(call_default_factory=True) for name, field in fields.items()}
+    expected = {name: v.model_dump() if hasattr(v, "model_dump") else v for name, v in plain.items()}
+    assert documented == {"title": "t", **expected}
