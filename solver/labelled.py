@@ -70,6 +70,8 @@ def solve(
     sizes = {dim: size for array in arrays.values() for dim, size in array.sizes.items()}
     aligned = {name: _aligned(array, dims) for name, array in arrays.items()}
 
+    if len(phases) != 2:
+        raise FactorError(f"phases: {len(phases)} given; a composite has two")
     material = _material(aligned, materials, [_phase(phase, materials) for phase in phases])
     number: dict[str, Array] = {n: aligned.get(n, np.array(factor.default or 0.0)) for n, factor in FACTORS.items()}
     charges = np.stack(np.broadcast_arrays(number["charge"], number["magnetic_charge"]), -1)
@@ -87,10 +89,14 @@ def solve(
     )
     if positions is not None:
         X = _positions(positions)
-        fields = surface_fields(contact, X)
+        with np.errstate(all="ignore"):  # what is not finite is named below
+            fields = surface_fields(contact, X)
         out = out.assign_coords(position=("position", X, {"units": "1", "long_name": "surface position X = (x - c)/h"}))
         for name, described in FIELDS.items():
-            value = fields.singular(name) if name in SINGULAR else getattr(fields, name)
+            with np.errstate(all="ignore"):
+                value = fields.singular(name) if name in SINGULAR else getattr(fields, name)
+            if not np.all(np.isfinite(value)):
+                raise FactorError(f"{name}: not finite for these factors and positions (overflow)")
             out[name] = ((*dims, "position"), np.broadcast_to(value, (*shape, X.size)), described.attrs)
             if regular and name in SINGULAR:
                 attrs = {"units": described.units, "long_name": f"{described.long_name}, times sqrt|1 - X^2|"}
@@ -189,7 +195,7 @@ def _number(name: str, array: xr.DataArray) -> xr.DataArray:
 
 
 def _choice(name: str, array: xr.DataArray, allowed: tuple[str | float, ...]) -> None:
-    for value in np.unique(array.values):
+    for value in array.values.flat:
         if value not in allowed:
             raise FactorError(f"{name}: {str(value)!r} is not one of {', '.join(map(str, allowed))}")
 
