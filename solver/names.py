@@ -42,22 +42,35 @@ class Described:
 FACTORS: dict[str, Factor] = {
     "volume_fraction": Factor("1", "volume fraction of phase one", None, 0.0, high=1.0),
     "radius": Factor("m", "punch radius R", None, 0.0, low_allowed=False),
+    "width": Factor("m", "width of a flat punch", None, 0.0, low_allowed=False),
+    "slope": Factor("1", "slope dg/dx of a wedge's face, or tilt of a flat punch"),
+    "moment": Factor("N", "moment int x p dx of the pressure about the middle of a flat punch, instead of its slope"),
     "friction": Factor("1", "Coulomb coefficient eta", 0.0, 0.0),
     "load": Factor("N m-1", "normal load P", None, 0.0, low_allowed=False),
     "charge": Factor("C m-1", "electric charge T", 0.0),
     "magnetic_charge": Factor("Wb m-1", "magnetic charge J", 0.0),
+    "speed": Factor("m s-1", "steady sliding speed V", 0.0, 0.0),
     "datum": Factor("m", "reference length L of the potentials", 1.0, 0.0, low_allowed=False),
 }
 
-#: Factors that take one of a few names.
-CHOICES: dict[str, tuple[str, ...]] = {"composite": ("fibrous", "laminate")}
+#: Factors that take one of a few names; the first is the default.
+CHOICES: dict[str, tuple[str, ...]] = {
+    "composite": ("fibrous", "laminate"),
+    "profile": ("cylinder", "flat", "wedge", "half_cylinder"),
+    "corner": ("leading", "trailing"),
+    "electric": ("conducting", "insulating"),
+    "magnetic": ("conducting", "insulating"),
+}
 
-#: Factors of the wider contact problem and the only value that this version solves.
-FIXED: dict[str, str | float] = {
-    "profile": "cylinder",
-    "electric": "conducting",
-    "magnetic": "conducting",
-    "speed": 0.0,
+#: Factors of which this version solves one value only: none.
+FIXED: dict[str, str | float] = {}
+
+#: Factors that each profile must be given, and those that it may be given.
+PROFILES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "cylinder": (("radius",), ()),
+    "flat": (("width",), ("slope", "moment")),
+    "wedge": (("slope",), ("corner",)),
+    "half_cylinder": (("radius",), ("corner",)),
 }
 
 #: Surface fields over (case factors..., position).
