@@ -3,8 +3,20 @@
 from solver.composite import fibrous, laminate
 from solver.factors import FactorError
 from solver.labelled import solve
+from solver.labelled_interior import solve_interior
 from solver.library import find, materials
 from solver.material import Material, MaterialError
 from solver.profile import Profile
 
-__all__ = ["FactorError", "Material", "MaterialError", "Profile", "fibrous", "find", "laminate", "materials", "solve"]
+__all__ = [
+    "FactorError",
+    "Material",
+    "MaterialError",
+    "Profile",
+    "fibrous",
+    "find",
+    "laminate",
+    "materials",
+    "solve",
+    "solve_interior",
+]

@@ -134,6 +134,14 @@ class Contact:
         width = (np.pi * self.half_width)[..., None]
         return -(self.charges + self.sliding.screening * self.load[..., None]) / width
 
+    @cached_property
+    def relative_charge_density(self) -> Array:
+        """e0 over the pressure scale; (..., 2), as small as the shape of the pressure where there are no charges."""
+        carried = -self.shape.total[..., None] * self.sliding.screening  # r P / (h pressure_scale)
+        if np.any(self.charges):
+            carried = carried + self.charges / (self.half_width * self.pressure_scale)[..., None]
+        return -carried / np.pi
+
     def edge_intensity(self, edge: float) -> Array:
         """lim sqrt(2 pi r) (D_y, B_y) [C m^-3/2, T m^1/2] at a smooth edge, X = 1 trailing or -1 leading; (..., 2)."""
         follower = (self.friction * self.shape.follower_at(edge) * self.pressure_scale)[..., None]

@@ -1,6 +1,6 @@
 """The labelled face of the solver: named factors in, an ``xarray.Dataset`` with units out."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -8,16 +8,16 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import Array
+from solver.cases import by_kind, contact_of_cases, coordinates, require_c12
 from solver.contact import Contact
-from solver.factors import FactorError, align, checked, contact_of
+from solver.factors import FactorError, checked
 from solver.fields import surface_fields
 from solver.material import Material
-from solver.names import FACTORS, FIELDS, QUANTITIES, SINGULAR
-from solver.pressing import ContactError
-from solver.profile import Profile
+from solver.names import FIELDS, PEAKS, QUANTITIES, SINGULAR
+from solver.peaks import peak_principal_tension, peak_von_mises
 from solver.quantities import quantities
 
-_OF_A_KIND = ("profile", "corner")  # one of each at a time; what varies is solved part by part
+_DESCRIBED = {**QUANTITIES, **PEAKS}
 
 
 def solve(
@@ -27,6 +27,7 @@ def solve(
     materials: Mapping[str, Material] = MappingProxyType({}),
     phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
     regular: bool = False,
+    peaks: bool = False,
 ) -> xr.Dataset:
     """Exact solution of every case: all quantities, and the surface fields where positions are given.
 
@@ -47,6 +48,9 @@ def solve(
         Phase one and phase two of a composite, names or :class:`Material`.
     regular
         Also give ``<field>_regular``, the square-root singular fields times sqrt|1 - X^2|.
+    peaks
+        Also give the quantities of ``solver.names.PEAKS``, which are searched for over the body: some milliseconds a
+        case where the others take some microseconds. They need c12.
 
     Returns
     -------
@@ -68,20 +72,30 @@ def solve(
     X = None if positions is None else _positions(positions)
 
     def part(arrays: dict[str, xr.DataArray]) -> xr.Dataset:
-        contact, datum, dims, shape = _contact(arrays, materials, phases)
+        contact, datum, dims, shape = contact_of_cases(arrays, materials, phases)
         with np.errstate(all="ignore"):  # what is not finite is named below
             values = quantities(contact, datum)
+        if peaks:
+            values |= _peaks(contact)
         for name, value in values.items():
             if not np.all(np.isfinite(value)):
                 raise FactorError(f"{name}: not finite for these factors (contact as wide as the datum, or overflow)")
         out = xr.Dataset(
-            {name: (dims, np.broadcast_to(value, shape), QUANTITIES[name].attrs) for name, value in values.items()},
-            coords=_coordinates(arrays),
+            {name: (dims, np.broadcast_to(value, shape), _DESCRIBED[name].attrs) for name, value in values.items()},
+            coords=coordinates(arrays),
         )
         return out if X is None else _with_fields(out, contact, X, dims, shape, regular=regular)
 
-    out = _by_kind(arrays, part)
-    return out[[name for name in (*QUANTITIES, *out.data_vars) if name in out]]
+    out = by_kind(arrays, part)
+    first = [name for name in _DESCRIBED if name in out]
+    return out[[*first, *(name for name in out.data_vars if name not in first)]]
+
+
+def _peaks(contact: Contact) -> dict[str, Array]:
+    require_c12(contact.halfplane.material, list(PEAKS))
+    largest = peak_von_mises(contact)
+    tension = peak_principal_tension(contact)
+    return dict(zip(PEAKS, (largest.value, largest.depth, tension.value), strict=True))
 
 
 def _with_fields(
@@ -97,56 +111,6 @@ def _with_fields(
             attrs = {"units": described.units, "long_name": f"{described.long_name}, times sqrt|1 - X^2|"}
             whole = np.broadcast_to(getattr(fields, f"{name}_regular"), (*shape, X.size))
             out[f"{name}_regular"] = ((*dims, "position"), whole, attrs)
-    return out
-
-
-def _contact(
-    arrays: Mapping[str, xr.DataArray], materials: Mapping[str, Material], phases: Sequence[str | Material]
-) -> tuple[Contact, Array, tuple[str, ...], tuple[int, ...]]:
-    """Contact and datum of cases of one kind; names and sizes of their dimensions."""
-    aligned, sizes = align(arrays)
-    contact, datum = contact_of(aligned, materials, phases)
-    try:
-        contact.pressing  # noqa: B018
-    except ContactError as error:
-        raise FactorError(str(error)) from None
-    return contact, datum, tuple(sizes), tuple(sizes.values())
-
-
-def _by_kind(arrays: dict[str, xr.DataArray], part: Callable[[dict[str, xr.DataArray]], xr.Dataset]) -> xr.Dataset:
-    """The part of each profile and corner, put together along the dimension that they vary on."""
-    for name in _OF_A_KIND:
-        kinds = arrays[name].values if name in arrays else np.empty(0)
-        if kinds.size < 2 or len(found := list(dict.fromkeys(kinds.flat))) < 2:
-            continue
-        if kinds.ndim > 1:
-            raise FactorError(f"{name}: varies along {kinds.ndim} dimensions; give it along one")
-        dim = arrays[name].dims[0]
-        places = [np.flatnonzero(kinds == kind) for kind in found]
-        solved = []
-        for place in places:
-            some = {key: array.isel({dim: place}) if dim in array.dims else array for key, array in arrays.items()}
-            solved.append(_by_kind(some, part))
-        shared = [key for key in solved[0].data_vars if all(key in one for one in solved)]
-        whole = xr.concat(
-            [one[shared] for one in solved], dim, data_vars="all", coords="minimal", compat="override", join="override"
-        )
-        return whole.isel({dim: np.argsort(np.concatenate(places))})
-    return part(arrays)
-
-
-def _coordinates(arrays: Mapping[str, xr.DataArray]) -> dict[str, xr.Variable]:
-    out = {}
-    for name, array in arrays.items():
-        values = array.values
-        if values.dtype == object:
-            names = [
-                v.name if isinstance(v, Material) else "own" if isinstance(v, Profile) else str(v) for v in values.flat
-            ]
-            values = np.array(names).reshape(values.shape)
-        factor = FACTORS.get(name)
-        attrs = {"units": factor.units, "long_name": factor.long_name} if factor else {}
-        out[name] = xr.Variable(array.dims, values, attrs)
     return out
 
 

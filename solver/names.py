@@ -87,6 +87,34 @@ FIELDS: dict[str, Described] = {
 #: Fields with a square-root singularity at the edges, also given times sqrt|1 - X^2| as ``<name>_regular``.
 SINGULAR = tuple(FIELDS)[2:]
 
+#: Fields inside the half-plane over (case factors..., y, x), as :func:`solver.solve_interior` gives them unasked.
+INTERIOR: dict[str, Described] = {
+    "stress_xx": Described("Pa", "stress sigma_xx"),
+    "stress_yy": Described("Pa", "stress sigma_yy"),
+    "stress_xy": Described("Pa", "shear stress sigma_xy"),
+    "stress_zz": Described("Pa", "out-of-plane stress sigma_zz"),
+    "von_mises": Described("Pa", "von Mises stress"),
+    "electric_displacement_x": Described("C m-2", "electric displacement D_x"),
+    "electric_displacement_y": Described("C m-2", "electric displacement D_y"),
+    "magnetic_induction_x": Described("T", "magnetic induction B_x"),
+    "magnetic_induction_y": Described("T", "magnetic induction B_y"),
+    "electric_field_x": Described("V m-1", "electric field E_x"),
+    "electric_field_y": Described("V m-1", "electric field E_y"),
+    "magnetic_field_x": Described("A m-1", "magnetic field H_x"),
+    "magnetic_field_y": Described("A m-1", "magnetic field H_y"),
+}
+
+#: Fields inside the half-plane that are given when asked for by name.
+INTERIOR_ON_REQUEST: dict[str, Described] = {
+    "principal_tension": Described("Pa", "largest principal stress"),
+    "strain_xx": Described("1", "strain epsilon_xx"),
+    "strain_yy": Described("1", "strain epsilon_yy"),
+    "strain_xy": Described("1", "tensor shear strain epsilon_xy"),
+}
+
+#: Fields inside the half-plane that need c12.
+NEED_C12 = ("stress_zz", "von_mises", "principal_tension")
+
 #: Quantities, one number per case.
 QUANTITIES: dict[str, Described] = {
     "contact_trailing": Described("m", "trailing extent a of the contact"),
@@ -110,4 +138,11 @@ QUANTITIES: dict[str, Described] = {
     "stroke_per_ampere": Described("m A-1", "depth per magnetic potential at fixed load and electric charge"),
     "blocked_load_per_volt": Described("N m-1 V-1", "load per voltage at fixed depth and magnetic charge"),
     "blocked_load_per_ampere": Described("N m-1 A-1", "load per magnetic potential at fixed depth and electric charge"),
+}
+
+#: Quantities of the body below depth 0.1 h, which are searched for and given when asked for.
+PEAKS: dict[str, Described] = {
+    "peak_von_mises": Described("Pa", "largest von Mises stress below depth 0.1 h"),
+    "peak_von_mises_depth": Described("m", "depth of the largest von Mises stress below depth 0.1 h"),
+    "peak_principal_tension": Described("Pa", "largest principal stress below depth 0.1 h"),
 }
