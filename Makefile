@@ -17,7 +17,7 @@ run: .venv/run.stamp  ## run one study to its report: make run [STUDY=quickstart
 
 test: .venv/dev.stamp  ## linters, types, import contract and every test
 	@$(MAKE) --no-print-directory lint
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto
 
 lint: .venv/dev.stamp  ## ruff, mypy --strict and the import contract
 	$(BIN)/ruff check .

@@ -10,6 +10,7 @@ from tqdm import tqdm
 from solver import solve
 from solver.names import FACTORS, FIELDS, QUANTITIES
 from surrogate import Input, chebyshev_levels
+from workflow.joblog import log
 from workflow.study import Study
 
 
@@ -49,6 +50,7 @@ def slab(study: Study, index: int) -> xr.Dataset:
     for level in _progress(part, per_level, name):
         piece = exact(study, {**axes, first: np.array([level])}, study.dataset.positions.values())
         pieces.append(piece.assign({field: piece[field].astype(study.dataset.precision) for field in FIELDS}))
+    log.info("%s: %d cases of %d", name, part.size * per_level, study.cases)
     return xr.concat(pieces, dim=first)
 
 

@@ -12,7 +12,9 @@ def start(path: str) -> None:
     """Log to a file; an exception goes there in full and to the terminal in one line."""
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     logging.captureWarnings(capture=True)
-    logging.basicConfig(filename=path, filemode="w", level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
+    logging.basicConfig(
+        filename=path, filemode="w", force=True, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s"
+    )
 
     def report(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
         log.error("failed", exc_info=(kind, error, trace))

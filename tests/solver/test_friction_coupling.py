@@ -1,0 +1,88 @@
+"""kap = 0, where the closed form's D_y and B_y have the shape 0/0, and friction going to 0.
+
+The material is made for it: soft in shear and strongly coupled, so that kap changes its sign as c44 grows. The place of
+the crossing comes from the oracle's own half-plane.
+"""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+import solver
+from tests.oracles import precise
+from tests.oracles.surface_response import surface_response
+from tests.solver.cases import CHARGED, SIH_SONG, assert_agrees, closed_form
+
+MADE = {"c11": 211e9, "c13": 407e9, "c33": 1230e9, "e31": -2.5, "e33": 22.0, "e15": 9.6, "f31": 235.0, "f33": 1180.0}
+MADE |= {"f15": 130.0, "eps11": 2.3e-9, "eps33": 9.5e-9, "g11": 0.0, "g33": 5e-9, "mu11": 107e-6, "mu33": 16e-6}
+POSITIONS = (-20.0, -1.01, -0.99, -0.4, 0.3, 0.99, 1.01, 4.0)
+CONTACT: dict[str, Any] = CHARGED | {"friction": 1.5}
+
+
+def reduced(c44: float) -> tuple[float, float]:
+    """kap/lam and the larger of |d| over sqrt(lam |M_jj|^-1), by Schur complement of the oracle's compliance."""
+    surface = surface_response(MADE | {"c44": c44})
+    units = np.array([1.0, 1e10, 1e8])
+    N, k = surface.normal_compliance / np.outer(units, units), surface.shear_coupling / units
+    d = np.linalg.solve(N[1:, 1:], k[1:])
+    kap, lam = k[0] - N[0, 1:] @ d, N[0, 0] - N[0, 1:] @ np.linalg.solve(N[1:, 1:], N[0, 1:])
+    return float(kap / lam), float(np.max(np.abs(d) / np.sqrt(lam / np.abs(np.diag(N)[1:]))))
+
+
+@cache
+def crossing() -> float:
+    """c44 at which kap is zero."""
+    return float(brentq(lambda c44: reduced(c44)[0], 12e9, 60e9, xtol=1e-6, rtol=1e-15))
+
+
+def test_the_made_material_crosses_zero_with_d_not_zero() -> None:
+    kap, d = reduced(crossing())
+    assert abs(kap) < 1e-14
+    assert d > 0.01
+    assert reduced(0.9 * crossing())[0] * reduced(1.1 * crossing())[0] < 0
+
+
+@pytest.mark.parametrize("offset", [0.0, -1e-13, 1e-9, 0.1])
+def test_values_at_and_about_the_crossing(offset: float) -> None:
+    c44 = crossing() * (1 + offset)
+    exact = precise.solve(MADE | {"c44": c44}, positions=POSITIONS, **CONTACT)
+    material = solver.Material.from_mapping(MADE | {"c44": c44})
+    assert_agrees(solver.solve({"material": material, **CONTACT}, POSITIONS), exact)
+
+
+def test_everything_is_smooth_across_the_crossing() -> None:
+    """On a Chebyshev grid about the crossing every output is a polynomial of low degree to rounding."""
+    t = np.cos(np.pi * (np.arange(40) + 0.5) / 40)
+    own = {f"m{i}": solver.Material.from_mapping(MADE | {"c44": crossing() * (1 + 0.05 * x)}) for i, x in enumerate(t)}
+    out = solver.solve({"material": list(own), **CONTACT}, POSITIONS, materials=own)
+    assert_smooth(out.transpose("material", ...), t, 1e-13)
+
+
+def test_everything_is_smooth_in_friction_from_zero_on() -> None:
+    t = np.cos(np.pi * (np.arange(60) + 0.5) / 60)
+    out = solver.solve({"material": SIH_SONG, **CHARGED, "friction": (1 + t) / 2}, POSITIONS)
+    assert_smooth(out.transpose("friction", ...), t, 1e-13)
+
+
+def assert_smooth(out: xr.Dataset, t: NDArray[np.float64], limit: float) -> None:
+    """The last third of the Chebyshev coefficients over the first dimension is below ``limit`` of the largest."""
+    for name in closed_form(out):
+        c = np.abs(np.polynomial.chebyshev.chebfit(t, out[name].values.reshape(len(t), -1), len(t) - 1))
+        assert np.all(c[2 * len(t) // 3 :] <= limit * np.max(c)), name
+
+
+@pytest.mark.parametrize("friction", [1e-300, 1e-100, 1e-16, 1e-9])
+def test_a_trace_of_friction_changes_nothing_but_a_trace(friction: float) -> None:
+    at_rest = solver.solve({"material": SIH_SONG, **CHARGED, "friction": 0.0}, POSITIONS)
+    sliding = solver.solve({"material": SIH_SONG, **CHARGED, "friction": friction}, POSITIONS)
+    for name in closed_form(at_rest):
+        size = float(np.max(np.abs(at_rest[name])))
+        if size:
+            change = float(np.max(np.abs(sliding[name] - at_rest[name]))) / size
+            assert change <= 10 * friction + 4e-16, name
+    np.testing.assert_allclose(sliding["shear_traction"], -friction * sliding["contact_pressure"], rtol=1e-15)

@@ -1,0 +1,116 @@
+"""How results depend on load, radius and charges (theory section 8): powers of P and R, affine in T and J."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from hypothesis import given
+
+import solver
+from tests.solver.cases import assert_same, closed_form
+from tests.solver.strategies import PROPERTY, between, decades, loads, materials
+
+POSITIONS = (-4.0, -1.05, -0.9, 0.2, 0.97, 1.05)
+MECHANICAL: tuple[str, ...] = (
+    "contact_trailing",
+    "contact_leading",
+    "pressure_exponent",
+    "peak_pressure",
+    "trailing_tension",
+)
+MECHANICAL += ("leading_compression", "contact_pressure", "shear_traction")
+TANGENTS_WITHOUT_CHARGES = ("voltage_sensitivity", "magnetic_sensitivity", "charge_sensitivity", "flux_sensitivity")
+RATIOS = ("stroke_per_volt", "stroke_per_ampere", *TANGENTS_WITHOUT_CHARGES)
+LENGTHS = ("contact_trailing", "contact_leading")
+
+
+@PROPERTY
+@given(material=materials(), case=loads(), heavier=decades(-2, 2), rounder=decades(-2, 2))
+def test_lengths_and_stresses_are_powers_of_load_and_radius(
+    material: solver.Material, case: dict[str, Any], heavier: float, rounder: float
+) -> None:
+    """Without charges every length grows as sqrt(R P), every field as sqrt(P / R), each intensity by both."""
+    case = {"material": material, **case, "charge": 0.0, "magnetic_charge": 0.0}
+    scaled = case | {"load": heavier * case["load"], "radius": rounder * case["radius"]}
+    one, two = (solver.solve(c, POSITIONS) for c in (case, scaled))
+    length, stress = (heavier * rounder) ** 0.5, (heavier / rounder) ** 0.5
+    for name in closed_form(one):
+        if name in LENGTHS:
+            power = length
+        elif name == "peak_pressure" or "position" in one[name].dims or name.endswith(("tension", "compression")):
+            power = stress
+        elif "edge_intensity" in name:
+            power = stress * length**0.5
+        elif name == "pressure_exponent" or name.startswith("stroke"):
+            power = 1.0
+        else:
+            continue
+        size = float(np.max(np.abs(one[name])))
+        expected = power * one[name]
+        np.testing.assert_allclose(two[name], expected, rtol=1e-11, atol=1e-13 * power * size, err_msg=name)
+
+
+@PROPERTY
+@given(material=materials(), case=loads(), heavier=decades(-2, 2), further=decades(-2, 2))
+def test_potentials_move_by_a_logarithm_when_the_datum_does(
+    material: solver.Material, case: dict[str, Any], heavier: float, further: float
+) -> None:
+    """depth / P and potentials / P at T = J = 0 depend on log(h / L) alone, so the datum can make up for the width."""
+    case = {"material": material, **case, "charge": 0.0, "magnetic_charge": 0.0}
+    one = solver.solve(case | {"datum": 1.0})
+    two = solver.solve(case | {"load": heavier * case["load"], "datum": heavier**0.5})
+    for name in ("depth", "voltage", "magnetic_potential"):
+        np.testing.assert_allclose(two[name], heavier * one[name], rtol=1e-11, atol=1e-12 * heavier * spread(one, name))
+    rates = [solver.solve(case | {"datum": datum}) for datum in (1.0, further, further**2)]
+    for name in ("depth", "voltage", "magnetic_potential"):
+        first, second = rates[1][name] - rates[0][name], rates[2][name] - rates[1][name]
+        np.testing.assert_allclose(first, second, rtol=1e-11, atol=1e-12 * spread(one, name))
+
+
+def spread(one: xr.Dataset, name: str) -> float:
+    """A size of a potential that its own cancellation does not make small."""
+    tangent = {"voltage": "voltage_sensitivity", "magnetic_potential": "magnetic_sensitivity"}
+    return float(abs(one[name])) + (float(abs(one[tangent[name]])) * 1e6 if name in tangent else 0.0)
+
+
+@PROPERTY
+@given(material=materials(), case=loads(), times=between(-3, 3))
+def test_charges_enter_affinely_and_leave_the_pressure_alone(
+    material: solver.Material, case: dict[str, Any], times: float
+) -> None:
+    def at(share: float) -> xr.Dataset:
+        charges = {name: share * case[name] for name in ("charge", "magnetic_charge")}
+        return solver.solve({"material": material, **case, **charges}, POSITIONS, regular=True)
+
+    none, one, some = at(0.0), at(1.0), at(times)
+    kept = [*MECHANICAL, *RATIOS]
+    for name in kept:
+        np.testing.assert_array_equal(one[name], none[name], err_msg=name)
+    for name in set(closed_form(none)) - set(kept):
+        if name.startswith("blocked"):
+            continue  # a ratio of two affine functions
+        sizes = [float(np.max(np.abs(values[name]))) for values in (none, one)]
+        expected = none[name].values + times * (one[name].values - none[name].values)
+        np.testing.assert_allclose(some[name], expected, rtol=1e-11, atol=1e-13 * max(sizes), err_msg=name)
+
+
+@PROPERTY
+@given(material=materials(), case=loads())
+def test_charges_act_one_by_one(material: solver.Material, case: dict[str, Any]) -> None:
+    grid = {"charge": [0.0, case["charge"]], "magnetic_charge": [0.0, case["magnetic_charge"]]}
+    out = solver.solve({"material": material, **case, **grid}, POSITIONS, regular=True)
+    corners = {(i, j): out.isel(charge=i, magnetic_charge=j, drop=True) for i in (0, 1) for j in (0, 1)}
+    linear = [name for name in closed_form(out) if not name.startswith("blocked")]
+    mixed = corners[1, 1][linear] + corners[0, 0][linear] - corners[0, 1][linear]
+    for name in linear:
+        largest = max(float(np.max(np.abs(corner[name]))) for corner in corners.values())
+        np.testing.assert_allclose(mixed[name], corners[1, 0][name], rtol=1e-11, atol=1e-13 * largest, err_msg=name)
+
+
+@PROPERTY
+@given(case=loads())
+def test_a_composite_s_end_is_the_phase(case: dict[str, Any]) -> None:
+    for fraction, name in ((0.0, "CoFe2O4"), (1.0, "BaTiO3")):
+        mixed = solver.solve({"volume_fraction": fraction, **case}, POSITIONS)
+        pure = solver.solve({"material": name, **case}, POSITIONS)
+        assert_same(mixed.drop_vars("volume_fraction"), pure.drop_vars("material"), rtol=1e-12)

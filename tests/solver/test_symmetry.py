@@ -1,0 +1,131 @@
+"""Symmetries that need no formula: mirror, reversed poling, electric and magnetic fields exchanged."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from hypothesis import given
+
+import solver
+from tests.oracles import precise
+from tests.solver.cases import CHARGED, SIH_SONG, closed_form
+from tests.solver.cases import constants as plain
+from tests.solver.strategies import PROPERTY, constants, loads, materials
+
+POSITIONS = np.array([-30.0, -1.01, -0.98, -0.3, 0.3, 0.98, 1.01, 30.0])
+ELECTRIC, MAGNETIC = ("e31", "e33", "e15"), ("f31", "f33", "f15")
+COUPLING = ("g11", "g33")
+ODD_IN_X = ("shear_traction", "electric_displacement_x", "magnetic_induction_x")
+
+
+@PROPERTY
+@given(material=materials(), case=loads())
+def test_mirror_without_friction(material: solver.Material, case: dict[str, Any]) -> None:
+    out = solver.solve({"material": material, **case, "friction": 0.0}, POSITIONS)
+    mirrored = out.isel(position=slice(None, None, -1))
+    for name in closed_form(out):
+        values = out[name]
+        if "position" in values.dims:
+            sign = -1 if name in ODD_IN_X else 1
+            size = float(np.max(np.abs(values)))
+            np.testing.assert_allclose(
+                mirrored[name].values, sign * values, rtol=1e-12, atol=1e-14 * size, err_msg=name
+            )
+    pairs = {"contact_trailing": "contact_leading", "trailing_tension": "leading_compression"}
+    pairs |= {f"{kind}_edge_intensity_trailing": f"{kind}_edge_intensity_leading" for kind in ("electric", "magnetic")}
+    for trailing, leading in pairs.items():
+        assert out[trailing].item() == out[leading].item()
+
+
+def test_mirror_with_friction_against_the_oracle_sliding_the_other_way() -> None:
+    """The solver takes eta >= 0 only; the oracle takes -eta and must give the mirror image."""
+    found = solver.solve({"material": SIH_SONG, **CHARGED}, POSITIONS)
+    contact: dict[str, Any] = CHARGED | {"friction": -CHARGED["friction"]}
+    other = precise.solve(plain(solver.find(SIH_SONG)), positions=(-POSITIONS).tolist(), **contact)
+    for name, values in other.fields.items():
+        sign = -1 if name in ODD_IN_X else 1
+        np.testing.assert_allclose(found[name], sign * np.array(values, dtype=float), rtol=1e-11, err_msg=name)
+    same = ["peak_pressure", "depth", "voltage", "magnetic_potential", "voltage_sensitivity", "blocked_load_per_volt"]
+    swapped = {"contact_trailing": "contact_leading"}
+    swapped |= {
+        f"{kind}_edge_intensity_trailing": f"{kind}_edge_intensity_leading" for kind in ("electric", "magnetic")
+    }
+    for one, two in (*zip(same, same, strict=True), *swapped.items(), *((b, a) for a, b in swapped.items())):
+        np.testing.assert_allclose(found[one].item(), float(other.quantities[two]), rtol=1e-11, err_msg=one)
+    np.testing.assert_allclose(
+        found.pressure_exponent.item(), float(1 - other.quantities["pressure_exponent"]), rtol=1e-14
+    )
+
+
+@PROPERTY
+@given(c=constants(), case=loads())
+def test_reversed_poling_reverses_the_electric_and_magnetic_fields(c: dict[str, float], case: dict[str, Any]) -> None:
+    assert_images(
+        c, case,
+        {name: -c[name] for name in (*ELECTRIC, *MAGNETIC)},
+        {name: -case[name] for name in ("charge", "magnetic_charge")},
+        {"electric": -1, "magnetic": -1},
+    )  # fmt: skip
+
+
+@PROPERTY
+@given(c=constants(), case=loads())
+def test_the_sign_of_electric_charge_is_a_convention(c: dict[str, float], case: dict[str, Any]) -> None:
+    assert_images(
+        c, case,
+        {name: -c[name] for name in (*ELECTRIC, *COUPLING)},
+        {"charge": -case["charge"]},
+        {"electric": -1, "magnetic": 1},
+    )  # fmt: skip
+
+
+def assert_images(
+    c: dict[str, float],
+    case: dict[str, Any],
+    reversed_constants: dict[str, float],
+    reversed_charges: dict[str, float],
+    signs: dict[str, int],
+) -> None:
+    one, two = (
+        solver.solve({"material": solver.Material.from_mapping(m), **k}, POSITIONS)
+        for m, k in ((c, case), (c | reversed_constants, case | reversed_charges))
+    )
+    for name in closed_form(one):
+        size = float(np.max(np.abs(one[name])))
+        sign = signs["electric"] if electric(name) else signs["magnetic"] if magnetic(name) else 1
+        np.testing.assert_allclose(two[name], sign * one[name], rtol=1e-10, atol=1e-12 * size, err_msg=name)
+
+
+def electric(name: str) -> bool:
+    return name in ("voltage", "charge_sensitivity") or "electric" in name or "volt" in name
+
+
+def magnetic(name: str) -> bool:
+    return name == "flux_sensitivity" or "magnetic" in name or "ampere" in name
+
+
+#: What an output is called when electric and magnetic fields change places.
+PARTNERS = {"voltage": "magnetic_potential", "voltage_sensitivity": "magnetic_sensitivity"}
+PARTNERS |= {"charge_sensitivity": "flux_sensitivity", "stroke_per_volt": "stroke_per_ampere"}
+PARTNERS |= {"blocked_load_per_volt": "blocked_load_per_ampere"}
+PARTNERS |= {f"electric_displacement_{axis}": f"magnetic_induction_{axis}" for axis in "xy"}
+PARTNERS |= {f"electric_edge_intensity_{edge}": f"magnetic_edge_intensity_{edge}" for edge in ("trailing", "leading")}
+
+
+@PROPERTY
+@given(c=constants(), case=loads())
+def test_electric_and_magnetic_fields_may_change_places(c: dict[str, float], case: dict[str, Any]) -> None:
+    partners = dict(zip(("e31", "e33", "e15", "eps11", "eps33"), ("f31", "f33", "f15", "mu11", "mu33"), strict=True))
+    partners |= {two: one for one, two in partners.items()}
+    swapped = {partners.get(name, name): value for name, value in c.items()}
+    one = solver.solve({"material": solver.Material.from_mapping(c), **case}, POSITIONS)
+    case = case | {"charge": case["magnetic_charge"], "magnetic_charge": case["charge"]}
+    two = solver.solve({"material": solver.Material.from_mapping(swapped), **case}, POSITIONS)
+    names = PARTNERS | {two: one for one, two in PARTNERS.items()}
+    assert_renamed(one, two, names)
+
+
+def assert_renamed(one: xr.Dataset, two: xr.Dataset, names: dict[str, str]) -> None:
+    for name in closed_form(one):
+        size = float(np.max(np.abs(one[name])))
+        np.testing.assert_allclose(two[names.get(name, name)], one[name], rtol=1e-10, atol=1e-12 * size, err_msg=name)

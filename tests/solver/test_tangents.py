@@ -1,0 +1,87 @@
+"""Sensor and actuator tangents against differences of ``solve`` itself."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from numpy.polynomial import chebyshev
+
+import solver
+from tests.solver.cases import CHARGED
+from tests.solver.strategies import PROPERTY, decades, loads, materials
+
+FIELDS = (
+    ("charge", "voltage", "voltage_sensitivity", "charge_sensitivity", "stroke_per_volt", "blocked_load_per_volt"),
+    (
+        "magnetic_charge",
+        "magnetic_potential",
+        "magnetic_sensitivity",
+        "flux_sensitivity",
+        "stroke_per_ampere",
+        "blocked_load_per_ampere",
+    ),
+)
+_NODES = np.cos(np.pi * (np.arange(12) + 0.5) / 12)
+_SPAN = 0.1  # loads within a tenth of the case's: twelve Chebyshev points leave 1e-14 of the function
+
+
+@PROPERTY
+@given(material=materials(), case=loads(), datum=decades(0, 2))
+def test_sensitivities_are_derivatives_and_balances_null_the_potential(
+    material: solver.Material, case: dict[str, Any], datum: float
+) -> None:
+    case = {"material": material, **case, "datum": datum}
+    bare = case | {"charge": 0.0, "magnetic_charge": 0.0}
+    at, at_bare, along = solver.solve(case), solver.solve(bare), solver.solve(bare | {"load": around(case)})
+    for charge, potential, sensitivity, balance, _, _ in FIELDS:
+        size = float(abs(along[potential]).max()) / case["load"]
+        slope = derivative(along[potential], case["load"])
+        assert at[sensitivity].item() == pytest.approx(slope, rel=1e-11, abs=1e-11 * size), sensitivity
+        nulled = solver.solve(bare | {charge: at[balance].item() * case["load"]})
+        assert abs(nulled[potential].item()) <= 1e-13 * abs(at_bare[potential].item()), balance
+
+
+@PROPERTY
+@given(material=materials(), case=loads(), datum=decades(0, 2))
+def test_strokes_and_blocked_loads_are_derivatives(
+    material: solver.Material, case: dict[str, Any], datum: float
+) -> None:
+    case = {"material": material, **case, "datum": datum}
+    at, along = solver.solve(case), solver.solve(case | {"load": around(case)})
+    for charge, potential, _, _, stroke, blocked in FIELDS:
+        moved = solver.solve(case | {charge: case[charge] + 1.0})  # affine in the charges: any step is exact
+        jacobian = np.array(
+            [[derivative(along[name], case["load"]), (moved[name] - at[name]).item()] for name in ("depth", potential)]
+        )
+        noise = 1e-14 * abs(at.depth.item() / jacobian[1, 1])
+        assert at[stroke].item() == pytest.approx(jacobian[0, 1] / jacobian[1, 1], rel=1e-10, abs=noise), stroke
+        # (d depth, d potential) = jacobian (d load, d charge) with d depth = 0
+        per_volt = -jacobian[0, 1] / np.linalg.det(jacobian)
+        noise = 1e-13 * abs(at.depth.item() / np.linalg.det(jacobian))
+        assert at[blocked].item() == pytest.approx(per_volt, rel=1e-9, abs=noise), blocked
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.4])
+@pytest.mark.parametrize("fraction", [0.1, 0.7])
+@pytest.mark.parametrize("composite", ["fibrous", "laminate"])
+def test_blocked_load_follows_the_path_of_constant_depth(composite: str, fraction: float, friction: float) -> None:
+    case: dict[str, Any] = {"composite": composite, "volume_fraction": fraction, **CHARGED, "friction": friction}
+    at = solver.solve(case)
+    for charge, potential, _, _, _, blocked in FIELDS:
+        ends = solver.solve(case | {"load": around(case), charge: [0.0, 1.0]})
+        low, high = ends.isel({charge: 0}, drop=True), ends.isel({charge: 1}, drop=True)
+        held = (at.depth.item() - low.depth) / (high.depth - low.depth)  # depth is affine in the charge
+        along = low[potential] + held * (high[potential] - low[potential])
+        assert at[blocked].item() == pytest.approx(1 / derivative(along, case["load"]), rel=1e-9), blocked
+
+
+def derivative(values: xr.DataArray, load: float) -> float:
+    """d values/d load at the middle of the Chebyshev points."""
+    coefficients = chebyshev.chebfit(_NODES, values.values, _NODES.size - 1)
+    return float(chebyshev.chebval(0.0, chebyshev.chebder(coefficients))) / (_SPAN * load)
+
+
+def around(case: dict[str, Any]) -> xr.DataArray:
+    return xr.DataArray(case["load"] * (1 + _SPAN * _NODES), dims="step")

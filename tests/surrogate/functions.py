@@ -1,0 +1,50 @@
+"""Analytic test functions of five factors, one with a near-pole, and factorials of them."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from surrogate import Input
+
+INPUTS = (
+    Input("mixture", 0.05, 0.95, "linear", "1", "mixture fraction"),
+    Input("angle", 0.0, 0.6, "linear", "rad"),
+    Input("size", 5e-3, 0.2, "log", "m", "size"),
+    Input("force", 3e3, 3e5, "log", "N", "force"),
+    Input("bias", -2.0, 2.0, "linear", "V", "bias"),
+)
+
+
+def outputs(x: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
+    """Six outputs: a near-pole just outside the box at mixture = 0.02, powers of size and force, affine in bias."""
+    pole = 1 / (x["mixture"] - 0.02 - 0.005 * np.sin(x["angle"]))
+    work = np.sqrt(x["size"] * x["force"])
+    tilt = np.exp(-0.7 * x["angle"]) * (1 + 0.3 * x["mixture"])
+    return {
+        "near_pole": pole * tilt * np.log(x["force"]) + x["bias"] * pole,
+        "smooth": work * tilt,
+        "affine": work * np.cos(x["angle"]) + x["bias"] * (3 + x["mixture"] * x["size"] ** 0.25),
+        "no_bias": np.sin(3 * x["mixture"] + x["angle"]) * x["force"] ** 0.2,
+        "ratio": x["size"] ** -0.3 * (1 + x["mixture"]) / (2 + x["angle"]),
+        "mixed": tilt * np.log(x["size"]) * x["force"] ** 0.1 + 0.01 * x["bias"] * work,
+    }
+
+
+def factorial(counts: Sequence[int], inputs: Sequence[Input] = INPUTS) -> xr.Dataset:
+    """Return the outputs on Chebyshev-Gauss levels; an output keeps only the dimensions that it depends on."""
+    x = {
+        one.name: xr.DataArray(one.levels(n), dims=one.name, coords={one.name: one.levels(n)})
+        for one, n in zip(inputs, counts, strict=True)
+    }
+    data = xr.Dataset(outputs(x))
+    for name in data.data_vars:
+        data[name].attrs |= {"units": "Pa", "long_name": f"the {name} output"}
+    return data
+
+
+def scattered(count: int, seed: int, inputs: Sequence[Input] = INPUTS) -> xr.Dataset:
+    """Return inputs, uniform in the scaled coordinates, and outputs over `case`."""
+    unit = np.random.default_rng(seed).uniform(-1, 1, (len(inputs), count))
+    x = {one.name: xr.DataArray(one.from_unit(row), dims="case") for one, row in zip(inputs, unit, strict=True)}
+    return xr.Dataset({**x, **outputs(x)})

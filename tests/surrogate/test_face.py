@@ -1,0 +1,227 @@
+"""Named inputs and outputs, refusals, and scikit-learn's conventions, for every engine."""
+
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
+
+from surrogate import GridGP, Input, OutOfBoxError, ScatterGP
+from tests.surrogate import functions
+
+COUNTS = (9, 5, 5, 5, 2)
+MIDDLE = {"mixture": 0.5, "angle": 0.3, "size": 0.05, "force": 3e4, "bias": 0.0}
+
+
+@pytest.fixture(scope="module")
+def model() -> GridGP:
+    return GridGP(inputs=functions.INPUTS).fit(functions.factorial(COUNTS))
+
+
+@pytest.fixture(scope="module")
+def scatter() -> ScatterGP:
+    cases = functions.scattered(80, seed=1)[["mixture", "angle", "size", "smooth", "ratio"]].isel(case=slice(60))
+    cases["smooth"] = cases["ratio"] * np.cos(cases["angle"])
+    cases["smooth"].attrs["units"] = "Pa"
+    return ScatterGP(inputs=functions.INPUTS[:3]).fit(cases)
+
+
+def test_inputs_broadcast_by_name_and_keep_coordinates(model: GridGP) -> None:
+    angle = xr.DataArray([0.1, 0.2, 0.3], dims="angle", coords={"angle": [0.1, 0.2, 0.3]})
+    size = xr.DataArray([0.01, 0.1], dims="size", coords={"size": [0.01, 0.1]})
+    answer = model.predict({**MIDDLE, "angle": angle, "size": size})
+    assert dict(answer.sizes) == {"angle": 3, "size": 2}
+    np.testing.assert_array_equal(answer["size"], size)
+    assert list(answer.data_vars) == [n for name in model.outputs_ for n in (name, f"{name}_std")]
+    assert answer["smooth"].attrs == {"units": "Pa", "long_name": "the smooth output"}
+    assert answer["smooth_std"].attrs == {"units": "Pa", "long_name": "standard deviation of the smooth output"}
+    one = model.predict({**MIDDLE, "angle": 0.2, "size": 0.1})
+    assert one["smooth"].shape == ()
+    np.testing.assert_allclose(answer["smooth"].sel(angle=0.2, size=0.1), one["smooth"], rtol=1e-13)
+
+
+def test_plain_arrays_run_along_point_and_match_predict_array(model: GridGP) -> None:
+    held = functions.scattered(7, seed=2)
+    arrays = {one.name: held[one.name].values for one in functions.INPUTS}
+    answer = model.predict({**arrays, "bias": 0.5})
+    assert answer["smooth"].dims == ("point",)
+    X = np.stack([arrays[n] if n != "bias" else np.full(7, 0.5) for n in model.box], axis=1)
+    mean, std = model.predict_array(X, return_std=True)
+    np.testing.assert_array_equal(mean, np.stack([answer[n] for n in model.outputs_], axis=1))
+    np.testing.assert_array_equal(std, np.stack([answer[f"{n}_std"] for n in model.outputs_], axis=1))
+
+
+def test_a_data_set_of_points_is_accepted_and_empty_ones_give_empty_answers(model: GridGP) -> None:
+    held = functions.scattered(4, seed=2)[[one.name for one in functions.INPUTS]]
+    assert model.predict(held)["ratio"].dims == ("case",)
+    assert model.predict(held.isel(case=slice(0)))["ratio"].shape == (0,)
+
+
+def test_a_point_outside_the_box_is_refused_by_name_value_and_range(model: GridGP) -> None:
+    with pytest.raises(OutOfBoxError) as caught:
+        model.predict({**MIDDLE, "size": [0.05, 0.5]})
+    assert str(caught.value) == "size = 0.5 is outside the trained box [0.005, 0.2] m (1 of 2 points are outside)"
+    with pytest.raises(OutOfBoxError, match=re.escape("force = 1 is outside")):
+        model.predict_array(np.array([[0.5, 0.3, 0.05, 1.0, 0.0]]))
+    with pytest.raises(OutOfBoxError, match=re.escape("angle = 0.7")):
+        model.gradient({**MIDDLE, "angle": 0.7})
+
+
+def test_extrapolation_is_computed_and_flagged_when_asked_for(model: GridGP) -> None:
+    answer = model.predict({**MIDDLE, "mixture": [0.5, 0.951]}, extrapolate=True)
+    assert answer["extrapolated"].values.tolist() == [False, True]
+    truth = functions.outputs({k: xr.DataArray(v) for k, v in {**MIDDLE, "mixture": 0.951}.items()})["no_bias"]
+    assert float(answer["no_bias"][1]) == pytest.approx(float(truth), rel=1e-4)  # close by, where it still holds
+    assert "extrapolated" not in model.predict(MIDDLE)
+
+
+def test_the_ends_of_the_box_are_inside(model: GridGP) -> None:
+    for end in (-1.0, 1.0):
+        ends = {one.name: one.from_unit(end) for one in functions.INPUTS}
+        assert np.isfinite(model.predict(ends)["smooth"])
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"siez": 0.1}, "unknown input 'siez'; did you mean 'size'?"),
+        ({"size": None}, "input 'size' is missing"),
+        ({"angle": float("nan")}, "input 'angle' is nan at 1 of 1 points"),
+        ({"angle": "0.1"}, "input 'angle' must be numbers"),
+        ({"angle": [[0.1]]}, "input 'angle' is an array of 2 dimensions"),
+        ({"angle": [0.1, 0.2], "size": [0.1, 0.1, 0.1]}, "inputs differ in length: angle has 2, size has 3"),
+        (
+            {
+                "angle": xr.DataArray([0.1], dims="c", coords={"c": [0]}),
+                "size": xr.DataArray([0.1], dims="c", coords={"c": [1]}),
+            },
+            "do not agree",
+        ),
+    ],
+)
+def test_bad_points_are_refused_in_one_line(model: GridGP, change: dict[str, Any], says: str) -> None:
+    points = {k: v for k, v in {**MIDDLE, **change}.items() if v is not None}
+    with pytest.raises(ValueError, match=re.escape(says)) as caught:
+        model.predict(points)
+    assert "\n" not in str(caught.value)
+
+
+def _broken(kind: str) -> xr.Dataset:
+    data = functions.factorial((5, 3, 3, 3, 2))
+    if kind == "nan":
+        data["smooth"][0, 0, 0, 0] = np.nan
+    elif kind == "missing level":
+        data = data.isel(size=[0, 2])
+    elif kind == "duplicate level":
+        data = data.isel(size=[0, 1, 1])
+    elif kind == "unknown dim":
+        data["smooth"] = data["smooth"].expand_dims(colour=[1, 2])
+    elif kind == "no coordinate":
+        data = data.drop_vars("size")
+    elif kind == "text":
+        data["smooth"] = xr.full_like(data["smooth"], 0).astype(str)
+    elif kind == "no such input":
+        data = data.rename(size="radius")
+    elif kind == "one level":
+        data = data.isel(size=[1])
+    return data
+
+
+@pytest.mark.parametrize(
+    ("kind", "says"),
+    [
+        ("nan", "output 'smooth' is not finite in 1 of"),
+        ("missing level", "input 'size': level"),
+        ("duplicate level", "input 'size' has the level 0.0316228 more than once"),
+        ("unknown dim", "output 'smooth' has dimension 'colour', which is no input"),
+        ("no coordinate", "input 'size' has no coordinate"),
+        ("text", "output 'smooth' must be numbers"),
+        ("no such input", "has dimension 'radius', which is no input"),
+        ("one level", "input 'size' has 1 level; a factor needs at least 2"),
+    ],
+)
+def test_an_incomplete_factorial_is_refused_in_one_line(kind: str, says: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(says)) as caught:
+        GridGP(inputs=functions.INPUTS).fit(_broken(kind))
+    assert "\n" not in str(caught.value)
+
+
+def test_levels_off_the_chebyshev_points_are_refused_but_suit_other_kernels() -> None:
+    x = np.linspace(0, 1, 7)
+    data = xr.Dataset({"f": ("x", np.exp(x))}, coords={"x": x})
+    with pytest.raises(ValueError, match="none of the 7 Chebyshev-Gauss levels of \\[0, 1\\]"):
+        GridGP(inputs=[Input("x", 0, 1)]).fit(data)
+    with pytest.raises(ValueError, match="no Chebyshev-Gauss levels of a linear or log range"):
+        GridGP().fit(data)
+    model = GridGP("matern52").fit(data)
+    assert model.box["x"] == Input("x", 0.0, 1.0)
+    assert float(model.predict({"x": 0.4})["f"]) == pytest.approx(np.exp(0.4), rel=1e-4)
+
+
+def test_box_and_scale_are_read_off_chebyshev_levels() -> None:
+    found = GridGP().fit(functions.factorial((5, 3, 4, 3, 2))[["smooth"]]).box
+    assert set(found) == {"mixture", "angle", "size", "force"}
+    for one in functions.INPUTS[:4]:
+        assert found[one.name].scale == one.scale
+        assert found[one.name].low == pytest.approx(one.low, rel=1e-9, abs=1e-9)
+        assert found[one.name].high == pytest.approx(one.high, rel=1e-9)
+
+
+def test_an_output_is_constant_along_the_factors_that_it_lacks(model: GridGP) -> None:
+    assert "bias" not in functions.factorial(COUNTS)["no_bias"].dims
+    answer = model.predict({**MIDDLE, "bias": [-2.0, 0.3, 2.0]})
+    np.testing.assert_allclose(answer["no_bias"], answer["no_bias"][0], rtol=1e-13)
+    assert np.ptp(answer["affine"].values) > 1
+
+
+def test_unsorted_and_transposed_levels_give_the_same_model(model: GridGP) -> None:
+    data = functions.factorial(COUNTS)
+    shuffled = data.isel(mixture=slice(None, None, -1), size=[2, 0, 4, 1, 3]).transpose("force", "bias", ...)
+    again = GridGP(inputs=functions.INPUTS).fit(shuffled)
+    X = np.array([list(MIDDLE.values())])
+    np.testing.assert_array_equal(again.predict_array(X), model.predict_array(X))
+
+
+def test_gradient_is_labelled(model: GridGP) -> None:
+    found = model.gradient({**MIDDLE, "angle": [0.1, 0.2]})
+    assert found["smooth"].dims == ("input", "point")
+    assert found["input"].values.tolist() == list(model.box)
+    assert found["input_units"].sel(input="force") == "N"
+    assert found["smooth"].attrs["units"] == "(Pa) / input_units"
+
+
+def test_clone_params_and_score_follow_scikit_learn(model: GridGP, scatter: ScatterGP) -> None:
+    for one in (model, scatter):
+        copy = clone(one)
+        assert str(copy.get_params()) == str(one.get_params())
+        assert not hasattr(copy, "inputs_")
+        with pytest.raises(NotFittedError):
+            copy.predict({})
+    fresh = GridGP().set_params(kernel="rbf", compression=1e-6)
+    assert (fresh.kernel, fresh.compression) == ("rbf", 1e-6)
+    with pytest.raises(ValueError, match="Invalid parameter"):
+        fresh.set_params(colour="red")
+    held = functions.scattered(500, seed=3)
+    points = held[[one.name for one in functions.INPUTS]]
+    mean = model.predict(points)
+    by_hand = [
+        1 - float(((mean[n] - held[n]) ** 2).sum() / ((held[n] - held[n].mean()) ** 2).sum()) for n in model.outputs_
+    ]
+    assert model.score(held) == pytest.approx(np.mean(by_hand), abs=1e-12)
+    assert model.score(points, held[list(model.outputs_)]) == model.score(held)
+    assert model.score(functions.factorial(COUNTS)) == pytest.approx(1, abs=1e-12)
+
+
+def test_unknown_kernels_and_bad_hyperparameters_are_refused() -> None:
+    data = functions.factorial((3, 3, 3, 3, 2))
+    with pytest.raises(ValueError, match="kernel 'cubic' is none of chebyshev, rbf"):
+        GridGP("cubic").fit(data)  # type: ignore[arg-type]  # bad on purpose
+    with pytest.raises(ValueError, match="kernel 'cubic' is none of rbf"):
+        ScatterGP("cubic", outputs=["f"]).fit(data)  # type: ignore[arg-type]  # bad on purpose
+    with pytest.raises(ValueError, match=r"rho must lie between 0 and 1, got 1\.5"):
+        GridGP(inputs=functions.INPUTS, hyperparameters={"mixture": 1.5}).fit(data)
+    with pytest.raises(ValueError, match="hyperparameters name 'colour', which is no input"):
+        GridGP(inputs=functions.INPUTS, hyperparameters={"colour": 0.5}).fit(data)

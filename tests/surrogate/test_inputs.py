@@ -1,0 +1,62 @@
+"""Ranges, scales and Chebyshev-Gauss levels."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.polynomial.chebyshev import chebgauss
+
+from surrogate import Input, chebyshev_levels
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 8, 41])
+def test_levels_are_the_chebyshev_gauss_points_of_the_range(count: int) -> None:
+    points = np.sort(chebgauss(count)[0])
+    np.testing.assert_allclose(chebyshev_levels(-1, 1, count), points, rtol=0, atol=2e-15)
+    np.testing.assert_allclose(chebyshev_levels(2, 6, count), 4 + 2 * points, rtol=1e-15)
+    np.testing.assert_allclose(np.log10(chebyshev_levels(1e2, 1e6, count, "log")), 4 + 2 * points, rtol=1e-14)
+
+
+@given(
+    low=st.floats(1e-6, 1e3),
+    width=st.floats(1e-3, 1e6),
+    share=st.floats(-1, 1),
+    scale=st.sampled_from(["linear", "log"]),
+)
+def test_scaled_coordinates_map_back(low: float, width: float, share: float, scale: str) -> None:
+    one = Input("x", low, low + width, scale)  # type: ignore[arg-type]  # the strategy gives plain strings
+    assert one.from_unit(-1) == one.low
+    assert one.from_unit(1) == one.high
+    assert one.to_unit(one.from_unit(share)) == pytest.approx(share, abs=1e-9 * (1 + low / width))
+
+
+@pytest.mark.parametrize("scale", ["linear", "log"])
+def test_slope_is_the_derivative_of_the_scaled_coordinate(scale: str) -> None:
+    one = Input("x", 0.2, 7.0, scale)  # type: ignore[arg-type]  # parametrised by plain strings
+    x, step = np.linspace(0.5, 6.5, 7), 1e-6
+    difference = (one.to_unit(x + step) - one.to_unit(x - step)) / (2 * step)
+    np.testing.assert_allclose(one.unit_slope(x), difference, rtol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "scale", "says"),
+    [
+        (1, 1, "linear", "low 1 must be less than high 1"),
+        (2, 1, "linear", "must be less"),
+        (0, 1, "log", "log scale needs low > 0"),
+        (float("nan"), 1, "linear", "finite"),
+        (0, float("inf"), "linear", "finite"),
+        (0, 1, "cubic", "'cubic' is none of linear, log"),
+    ],
+)
+def test_a_bad_range_is_refused_by_name(low: float, high: float, scale: str, says: str) -> None:
+    with pytest.raises(ValueError, match=says) as caught:
+        Input("radius", low, high, scale)  # type: ignore[arg-type]  # bad on purpose
+    assert "'radius'" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("count", [0, -1, 2.5])
+def test_a_bad_count_is_refused(count: float) -> None:
+    with pytest.raises(ValueError, match="whole number"):
+        chebyshev_levels(0, 1, count)  # type: ignore[arg-type]  # bad on purpose

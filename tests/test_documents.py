@@ -1,0 +1,59 @@
+"""The documents say what is so: the README's Python runs as it stands, its commands exist."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from workflow import factorial, learning
+from workflow.provenance import ROOT
+from workflow.study import load
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the quickstart's surrogate in its place."""
+    folder = tmp_path_factory.mktemp("readme")
+    study = load(ROOT / "config/quickstart.yaml")
+    (folder / "results/quickstart").mkdir(parents=True)
+    exact = factorial.exact(study, dict(factorial.levels(study)))
+    learning.fit(study, exact).save(folder / "results/quickstart/surrogate.nc")
+    return folder
+
+
+def python(code: str, folder: Path) -> str:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-W", "error", "-c", code]
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_three_examples_are_there() -> None:
+    assert len(BLOCKS) == 3
+    assert all(len(block.strip().splitlines()) == 5 for block in BLOCKS)
+
+
+@pytest.mark.parametrize("block", BLOCKS, ids=["solve", "query", "material"])
+def test_the_readme_runs(block: str, folder: Path) -> None:
+    assert python(block, folder).strip()
+
+
+def test_every_make_target_of_the_readme_exists() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    named = set(re.findall(r"^make (\w+)", README, re.MULTILINE))
+    assert named >= {"run", "test"}
+    assert all(re.search(rf"^{target}:", makefile, re.MULTILINE) for target in named)
+
+
+def test_no_file_names_a_registry_or_a_path_of_a_machine() -> None:
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    hosts = re.compile("|".join(["python" + "hosted", "pypi" + r"\.org", "npm" + "js", "deb" + r"\.debian"]))
+    for name in filter(None, listed.split("\0")):
+        assert not hosts.search((ROOT / name).read_text(encoding="utf-8", errors="replace")), name
