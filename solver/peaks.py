@@ -17,12 +17,14 @@ from solver.interior import InteriorParts, interior_parts, principal_tension, vo
 
 DEPTH = 0.1  # of the half-width: the least depth
 _STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
-_ACROSS = np.concatenate([np.linspace(0.0, 0.6, 7), 1 + np.linspace(-0.36, 0.36, 19), 1.36 * 1.5 ** np.arange(1, 34)])
-_SCAN_X = np.concatenate([-_ACROSS[:0:-1], _ACROSS])
-_SCAN_Y = -DEPTH * 1.4 ** np.arange(12)
+_ACROSS = np.concatenate([np.linspace(0.0, 0.6, 7), 1 + np.linspace(-0.36, 0.36, 19), 1.36 * 1.5 ** np.arange(1, 6)])
+_BODY = np.concatenate([-_ACROSS[:0:-1], _ACROSS]), -DEPTH * 1.4 ** np.arange(11)
+_AWAY = 6.0 * 1.5 ** np.arange(31)
+_LINES = ((_AWAY, np.array([-DEPTH])), (-_AWAY[::-1], np.array([-DEPTH])))
 _CHUNK = 4_000_000  # stresses of a scan held at a time
-_MAXIMA = 4  # local maxima of the scan that are climbed, the highest ones
-_STEPS = 30
+_MAXIMA = 3  # local maxima of a scan that are climbed, the the highest ones
+_STEPS = 40
+_CLOSE = 1e-5  # step of Newton's iteration over the distance to the edges, after which the next is of its square
 _STENCIL = np.array([(i, j) for j in (-1, 0, 1) for i in (-1, 0, 1)], dtype=np.float64)
 _NOTHING = 1e-12  # of the pressure scale: a tension below it is none
 
@@ -39,7 +41,7 @@ class Peak:
 
 def peak_von_mises(contact: Contact) -> Peak:
     """Largest von Mises stress below depth 0.1 h, to 1e-9 of itself."""
-    value, depth = _peak(contact, von_mises)
+    value, depth = _peak(contact, von_mises, *_starts(contact, von_mises, _BODY))
     return Peak(contact.pressure_scale * value, contact.half_width * depth)
 
 
@@ -48,16 +50,15 @@ def peak_principal_tension(contact: Contact) -> Peak:
 
     The depth is infinite where there is no tension.
     """
-    value, depth = _peak(contact, principal_tension)
+    value, depth = _peak(contact, principal_tension, *_starts(contact, principal_tension, _BODY, *_LINES))
     none = value < _NOTHING
     scale, half = contact.pressure_scale, contact.half_width
     return Peak(np.where(none, 0.0, scale * value), np.where(none, np.inf, half * depth))
 
 
-def _peak(contact: Contact, measure: Measure) -> tuple[Array, Array]:
-    """Largest measure over the pressure scale, and its depth over h; as small as the stresses over their scale."""
-    x, y = _candidates(contact, measure)
-    reach = np.full_like(x, 0.2)
+def _peak(contact: Contact, measure: Measure, x: Array, y: Array) -> tuple[Array, Array]:
+    """Largest measure over the pressure scale, and its depth over h, from starting points (..., start)."""
+    reach, moved = np.full_like(x, 0.2), np.full_like(x, np.inf)
     best, best_depth = np.full(x.shape[:-1], -np.inf), np.full(x.shape[:-1], DEPTH)
     for _ in range(_STEPS):
         size = np.hypot(np.minimum(np.abs(x - 1), np.abs(x + 1)), y)
@@ -70,12 +71,12 @@ def _peak(contact: Contact, measure: Measure) -> tuple[Array, Array]:
         depth = -np.take_along_axis(y, which[..., None], -1)[..., 0]
         better = top >= best
         best, best_depth = np.where(better, top, best), np.where(better, depth, best_depth)
+        if np.all((moved < _CLOSE) | (around[..., 4] < _NOTHING)):
+            break
         dx, dy = _climb(around, (-DEPTH - y) / step, reach * size / step)
         x, y = x + dx * step, np.minimum(y + dy * step, -DEPTH)
         moved = np.hypot(dx, dy) * step / size
         reach = np.clip(2 * moved, 1e-6, reach)
-        if np.all(moved < 1e-8):
-            break
     return best, best_depth
 
 
@@ -91,13 +92,24 @@ def _combined(parts: InteriorParts, e: Array) -> Array:
     return np.asarray(parts.of_load + electric + magnetic)
 
 
-def _candidates(contact: Contact, measure: Measure) -> tuple[Array, Array]:
-    """Places of the highest local maxima of the scan; (..., maximum) each."""
-    x, y = (grid.ravel() for grid in np.meshgrid(_SCAN_X, _SCAN_Y))
+def _starts(contact: Contact, measure: Measure, *grids: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Places of the highest local maxima of scans over grids; (..., start) each."""
+    x, y, values = (
+        np.concatenate(parts, -1) for parts in zip(*(_maxima(contact, measure, *g) for g in grids), strict=True)
+    )
+    order = np.argsort(-values, axis=-1)[..., :_MAXIMA]
+    found = np.isfinite(np.take_along_axis(values, order, -1))
+    order = np.where(found, order, order[..., :1])  # fewer maxima: the highest again
+    return np.take_along_axis(x, order, -1), np.take_along_axis(y, order, -1)
+
+
+def _maxima(contact: Contact, measure: Measure, across: Array, down: Array) -> tuple[Array, Array, Array]:
+    """Places and values of the highest local maxima of one scan; (..., maximum) each, values -inf for want of them."""
+    x, y = (grid.ravel() for grid in np.meshgrid(across, down))
     parts = interior_parts(contact, x, y, _STRESSES)
     e = contact.relative_charge_density
     shape = np.broadcast_shapes(parts.of_load.shape[:-2], parts.of_charges[0].shape[:-2], e.shape[:-1])
-    best = np.empty((*shape, _MAXIMA), int)
+    best, highest = np.empty((*shape, _MAXIMA), int), np.empty((*shape, _MAXIMA))
     for chunk in _chunks(shape, 4 * x.size):
         some = InteriorParts(
             _part(parts.of_load, chunk, 2),
@@ -105,19 +117,22 @@ def _candidates(contact: Contact, measure: Measure) -> tuple[Array, Array]:
         )
         stresses = _combined(some, _part(e, chunk, 1))
         values = measure(*(stresses[..., k, :] for k in range(4)))
-        grid = values.reshape(*values.shape[:-1], _SCAN_Y.size, _SCAN_X.size)
+        grid = values.reshape(*values.shape[:-1], down.size, across.size)
         ranked = np.where(_is_top(grid), grid, -np.inf).reshape(values.shape)
         best[chunk] = np.argsort(-ranked, axis=-1)[..., :_MAXIMA]
-    return x[best], y[best]
+        highest[chunk] = np.take_along_axis(ranked, best[chunk], -1)
+    return x[best], y[best], highest
 
 
 def _is_top(grid: Array) -> Array:
-    """Whether a value is no less than its neighbours along both axes."""
+    """Whether a value is no less than its neighbours along both axes, and not the first or last across."""
     padded = np.pad(grid, [(0, 0)] * (grid.ndim - 2) + [(1, 1), (1, 1)], constant_values=-np.inf)
     centre = padded[..., 1:-1, 1:-1]
     across = np.maximum(padded[..., 1:-1, 2:], padded[..., 1:-1, :-2])
     down = np.maximum(padded[..., 2:, 1:-1], padded[..., :-2, 1:-1])
-    return np.asarray((centre >= across) & (centre >= down))
+    top = np.asarray((centre >= across) & (centre >= down))
+    top[..., [0, -1]] = False
+    return top
 
 
 def _climb(around: Array, ceiling: Array, reach: Array) -> tuple[Array, Array]:
