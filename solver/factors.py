@@ -186,7 +186,7 @@ def _material(aligned: Mapping[str, Any], materials: Mapping[str, Material], pha
     """The material of every case, constants over aligned axes."""
     if "material" in aligned:
         which = aligned["material"]
-        chosen = [_phase(name, materials) for name in which.flat]
+        chosen = [_phase(name if isinstance(name, Material) else str(name), materials) for name in which.flat]
         for material in chosen:
             if material.shape:
                 raise FactorError(f"material: {material.name!r} holds arrays; a factor takes one material a value")

@@ -11,20 +11,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import Array
+from solver.arrays import Array, BoolArray
 from solver.contact import Contact
 from solver.interior import InteriorParts, interior_parts, principal_tension, von_mises
 
 DEPTH = 0.1  # of the half-width: the least depth
 _STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
 _ACROSS = np.concatenate([np.linspace(0.0, 0.6, 7), 1 + np.linspace(-0.36, 0.36, 19), 1.36 * 1.5 ** np.arange(1, 6)])
-_BODY = np.concatenate([-_ACROSS[:0:-1], _ACROSS]), -DEPTH * 1.4 ** np.arange(11)
-_AWAY = 6.0 * 1.5 ** np.arange(31)
-_LINES = ((_AWAY, np.array([-DEPTH])), (-_AWAY[::-1], np.array([-DEPTH])))
+_AWAY: Array = np.asarray(6.0 * 1.5 ** np.arange(31), dtype=np.float64)
+_LEAST = np.array([-DEPTH])
+Grid = tuple[Array, Array]
+_BODY: Grid = (np.concatenate([-_ACROSS[:0:-1], _ACROSS]), np.asarray(-DEPTH * 1.4 ** np.arange(11)))
+_LINES: tuple[Grid, Grid] = ((_AWAY, _LEAST), (-_AWAY[::-1], _LEAST))
 _CHUNK = 4_000_000  # stresses of a scan held at a time
 _MAXIMA = 3  # local maxima of a scan that are climbed, the the highest ones
 _STEPS = 40
-_CLOSE = 1e-5  # step of Newton's iteration over the distance to the edges, after which the next is of its square
+_CLOSE = 1e-5  # step of Newton's iteration over distance to the edges and depth; the next is of its square
 _STENCIL = np.array([(i, j) for j in (-1, 0, 1) for i in (-1, 0, 1)], dtype=np.float64)
 _NOTHING = 1e-12  # of the pressure scale: a tension below it is none
 
@@ -61,9 +63,9 @@ def _peak(contact: Contact, measure: Measure, x: Array, y: Array) -> tuple[Array
     reach, moved = np.full_like(x, 0.2), np.full_like(x, np.inf)
     best, best_depth = np.full(x.shape[:-1], -np.inf), np.full(x.shape[:-1], DEPTH)
     for _ in range(_STEPS):
-        size = np.hypot(np.minimum(np.abs(x - 1), np.abs(x + 1)), y)
-        step = size * np.clip(reach / 8, 1e-4, 0.02)
-        points = (x[..., None] + step[..., None] * _STENCIL[:, 0], y[..., None] + step[..., None] * _STENCIL[:, 1])
+        step = np.clip(reach / 8, 1e-4, 0.02)
+        along, over = step * np.hypot(np.minimum(np.abs(x - 1), np.abs(x + 1)), y), -step * y
+        points = (x[..., None] + along[..., None] * _STENCIL[:, 0], y[..., None] + over[..., None] * _STENCIL[:, 1])
         flat = [p.reshape(*x.shape[:-1], -1) for p in points]
         around = measure(*_stresses(contact, *flat)).reshape(points[0].shape)
         top = np.max(around[..., 4], -1)
@@ -73,9 +75,9 @@ def _peak(contact: Contact, measure: Measure, x: Array, y: Array) -> tuple[Array
         best, best_depth = np.where(better, top, best), np.where(better, depth, best_depth)
         if np.all((moved < _CLOSE) | (around[..., 4] < _NOTHING)):
             break
-        dx, dy = _climb(around, (-DEPTH - y) / step, reach * size / step)
-        x, y = x + dx * step, np.minimum(y + dy * step, -DEPTH)
-        moved = np.hypot(dx, dy) * step / size
+        dx, dy = _climb(around, (-DEPTH - y) / over, reach / step)
+        x, y = x + dx * along, np.minimum(y + dy * over, -DEPTH)
+        moved = np.hypot(dx, dy) * step
         reach = np.clip(2 * moved, 1e-6, reach)
     return best, best_depth
 
@@ -92,7 +94,7 @@ def _combined(parts: InteriorParts, e: Array) -> Array:
     return np.asarray(parts.of_load + electric + magnetic)
 
 
-def _starts(contact: Contact, measure: Measure, *grids: tuple[Array, Array]) -> tuple[Array, Array]:
+def _starts(contact: Contact, measure: Measure, *grids: Grid) -> tuple[Array, Array]:
     """Places of the highest local maxima of scans over grids; (..., start) each."""
     x, y, values = (
         np.concatenate(parts, -1) for parts in zip(*(_maxima(contact, measure, *g) for g in grids), strict=True)
@@ -124,7 +126,7 @@ def _maxima(contact: Contact, measure: Measure, across: Array, down: Array) -> t
     return x[best], y[best], highest
 
 
-def _is_top(grid: Array) -> Array:
+def _is_top(grid: Array) -> BoolArray:
     """Whether a value is no less than its neighbours along both axes, and not the first or last across."""
     padded = np.pad(grid, [(0, 0)] * (grid.ndim - 2) + [(1, 1), (1, 1)], constant_values=-np.inf)
     centre = padded[..., 1:-1, 1:-1]
@@ -153,8 +155,9 @@ def _climb(around: Array, ceiling: Array, reach: Array) -> tuple[Array, Array]:
     held = dy > ceiling
     alone = -(gx + xy * ceiling) / -np.maximum(np.abs(xx), floor)
     dx, dy = np.where(held, alone, dx), np.where(held, ceiling, dy)
-    short = np.minimum(1, reach / np.maximum(np.hypot(dx, dy), np.finfo(float).tiny))
-    return dx * short, np.where(held & (short == 1), ceiling, dy * short)
+    length = np.hypot(dx, dy)
+    short = np.minimum(length, reach) / np.maximum(length, np.finfo(float).tiny)
+    return dx * short, np.where(held & (length <= reach), ceiling, dy * short)
 
 
 def _chunks(shape: tuple[int, ...], each: int) -> Iterator[tuple[slice, ...]]:
