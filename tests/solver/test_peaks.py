@@ -45,9 +45,7 @@ def searched(case: dict[str, Any], field: str) -> tuple[float, float]:
         start = np.array([x, np.sqrt(max(-0.1 - y, 0.0))])
         simplex = start + np.array([[0.0, 0.0], [0.02, 0.0], [0.0, 0.05]])
         small = 1e-13 * float(np.max(np.abs(net)))
-        top = fmin(
-            lowered, start, xtol=1e-9, ftol=small, maxiter=2000, maxfun=4000, disp=False, initial_simplex=simplex
-        )
+        top = fmin(lowered, start, xtol=1e-9, ftol=small, maxiter=2000, disp=False, initial_simplex=simplex)
         found.append((-lowered(top), 0.1 + float(top[1]) ** 2))
     return max(found)
 
