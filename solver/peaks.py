@@ -25,6 +25,7 @@ _BODY: Grid = (np.concatenate([-_ACROSS[:0:-1], _ACROSS]), np.asarray(-DEPTH * 1
 _LINES: tuple[Grid, Grid] = ((_AWAY, _LEAST), (-_AWAY[::-1], _LEAST))
 _CHUNK = 4_000_000  # stresses of a scan held at a time
 _MAXIMA = 3  # local maxima of a scan that are climbed, the the highest ones
+_RIVAL = 0.9  # share of the highest value that makes a local maximum of the scan worth climbing; it is a few % off
 _STEPS = 40
 _CLOSE = 1e-5  # step of Newton's iteration over distance to the edges and depth; the next is of its square
 _STENCIL = np.array([(i, j) for j in (-1, 0, 1) for i in (-1, 0, 1)], dtype=np.float64)
@@ -100,8 +101,9 @@ def _starts(contact: Contact, measure: Measure, *grids: Grid) -> tuple[Array, Ar
         np.concatenate(parts, -1) for parts in zip(*(_maxima(contact, measure, *g) for g in grids), strict=True)
     )
     order = np.argsort(-values, axis=-1)[..., :_MAXIMA]
-    found = np.isfinite(np.take_along_axis(values, order, -1))
-    order = np.where(found, order, order[..., :1])  # fewer maxima: the highest again
+    ranked = np.take_along_axis(values, order, -1)
+    found = np.isfinite(ranked) & (ranked >= _RIVAL * ranked[..., :1])
+    order = np.where(found, order, order[..., :1])[..., : int(found.sum(-1).max(initial=1))]  # else the highest again
     return np.take_along_axis(x, order, -1), np.take_along_axis(y, order, -1)
 
 

@@ -93,5 +93,5 @@ def test_pmn_pt_has_the_figures_of_its_abstract() -> None:
     d = s @ np.array([m.e31, m.e31, m.e33], dtype=float)
     free = float(m.eps33) + float(d @ np.array([m.e31, m.e31, m.e33], dtype=float))
     assert d[2] == pytest.approx(2800e-12, rel=0.15)  # half a GPa of c13, where it is rounded, moves d33 by 12 %
-    assert d[2] / np.sqrt(s[2, 2] * free) == pytest.approx(0.94, abs=0.01)
+    assert d[2] / np.sqrt(s[2, 2] * free) == pytest.approx(0.94, abs=0.03)
     assert float(np.sqrt((m.c11 - m.c12) / 2 / m.rho)) == pytest.approx(880, rel=0.03)
