@@ -126,3 +126,20 @@ def test_peaks_come_only_when_asked_for_and_need_c12() -> None:
     constants = {name: float(getattr(solver.find("steel"), name)) for name in ("c11", "c13", "c33", "c44")}
     with pytest.raises(solver.MaterialError, match="c12: missing; peak_von_mises needs it"):
         solver.solve(BASE | {"material": solver.Material.from_mapping(constants)}, peaks=True)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_point_of_a_dense_net_is_above_the_peak(seed: int) -> None:
+    """Charges that rival the load make narrow peaks under the edges."""
+    random = np.random.default_rng(seed)
+    case = {"volume_fraction": random.uniform(), "friction": float(random.choice([0.0, random.uniform(0.0, 1.5)]))}
+    case |= {"radius": 10 ** random.uniform(-2.3, -0.7), "load": 10 ** random.uniform(3.0, 5.5)}
+    case |= {"charge": random.uniform(-4e-6, 4e-6), "magnetic_charge": random.uniform(-4e-3, 4e-3)}
+    near = np.linspace(-0.1, 0.1, 81)
+    across = np.concatenate([np.linspace(-8, 8, 161), 1 + near, -1 + near])
+    fields = ["von_mises", "principal_tension"]
+    net = solver.solve_interior(case, across, -0.1 * 1.15 ** np.arange(27), fields=fields)
+    found = solver.solve(case, peaks=True)
+    for field, peak in zip(fields, ("peak_von_mises", "peak_principal_tension"), strict=True):
+        highest = max(float(net[field].max()), 0.0)
+        assert highest * (1 - 1e-12) <= found[peak].item() <= 1.2 * highest + 1e-6 * float(net["von_mises"].max())
