@@ -70,7 +70,7 @@ def _peak(contact: Contact, measure: Measure, x: Array, y: Array) -> tuple[Array
         flat = [p.reshape(*x.shape[:-1], -1) for p in points]
         around = measure(*_stresses(contact, *flat)).reshape(points[0].shape)
         up = around[..., 4] >= held
-        close = (moved < _CLOSE) | (around[..., 4] < _NOTHING)
+        close = (moved < _CLOSE) | ((around[..., 4] < _NOTHING) & (np.hypot(x, y) > _AWAY[0]))  # to zero at infinity
         held_x, held_y, held = np.where(up, x, held_x), np.where(up, y, held_y), np.where(up, around[..., 4], held)
         if np.all(close):
             break
