@@ -11,6 +11,15 @@ from surrogate import GaussianProcess, GridGP, metrics
 from workflow import factorial
 from workflow.study import Study
 
+#: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
+SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
+
+
+def cases(study: Study, sample: str) -> xr.Dataset:
+    """Random exact cases of one of `SAMPLES`, over dimension ``case``."""
+    number, key = SAMPLES[sample]
+    return factorial.sample(study, getattr(study.validation, key), (study.validation.seed, number))
+
 
 def fit(study: Study, quantities: xr.Dataset) -> GridGP:
     """Gaussian process of the study's outputs on its factorial."""
@@ -18,8 +27,15 @@ def fit(study: Study, quantities: xr.Dataset) -> GridGP:
     return model.fit(quantities)
 
 
-def validate(study: Study, quantities: xr.Dataset, model: GaussianProcess) -> xr.Dataset:
+def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> xr.Dataset:
     """Errors on random exact cases that the model never saw, beside plain tensor Chebyshev interpolation.
+
+    Parameters
+    ----------
+    study, quantities, model
+        The study, the factorial that the model was trained on, and the model.
+    cases
+        The sample for validation; neither the training nor the calibration has seen it.
 
     Returns
     -------
@@ -27,7 +43,6 @@ def validate(study: Study, quantities: xr.Dataset, model: GaussianProcess) -> xr
         ``exact``, ``predicted``, ``std`` over (output, case), the error table over ``output``, the factors over
         ``case``, and the tolerance that the study asks for.
     """
-    cases = factorial.sample(study, study.validation.cases, (study.validation.seed, 0))
     points = {name: cases[name] for name in study.factors}
     predicted = model.predict(points)
     table = metrics.validate(model, cases, quantities)

@@ -29,7 +29,7 @@ PHYSICS = ("phases", "materials", "fixed", "factors")
 
 def figures_of(wildcards):
     study = study_of(wildcards)
-    names = ["fields", "errors", "parity"] if study.factors else []
+    names = ["fields", "errors", "parity", "intervals"] if study.factors else []
     names += [f"design_{name}" for name, target in study.design.items() if len(target.over) > 1]
     names += [f"effect_{name}" for name in (study.effects.vary if study.effects else [])]
     return expand("results/{study}/figures/{figure}.svg", study=wildcards.study, figure=names)
