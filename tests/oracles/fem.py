@@ -1,4 +1,4 @@
-"""Finite elements for the half-plane (scikit-fem): equations (1)-(3) of the paper as they stand, no half-plane solution.
+"""Finite elements for the half-plane (scikit-fem): equations (1)-(3) of the paper as they stand.
 
 Weak form: int S(G(v)) . G(u) = int t . v over the surface, with G = (eps_xx, eps_yy, 2 eps_xy, grad phi, grad psi) and
 the fluxes S = (sigma_xx, sigma_yy, sigma_xy, D_x, D_y, B_x, B_y) = M G. Triangles on confocal ellipses: the foci may be
@@ -11,9 +11,11 @@ Coordinates of a mesh are in units of a length, mostly the half-width of the con
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_matrix, kron
+from numpy.typing import NDArray
+from scipy.sparse import kron
 from scipy.sparse.linalg import SuperLU, splu
 from skfem import Basis, BilinearForm, ElementTriP1, ElementTriP2, ElementTriP4, FacetBasis, LinearForm, MeshTri
 
@@ -100,27 +102,30 @@ class Body:
         return Basis(self.mesh, _ELEMENTS[self.order]())
 
     @cached_property
-    def _free(self) -> Array:
-        """Whether a scalar degree of freedom is not clamped."""
-        free = np.ones(self.basis.N, bool)
-        free[self.basis.get_dofs("far").all()] = False
-        return free
+    def _free(self) -> NDArray[np.int64]:
+        """Scalar degrees of freedom that are not clamped."""
+        return np.setdiff1d(np.arange(self.basis.N), self.basis.get_dofs("far").all())
 
     @cached_property
-    def _factors(self) -> SuperLU:
+    def _factors(self) -> "SuperLU[np.float64]":
         """LU factors of the scaled stiffness matrix without the clamped part."""
 
-        def product(i: int, j: int) -> csc_matrix:
-            return BilinearForm(lambda u, v, w: v.grad[i] * u.grad[j]).assemble(self.basis)
+        def product(i: int, j: int) -> Any:  # scikit-fem has no types
+            return BilinearForm(lambda u, v, w: v.grad[i] * u.grad[j]).assemble(self.basis)[self._free][:, self._free]
 
-        M = constitutive_matrix(self.material)
-        sides, whole = (_ALONG, _DOWN), None
-        for i, first in enumerate(sides):
-            for j, second in enumerate(sides):
-                block = _UNITS[:, None] * (first.T @ M @ second) * _UNITS / _STIFFNESS
-                part = kron(block, product(i, j)[self._free][:, self._free], format="csc")
-                whole = part if whole is None else whole + part
-        return splu(whole, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.01)
+        M, sides = constitutive_matrix(self.material), (_ALONG, _DOWN)
+        scale = _UNITS[:, None] * _UNITS / _STIFFNESS
+        parts: list[Any] = [
+            kron(scale * (one.T @ M @ two), product(i, j), format="csc")
+            for i, one in enumerate(sides)
+            for j, two in enumerate(sides)
+        ]
+        return splu(
+            parts[0] + parts[1] + parts[2] + parts[3],
+            permc_spec="MMD_AT_PLUS_A",
+            options={"SymmetricMode": True},
+            diag_pivot_thresh=0.01,
+        )
 
     def solve(self, load: Array) -> Array:
         """u = (u_x, u_y, phi, psi) under nodal loads; both (4, degrees of freedom, ...), SI units."""

@@ -9,13 +9,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tests.oracles.fem import FAR, Body, elliptic_mesh
 from tests.oracles.surface_response import Array
 
 _ROUNDS = 50
 _MARGIN = 1.05  # of the surface with nodes over the contact found
-_DATUM = 1e3  # distance of the datum, in units of the mesh
+DATUM = 1e3  # distance of the datum, in units of the mesh
 _UNITS = np.array([1e5, 1e-5, 1e-3])  # N/m, C/m, Wb/m: make energies of loads comparable
 
 
@@ -29,8 +30,6 @@ class Found:
         Nodes that touch [m] and the pressure there [Pa].
     half_width : float
         Where the pressure vanishes [m].
-    bracket : tuple of float
-        Half the distance of the outermost nodes that touch, and of the next ones [m].
     depth, voltage, magnetic_potential : float
         Relative to the surface at the distance ``datum`` on both sides [m, V, A].
     datum : float
@@ -40,7 +39,6 @@ class Found:
     x: Array
     pressure: Array
     half_width: float
-    bracket: tuple[float, float]
     depth: float
     voltage: float
     magnetic_potential: float
@@ -71,7 +69,7 @@ def _solve(material: Mapping[str, float], radius: float, totals: Array, cells: i
     surface = np.flatnonzero(mesh.p[1] == 0)
     below = surface[np.abs(mesh.p[0, surface]) <= 1]
     below = below[np.argsort(mesh.p[0, below])]
-    beside = surface[np.argsort(np.abs(np.abs(mesh.p[0, surface]) - _DATUM))[:2]]  # one on each side
+    beside = surface[np.argsort(np.abs(np.abs(mesh.p[0, surface]) - DATUM))[:2]]  # one on each side
     answers, far = _flexibility(Body(material, mesh, order=1), below, beside)
 
     x = length * mesh.p[0, below]
@@ -88,12 +86,10 @@ def _solve(material: Mapping[str, float], radius: float, totals: Array, cells: i
 
     pressure = -loads[0, touching] / np.gradient(x)[touching]
     away = np.einsum("ijb,jb->i", far, loads)
-    ends = np.flatnonzero(touching)[[0, -1]]
     return Found(
         x=x[touching],
         pressure=pressure,
         half_width=_end(x[touching], pressure),
-        bracket=(float(np.ptp(x[ends])) / 2, float(np.ptp(x[ends + [-1, 1]])) / 2),
         depth=rigid[0] + away[0],
         voltage=-rigid[1] - away[1],
         magnetic_potential=-rigid[2] - away[2],
@@ -101,8 +97,8 @@ def _solve(material: Mapping[str, float], radius: float, totals: Array, cells: i
     )
 
 
-def _flexibility(body: Body, below: Array, beside: Array) -> tuple[Array, Array]:
-    """(u_y, phi, psi) of the nodes below and, mean of two, beside: (3, n, 3, n) and (3, 3, n), by kind and node loaded."""
+def _flexibility(body: Body, below: NDArray[np.int64], beside: NDArray[np.int64]) -> tuple[Array, Array]:
+    """(u_y, phi, psi) of the nodes below, mean of those beside, by kind and node loaded: (3, n, 3, n), (3, 3, n)."""
     n = len(below)
     answers, far = np.empty((3, n, 3, n)), np.empty((3, 3, n))
     for kind in range(3):
