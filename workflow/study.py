@@ -19,6 +19,8 @@ MOST_CASES = 20_000_000
 FOLDER = Path("config")
 #: Groups of checks in tests/verification, in the order of the page.
 CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "digits")
+#: Those with convergence curves.
+CONVERGING = ("integral_equations", "finite_elements")
 
 
 def _one_of(names: list[str], kind: str) -> AfterValidator:
@@ -179,6 +181,11 @@ class Study(Strict):
     def cases(self) -> int:
         """Number of cases of the factorial."""
         return prod(axis.levels for axis in self.factors.values()) if self.factors else 0
+
+    @property
+    def targets(self) -> list[str]:
+        """Files under ``results/<study>/`` that a run makes last."""
+        return ["report.html", "verdict.txt"] if self.verification else ["report.html"]
 
     @property
     def outputs(self) -> list[str]:
