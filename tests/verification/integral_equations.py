@@ -75,11 +75,25 @@ def run(sizes: Sizes) -> Findings:
         )
         for name in PUNCHES
     ]
-    circle = _circle(surface)
-    curves.append(Curve("collocation_circle", "circle pressed in to 0.4 of its radius", "terms",
-                        list(map(float, _CIRCLE_TERMS)), circle))  # fmt: skip
-    checks.append(check("Circle, 16 terms", "half-width and pressure of the whole circle, and the closed form of its "
-                        f"Taylor polynomial of degree {_TAYLOR}", TOLERANCE, circle.__getitem__, -1))  # fmt: skip
+    circle: list[float] = []
+
+    def whole_circle() -> float:
+        circle.extend(_circle(surface))
+        return circle[-1]
+
+    compared = (
+        f"half-width and pressure of the whole circle, and the closed form of its Taylor polynomial of degree {_TAYLOR}"
+    )
+    checks.append(check("Circle, 16 terms", compared, TOLERANCE, whole_circle))
+    curves.append(
+        Curve(
+            "collocation_circle",
+            "circle pressed in to 0.4 of its radius",
+            "terms",
+            list(map(float, _CIRCLE_TERMS)),
+            circle,
+        )
+    )
     return Findings(
         "Integral equations",
         "A numerical solution of the three coupled singular integral equations, for every punch and conduction. It "
