@@ -7,6 +7,7 @@ from solver.labelled_interior import solve_interior
 from solver.library import find, materials
 from solver.material import Material, MaterialError
 from solver.profile import Profile
+from solver.speed import limiting_speed
 
 __all__ = [
     "FactorError",
@@ -16,6 +17,7 @@ __all__ = [
     "fibrous",
     "find",
     "laminate",
+    "limiting_speed",
     "materials",
     "solve",
     "solve_interior",

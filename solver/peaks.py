@@ -11,18 +11,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import Array
+from solver.arrays import Array, BoolArray
 from solver.contact import Contact
 from solver.interior import InteriorParts, interior_parts, principal_tension, von_mises
 
 DEPTH = 0.1  # of the half-width: the least depth
 _STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
-_ACROSS = np.concatenate([np.linspace(0.0, 0.6, 7), 1 + np.linspace(-0.36, 0.36, 19), 1.36 * 1.5 ** np.arange(1, 34)])
-_SCAN_X = np.concatenate([-_ACROSS[:0:-1], _ACROSS])
-_SCAN_Y = -DEPTH * 1.4 ** np.arange(12)
+_ACROSS = np.concatenate([np.linspace(0.0, 0.6, 7), 1 + np.linspace(-0.36, 0.36, 37), 1.36 * 1.5 ** np.arange(1, 6)])
+_AWAY: Array = np.asarray(6.0 * 1.5 ** np.arange(31), dtype=np.float64)
+_LEAST = np.array([-DEPTH])
+Grid = tuple[Array, Array]
+_BODY: Grid = (np.concatenate([-_ACROSS[:0:-1], _ACROSS]), np.asarray(-DEPTH * 1.4 ** np.arange(11)))
+_LINES: tuple[Grid, Grid] = ((_AWAY, _LEAST), (-_AWAY[::-1], _LEAST))
 _CHUNK = 4_000_000  # stresses of a scan held at a time
-_MAXIMA = 4  # local maxima of the scan that are climbed, the highest ones
-_STEPS = 30
+_MAXIMA = 3  # local maxima of a scan that are climbed, the the highest ones
+_RIVAL = 0.1  # of the largest stress: how far below the highest a local maximum of the scan is still climbed
+_STEPS = 40
+_CLOSE = 1e-5  # step of Newton's iteration over distance to the edges and depth; the next is of its square
 _STENCIL = np.array([(i, j) for j in (-1, 0, 1) for i in (-1, 0, 1)], dtype=np.float64)
 _NOTHING = 1e-12  # of the pressure scale: a tension below it is none
 
@@ -39,7 +44,7 @@ class Peak:
 
 def peak_von_mises(contact: Contact) -> Peak:
     """Largest von Mises stress below depth 0.1 h, to 1e-9 of itself."""
-    value, depth = _peak(contact, von_mises)
+    value, depth = _peak(contact, von_mises, *_starts(contact, von_mises, _BODY))
     return Peak(contact.pressure_scale * value, contact.half_width * depth)
 
 
@@ -48,35 +53,35 @@ def peak_principal_tension(contact: Contact) -> Peak:
 
     The depth is infinite where there is no tension.
     """
-    value, depth = _peak(contact, principal_tension)
+    value, depth = _peak(contact, principal_tension, *_starts(contact, principal_tension, _BODY, *_LINES))
     none = value < _NOTHING
     scale, half = contact.pressure_scale, contact.half_width
     return Peak(np.where(none, 0.0, scale * value), np.where(none, np.inf, half * depth))
 
 
-def _peak(contact: Contact, measure: Measure) -> tuple[Array, Array]:
-    """Largest measure over the pressure scale, and its depth over h; as small as the stresses over their scale."""
-    x, y = _candidates(contact, measure)
-    reach = np.full_like(x, 0.2)
-    best, best_depth = np.full(x.shape[:-1], -np.inf), np.full(x.shape[:-1], DEPTH)
+def _peak(contact: Contact, measure: Measure, x: Array, y: Array) -> tuple[Array, Array]:
+    """Largest measure over the pressure scale, and its depth over h, from starting points (..., start)."""
+    reach, moved = np.full_like(x, 0.2), np.full_like(x, np.inf)
+    held_x, held_y, held = x, y, np.full_like(x, -np.inf)  # the highest place so far of every start
     for _ in range(_STEPS):
-        size = np.hypot(np.minimum(np.abs(x - 1), np.abs(x + 1)), y)
-        step = size * np.clip(reach / 8, 1e-4, 0.02)
-        points = (x[..., None] + step[..., None] * _STENCIL[:, 0], y[..., None] + step[..., None] * _STENCIL[:, 1])
+        step = np.clip(reach / 8, 1e-4, 0.02)
+        along, over = step * np.hypot(np.minimum(np.abs(x - 1), np.abs(x + 1)), y), -step * y
+        points = (x[..., None] + along[..., None] * _STENCIL[:, 0], y[..., None] + over[..., None] * _STENCIL[:, 1])
         flat = [p.reshape(*x.shape[:-1], -1) for p in points]
         around = measure(*_stresses(contact, *flat)).reshape(points[0].shape)
-        top = np.max(around[..., 4], -1)
-        which = np.argmax(around[..., 4], -1)
-        depth = -np.take_along_axis(y, which[..., None], -1)[..., 0]
-        better = top >= best
-        best, best_depth = np.where(better, top, best), np.where(better, depth, best_depth)
-        dx, dy = _climb(around, (-DEPTH - y) / step, reach * size / step)
-        x, y = x + dx * step, np.minimum(y + dy * step, -DEPTH)
-        moved = np.hypot(dx, dy) * step / size
-        reach = np.clip(2 * moved, 1e-6, reach)
-        if np.all(moved < 1e-8):
+        up = around[..., 4] >= held
+        close = (moved < _CLOSE) | ((around[..., 4] < _NOTHING) & (np.hypot(x, y) > _AWAY[0]))  # to zero at infinity
+        held_x, held_y, held = np.where(up, x, held_x), np.where(up, y, held_y), np.where(up, around[..., 4], held)
+        if np.all(close):
             break
-    return best, best_depth
+        dx, dy = _climb(around, (-DEPTH - y) / over, reach / step)
+        length = np.hypot(dx, dy) * step
+        # what went down goes back and tries again with a quarter of the reach
+        x, y = np.where(up, x + dx * along, held_x), np.where(up, np.minimum(y + dy * over, -DEPTH), held_y)
+        reach = np.where(up, np.clip(2 * length, 1e-6, reach), moved / 4)
+        moved = np.where(up, length, moved / 4)
+    top = np.argmax(held, -1)[..., None]
+    return np.take_along_axis(held, top, -1)[..., 0], -np.take_along_axis(held_y, top, -1)[..., 0]
 
 
 def _stresses(contact: Contact, x: Array, y: Array) -> list[Array]:
@@ -91,13 +96,27 @@ def _combined(parts: InteriorParts, e: Array) -> Array:
     return np.asarray(parts.of_load + electric + magnetic)
 
 
-def _candidates(contact: Contact, measure: Measure) -> tuple[Array, Array]:
-    """Places of the highest local maxima of the scan; (..., maximum) each."""
-    x, y = (grid.ravel() for grid in np.meshgrid(_SCAN_X, _SCAN_Y))
+def _starts(contact: Contact, measure: Measure, *grids: Grid) -> tuple[Array, Array]:
+    """Places of the highest local maxima of scans over grids; (..., start) each."""
+    scans = [_maxima(contact, measure, *grid) for grid in grids]
+    x, y, values, largest = (np.concatenate(parts, -1) for parts in zip(*scans, strict=True))
+    order = np.argsort(-values, axis=-1)[..., :_MAXIMA]
+    ranked = np.take_along_axis(values, order, -1)
+    found = np.isfinite(ranked) & (ranked >= ranked[..., :1] - _RIVAL * np.max(largest, -1, keepdims=True))
+    order = np.where(found, order, order[..., :1])[..., : int(found.sum(-1).max(initial=1))]  # else the highest again
+    return np.take_along_axis(x, order, -1), np.take_along_axis(y, order, -1)
+
+
+def _maxima(contact: Contact, measure: Measure, across: Array, down: Array) -> tuple[Array, Array, Array, Array]:
+    """Places and values of the highest local maxima of one scan, -inf for want of them, and its largest stress.
+
+    The last is (..., 1), the others are (..., maximum).
+    """
+    x, y = (grid.ravel() for grid in np.meshgrid(across, down))
     parts = interior_parts(contact, x, y, _STRESSES)
     e = contact.relative_charge_density
     shape = np.broadcast_shapes(parts.of_load.shape[:-2], parts.of_charges[0].shape[:-2], e.shape[:-1])
-    best = np.empty((*shape, _MAXIMA), int)
+    best, highest, largest = (np.empty((*shape, count)) for count in (_MAXIMA, _MAXIMA, 1))
     for chunk in _chunks(shape, 4 * x.size):
         some = InteriorParts(
             _part(parts.of_load, chunk, 2),
@@ -105,19 +124,24 @@ def _candidates(contact: Contact, measure: Measure) -> tuple[Array, Array]:
         )
         stresses = _combined(some, _part(e, chunk, 1))
         values = measure(*(stresses[..., k, :] for k in range(4)))
-        grid = values.reshape(*values.shape[:-1], _SCAN_Y.size, _SCAN_X.size)
+        grid = values.reshape(*values.shape[:-1], down.size, across.size)
         ranked = np.where(_is_top(grid), grid, -np.inf).reshape(values.shape)
-        best[chunk] = np.argsort(-ranked, axis=-1)[..., :_MAXIMA]
-    return x[best], y[best]
+        order = np.argsort(-ranked, axis=-1)[..., :_MAXIMA]
+        best[chunk], highest[chunk] = order, np.take_along_axis(ranked, order, -1)
+        largest[chunk] = np.max(np.abs(stresses), axis=(-2, -1))[..., None]
+    places = best.astype(int)
+    return x[places], y[places], highest, largest
 
 
-def _is_top(grid: Array) -> Array:
-    """Whether a value is no less than its neighbours along both axes."""
+def _is_top(grid: Array) -> BoolArray:
+    """Whether a value is no less than its neighbours along both axes, and not the first or last across."""
     padded = np.pad(grid, [(0, 0)] * (grid.ndim - 2) + [(1, 1), (1, 1)], constant_values=-np.inf)
     centre = padded[..., 1:-1, 1:-1]
     across = np.maximum(padded[..., 1:-1, 2:], padded[..., 1:-1, :-2])
     down = np.maximum(padded[..., 2:, 1:-1], padded[..., :-2, 1:-1])
-    return np.asarray((centre >= across) & (centre >= down))
+    top = np.asarray((centre >= across) & (centre >= down))
+    top[..., [0, -1]] = False
+    return top
 
 
 def _climb(around: Array, ceiling: Array, reach: Array) -> tuple[Array, Array]:
@@ -138,8 +162,9 @@ def _climb(around: Array, ceiling: Array, reach: Array) -> tuple[Array, Array]:
     held = dy > ceiling
     alone = -(gx + xy * ceiling) / -np.maximum(np.abs(xx), floor)
     dx, dy = np.where(held, alone, dx), np.where(held, ceiling, dy)
-    short = np.minimum(1, reach / np.maximum(np.hypot(dx, dy), np.finfo(float).tiny))
-    return dx * short, np.where(held & (short == 1), ceiling, dy * short)
+    length = np.hypot(dx, dy)
+    short = np.minimum(length, reach) / np.maximum(length, np.finfo(float).tiny)
+    return dx * short, np.where(held & (length <= reach), ceiling, dy * short)
 
 
 def _chunks(shape: tuple[int, ...], each: int) -> Iterator[tuple[slice, ...]]:

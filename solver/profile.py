@@ -1,9 +1,11 @@
 """Rigid punch profiles: a polynomial slope, and which edges of the contact are corners of the punch."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from solver.arrays import Array
 
@@ -33,11 +35,18 @@ class Profile:
     moment: Array | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "slope", tuple(np.asarray(c, dtype=np.float64) for c in self.slope))
         if any(self.smooth) != (self.width is None):
             raise ValueError("width: given by a punch with two corners, and only by that")
         if self.moment is not None and any(self.smooth):
             raise ValueError("moment: only a punch with two corners can take one")
+
+    @classmethod
+    def polynomial(
+        cls, slope: Sequence[ArrayLike], smooth: tuple[bool, bool] = (True, True), width: ArrayLike | None = None
+    ) -> Self:
+        """Any polynomial slope g'(x), coefficients in ascending powers of x [m^-k]; width between two corners [m]."""
+        coefficients = tuple(np.asarray(c, dtype=np.float64) for c in slope)
+        return cls(coefficients, smooth, None if width is None else np.asarray(width, dtype=np.float64))
 
     @classmethod
     def cylinder(cls, radius: Array) -> Self:

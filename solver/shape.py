@@ -197,12 +197,13 @@ class Shape:
         factor = self._edges(z - 1, z + 1, root) * power_series(self.factor, z)  # V / root
         pressure = power_series(slope, z) - self._sign * (1 + delta * phi) * factor
         negative = factor * root * phi - power_series(head, z + root)
-        if np.any(far := np.abs(u) < _FAR):
-            small = np.where(far, u, 0)
+        far = np.abs(u) < _FAR
+        if np.any(some := far.any(axis=tuple(range(far.ndim - 1)))):
+            small = np.where(far, u, 0)[..., some]
             series = small * power_series(tail, small)
             even = power_series(self._chebyshev, small) + delta * (series + power_series(head, small))
-            pressure = np.where(far, -self._sign * even / root, pressure)
-            negative = np.where(far, series, negative)
+            pressure[..., some] = np.where(far[..., some], -self._sign * even / root[..., some], pressure[..., some])
+            negative[..., some] = np.where(far[..., some], series, negative[..., some])
         mirrored = power_series(head, u) - head[..., :1]
         return pressure, -self._sign * rho * (negative - mirrored)
 

@@ -16,8 +16,8 @@ from solver.arrays import Array, BoolArray, ComplexArray, column
 from solver.halfplane import HalfPlane
 
 _APART = 0.05  # distance |p - p'|/|p - conj p'| from which a root's own eigenvector keeps all but two digits
-_SMALLEST = 0.15  # radius of a contour in the disk: the resolvent of a fourfold root grows as its fourth power
-_ERROR = 1e-16
+_SMALLEST = 0.1  # radius of a contour in the disk: the resolvent of a fourfold root grows as its fourth power
+_ERROR = 1e-15
 
 
 def spectrum(halfplane: HalfPlane) -> tuple[ComplexArray, ComplexArray]:

@@ -15,7 +15,7 @@ _SLOPES = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 241)])
 _SHORT_OF = 1 - 1e-6  # at the transonic speed itself a Stroh root is real, and the tensors are not defined
 
 
-def limiting_speed(material: Material, conducts: BoolArray) -> Array:
+def limiting_speed(material: Material, conducts: BoolArray | tuple[bool, bool] = (True, True)) -> Array:
     """First critical speed [m/s]; cases as the material's and the conduction's broadcast.
 
     It is the speed of the surface wave under the punch's conduction, where 1/lam falls to zero (Stroh's tensor L, over
@@ -26,7 +26,7 @@ def limiting_speed(material: Material, conducts: BoolArray) -> Array:
     material
         With a density.
     conducts
-        Whether the punch conducts (electric, magnetic); (..., 2).
+        Whether the punch conducts (electric, magnetic); (..., 2). The speed is lowest where it conducts both.
 
     Raises
     ------
@@ -35,6 +35,7 @@ def limiting_speed(material: Material, conducts: BoolArray) -> Array:
     """
     if np.any(np.isnan(material.rho)):
         raise MaterialError(f"{material.name}: rho: missing; a speed needs the density [kg m-3]")
+    conducts = np.asarray(conducts)
     shape = np.broadcast_shapes(material.shape, conducts.shape[:-1])
     cases = Material(**_flat(material, shape), name=material.name)
     conducted = np.broadcast_to(conducts, (*shape, 2)).reshape(-1, 2)
