@@ -1,5 +1,6 @@
 """The array types of the room, and the small operations that every module needs."""
 
+from numbers import Real
 from typing import Any, TypeVar
 
 import numpy as np
@@ -11,6 +12,14 @@ ComplexArray = NDArray[np.complex128]
 #: Real or complex arrays: positions on the surface, or complex coordinates of the interior.
 Points = TypeVar("Points", Array, ComplexArray)
 Scalar = TypeVar("Scalar", bound=np.generic)
+
+
+def is_finite(value: object) -> bool:
+    """Whether a plain value is a real number, no truth value, that floating point holds."""
+    try:
+        return not isinstance(value, bool | np.bool_) and isinstance(value, Real) and bool(np.isfinite(float(value)))
+    except OverflowError:
+        return False
 
 
 def dot(one: Array, two: Array) -> Array:

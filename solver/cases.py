@@ -27,11 +27,12 @@ def contact_of_cases(
         What cannot be a case, a contact that does not exist among it.
     """
     aligned, sizes = align(arrays)
-    contact, datum = contact_of(aligned, materials, phases)
-    try:
-        _ = contact.pressing
-    except ContactError as error:
-        raise FactorError(str(error)) from None
+    with np.errstate(all="ignore"):  # what is not finite is named in the outputs
+        contact, datum = contact_of(aligned, materials, phases)
+        try:
+            _ = contact.pressing
+        except ContactError as error:
+            raise FactorError(str(error)) from None
     return contact, datum, tuple(sizes), tuple(sizes.values())
 
 
@@ -58,9 +59,10 @@ def by_kind(arrays: dict[str, xr.DataArray], part: Callable[[dict[str, xr.DataAr
 
 
 def coordinates(arrays: Mapping[str, xr.DataArray]) -> dict[str, xr.Variable]:
-    """The factors as coordinates with units; materials and own profiles by name."""
-    out = {}
+    """The factors as coordinates with units, and labels of the cases; materials and own profiles by name."""
+    out: dict[str, xr.Variable] = {}
     for name, array in arrays.items():
+        out |= {str(dim): array.coords[dim].variable for dim in array.dims if dim in array.coords and dim not in arrays}
         values = array.values
         if values.dtype == object:
             names = [
@@ -82,3 +84,14 @@ def require_c12(material: Material, names: Sequence[str]) -> None:
     """
     if names and np.any(np.isnan(material.c12)):
         raise MaterialError(f"{material.name}: c12: missing; {names[0]} needs it [Pa]")
+
+
+def require_finite(name: str, value: Array, of: str) -> None:
+    """Raise if an output is not finite in some case, so that no file ever holds such a value unawares.
+
+    Raises
+    ------
+    FactorError
+    """
+    if not np.all(np.isfinite(value)):
+        raise FactorError(f"{name}: not finite for these {of}")

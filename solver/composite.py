@@ -29,6 +29,7 @@ def fibrous(fibre: Material, matrix: Material, fraction: ArrayLike) -> Material:
     """
     v = _fraction(fraction)
     for phase in (fibre, matrix):
+        phase.check()
         if np.any(np.isnan(phase.c12)):
             raise MaterialError(f"{phase.name}: c12: missing; a fibrous composite needs it [Pa]")
     bulk_f, bulk_m = (fibre.c11 + fibre.c12) / 2, (matrix.c11 + matrix.c12) / 2
@@ -80,6 +81,8 @@ def laminate(first: Material, second: Material, fraction: ArrayLike) -> Material
         Fraction outside 0..1, or an inadmissible result.
     """
     v = _fraction(fraction)
+    for phase in (first, second):
+        phase.check()
     scale = _scale(first, second)
     both = scale * scale[:, None]
     Q_1, R_1, T_1 = (block * both for block in first.generalised_stiffness())

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.arrays import Array, stack
+from solver.arrays import Array, is_finite, stack
 from solver.composite import fibrous, laminate
 from solver.contact import Contact
 from solver.halfplane import HalfPlane
@@ -20,6 +20,7 @@ from solver.sliding import Sliding
 from solver.speed import limiting_speed
 
 _COMPOSITES = {"fibrous": fibrous, "laminate": laminate}
+_OUTPUT_DIMS = ("position", "x", "y")
 _CHARGES = {"charge": "electric", "magnetic_charge": "magnetic"}
 
 
@@ -56,6 +57,10 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
     if "material" not in arrays and "volume_fraction" not in arrays:
         raise FactorError("material: missing; give a material's name, or a composite's volume_fraction")
     _check_profile(arrays)
+    for name, array in arrays.items():
+        for dim in array.dims:
+            if dim != name and (dim in known or dim in _OUTPUT_DIMS):
+                raise FactorError(f"{name}: its dimension {str(dim)!r} has the name of a factor or of an output's axis")
     try:
         return dict(zip(arrays, xr.align(*arrays.values(), join="exact", copy=False), strict=True))
     except ValueError as error:
@@ -105,6 +110,8 @@ def contact_of(
     FactorError, MaterialError
         A charge on an insulating punch, a speed at or above the limiting one, an inadmissible material.
     """
+    if len(phases) != 2:
+        raise FactorError(f"phases: {len(phases)} given; a composite has two")
     number: dict[str, Array] = {n: aligned.get(n, np.array(factor.default or 0.0)) for n, factor in FACTORS.items()}
     conducts = stack(*(aligned.get(name, np.array("conducting")) == "conducting" for name in ("electric", "magnetic")))
     for j, (charge, field) in enumerate(_CHARGES.items()):
@@ -152,18 +159,28 @@ def _array(name: str, value: object) -> xr.DataArray:
         values = np.empty((), object)
         values[()] = value
     else:
-        values = np.asarray(value)
+        try:
+            values = np.asarray(value, None if isinstance(value, np.ndarray) else _type(value))
+        except ValueError:
+            raise FactorError(f"{name}: {str(value)!r} is not a plain list of values") from None
     if values.ndim > 1:
         raise FactorError(f"{name}: a plain array of {values.ndim} dimensions; give a DataArray with named ones")
     return xr.DataArray(values, dims=(name,) * values.ndim)
 
 
+def _type(value: object) -> type | None:
+    """Object where numpy would turn the numbers of a mixed list into text."""
+    listed = value if isinstance(value, list | tuple) else ()
+    return object if any(isinstance(one, str | Material | Profile) for one in listed) else None
+
+
 def _number(name: str, array: xr.DataArray) -> xr.DataArray:
     factor = FACTORS[name]
-    try:
-        array = array.astype(np.float64)
-    except (TypeError, ValueError):
-        raise FactorError(f"{name}: {str(array.values.flat[0])!r} is not {factor.allowed}") from None
+    if array.dtype.kind not in "iuf":
+        for one in array.values.flat:  # integers beyond 64 bits come as objects, text does not pass as a number
+            if not is_finite(one):
+                raise FactorError(f"{name}: {str(one)[:40]!r} is not {factor.allowed}")
+    array = array.astype(np.float64)
     values = array.values
     above = values >= factor.low if factor.low_allowed else values > factor.low
     bad = values[~(np.isfinite(values) & above & (values <= factor.high))]

@@ -1,6 +1,7 @@
 """The labelled face of the solver: named factors in, an ``xarray.Dataset`` with units out."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from types import MappingProxyType
 from typing import Any
 
@@ -8,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import Array
-from solver.cases import by_kind, contact_of_cases, coordinates, require_c12
+from solver.cases import by_kind, contact_of_cases, coordinates, require_c12, require_finite
 from solver.contact import Contact
 from solver.factors import FactorError, checked
 from solver.fields import surface_fields
@@ -78,8 +79,7 @@ def solve(
         if peaks:
             values |= _peaks(contact)
         for name, value in values.items():
-            if not np.all(np.isfinite(value)):
-                raise FactorError(f"{name}: not finite for these factors (contact as wide as the datum, or overflow)")
+            require_finite(name, value, "factors (contact as wide as the datum, or overflow)")
         out = xr.Dataset(
             {name: (dims, np.broadcast_to(value, shape), _DESCRIBED[name].attrs) for name, value in values.items()},
             coords=coordinates(arrays),
@@ -102,10 +102,13 @@ def _with_fields(
     out: xr.Dataset, contact: Contact, X: Array, dims: tuple[str, ...], shape: tuple[int, ...], *, regular: bool
 ) -> xr.Dataset:
     """The data set with the surface fields at positions X."""
-    fields = surface_fields(contact, X)
+    with np.errstate(all="ignore"):  # what is not finite is named below
+        fields = surface_fields(contact, X)
     out = out.assign_coords(position=("position", X, {"units": "1", "long_name": "surface position X = (x - c)/h"}))
     for name, described in FIELDS.items():
-        value = fields.singular(name) if name in SINGULAR else getattr(fields, name)
+        with np.errstate(all="ignore"):
+            value = fields.singular(name) if name in SINGULAR else getattr(fields, name)
+        require_finite(name, value, "factors and positions (overflow)")
         out[name] = ((*dims, "position"), np.broadcast_to(value, (*shape, X.size)), described.attrs)
         if regular and name in SINGULAR:
             attrs = {"units": described.units, "long_name": f"{described.long_name}, times sqrt|1 - X^2|"}
@@ -115,7 +118,9 @@ def _with_fields(
 
 
 def _positions(positions: Iterable[float]) -> Array:
-    X = np.asarray(list(positions) if not isinstance(positions, np.ndarray) else positions, dtype=np.float64)
+    X = np.empty(())
+    with suppress(TypeError, ValueError):
+        X = np.asarray(positions if isinstance(positions, np.ndarray) else list(positions), dtype=np.float64)
     if X.ndim != 1 or not X.size:
         raise FactorError("positions: not a list of at least one number")
     bad = X[~np.isfinite(X) | (np.abs(X) == 1)]

@@ -1,6 +1,7 @@
 """The labelled face of the interior fields: named factors and a grid in, an ``xarray.Dataset`` with units out."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from types import MappingProxyType
 from typing import Any
 
@@ -8,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import Array
-from solver.cases import by_kind, contact_of_cases, coordinates, require_c12
+from solver.cases import by_kind, contact_of_cases, coordinates, require_c12, require_finite
 from solver.factors import FactorError, checked
 from solver.interior import LINEAR, interior_parts, principal_tension, von_mises
 from solver.material import Material
@@ -71,13 +72,15 @@ def solve_interior(
         combined = [name for name in wanted if name in _COMBINED]
         needed = [name for name in LINEAR if name in wanted or (combined and name in LINEAR[:4])]
         points_y, points_x = (points.ravel() for points in np.meshgrid(grid_y, grid_x, indexing="ij"))
-        whole = interior_parts(contact, points_x, points_y, tuple(needed)).whole(contact)
+        with np.errstate(all="ignore"):  # what is not finite is named below
+            whole = interior_parts(contact, points_x, points_y, tuple(needed)).whole(contact)
         values = {name: whole[..., k, :] for k, name in enumerate(needed)}
         for name in combined:
             values[name] = _COMBINED[name](*(values[stress] for stress in LINEAR[:4]))
         size = (*shape, grid_y.size, grid_x.size)
         out = xr.Dataset(coords={**coordinates(arrays), "y": ("y", grid_y, _ALONG_Y), "x": ("x", grid_x, _ALONG_X)})
         for name in wanted:
+            require_finite(name, values[name], "factors and points (overflow)")
             value = values[name].reshape(*values[name].shape[:-1], grid_y.size, grid_x.size)
             out[name] = ((*dims, "y", "x"), np.broadcast_to(value, size), known[name].attrs)
         return out
@@ -89,7 +92,9 @@ def _grid(x: Iterable[float], y: Iterable[float]) -> tuple[Array, Array]:
     """Checked grid lines."""
     lines = []
     for name, values in (("x", x), ("y", y)):
-        line = np.asarray(list(values), dtype=np.float64)
+        line = np.empty(())
+        with suppress(TypeError, ValueError):
+            line = np.asarray(list(values), dtype=np.float64)
         if line.ndim != 1 or not line.size or not np.all(np.isfinite(line)):
             raise FactorError(f"{name}: not a list of at least one finite number")
         lines.append(line)

@@ -99,5 +99,7 @@ def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array
     share = ratios * sizes[:, None]
     kept = np.minimum(share, SHARE_LIMIT)
     amplitude = kept / (1 - kept) / sizes[:, None]
-    variance = (share / kept).max(axis=0) / np.prod(1 + amplitude * sizes[:, None], axis=0)
+    # an output that does not vary at all has no share anywhere
+    excess = np.divide(share, kept, out=np.ones_like(share), where=kept > 0)
+    variance = excess.max(axis=0) / np.prod(1 + amplitude * sizes[:, None], axis=0)
     return amplitude, variance

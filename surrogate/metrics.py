@@ -46,6 +46,10 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
     predicted = model.predict(points)
     names = list(model.outputs_)
     true = _stack(truth, names, predicted)
+    if not np.isfinite(true).all():
+        raise ValueError(
+            f"output {names[int(np.argmin(np.isfinite(true).all(axis=1)))]!r} is not finite in a held-out case"
+        )
     mean = _stack(predicted, names, predicted)
     std = _stack(predicted, [f"{name}_std" for name in names], predicted)
     spread = np.ptp(true, axis=1)

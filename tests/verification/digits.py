@@ -47,9 +47,9 @@ def run(sizes: Sizes) -> Findings:
     ]  # fmt: skip
     return Findings(
         "50 digits",
-        "Every quantity and field against an evaluation in 50 digits (mpmath), on random cases and at the extremes. The "
-        "tractions under the punch follow the theory's formula, which collocation and finite elements judge above; the "
-        "constants come from angular integrals, and all that follows from the tractions from quadrature, a search, "
+        "Every quantity and field against an evaluation in 50 digits (mpmath), on random cases and at the extremes. "
+        "The tractions under the punch follow the theory's formula, which collocation and finite elements judge above; "
+        "the constants come from angular integrals, and all that follows from the tractions from quadrature, a search, "
         "limits and differences.",
         checks,
     )
