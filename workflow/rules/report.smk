@@ -112,7 +112,7 @@ rule report:
     params:
         code=provenance.code(
             "workflow/scripts/report.py",
-            *(f"workflow/captions/{kind}.rst" for kind in ("fields", "errors", "parity", "intervals", "design", "effect")),
+            *captions_of("fields", "errors", "parity", "intervals", "design", "effect", "convergence"),
         ),
     log:
         "logs/{study}/report.log",
