@@ -11,15 +11,6 @@ from surrogate import GaussianProcess, GridGP, metrics
 from workflow import factorial
 from workflow.study import Study
 
-#: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
-SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
-
-
-def cases(study: Study, sample: str) -> xr.Dataset:
-    """Random exact cases of one of `SAMPLES`, over dimension ``case``."""
-    number, key = SAMPLES[sample]
-    return factorial.sample(study, getattr(study.validation, key), (study.validation.seed, number))
-
 
 def fit(study: Study, quantities: xr.Dataset) -> GridGP:
     """Gaussian process of the study's outputs on its factorial."""

@@ -138,7 +138,9 @@ def test_edits_rerun_exactly_what_depends_on_them(copy: Callable[[str], Project]
     }  # fmt: skip
     assert plan(project.folder / "surrogate/gridgp.py", '"""', '"""Edited. ') == everything_after_the_surrogate
     solver = plan(project.folder / "solver/contact.py", '"""', '"""Edited. ')
-    assert solver == everything_after_the_surrogate | {"slab", "quantities", "effect", "figure_fields", "figure_effect"}
+    assert solver == everything_after_the_surrogate | {
+        "slab", "quantities", "cases", "effect", "figure_fields", "figure_effect",
+    }  # fmt: skip
     assert plan(project.folder / "workflow/templates/report.html.j2", "<h2>Study", "<h2>The study") == {"report"}
     assert plan(project.folder / "workflow/scripts/design.py", '"""Rule', '"""The rule') >= {"design", "report"}
     assert study.read_text(encoding="utf-8") == original
