@@ -39,23 +39,26 @@ def test_the_surface_under_a_conducting_punch_has_the_punchs_potential(name: str
             np.testing.assert_allclose(found[f"{field}_potential"].values[0], expected, rtol=1e-11, atol=1e-11 * scale)
 
 
-@pytest.mark.parametrize("path", [((0.2, -0.4), (1.7, -0.05)), ((-1.4, 0.0), (-30.0, -8.0)), ((0.1, -5.0), (4.0, 0.0))])
+@pytest.mark.parametrize(
+    "path", [((0.2, -0.4), (1.7, -0.05)), ((-1.4, -0.3), (-30.0, -8.0)), ((0.1, -5.0), (4.0, 0.0))]
+)
 @pytest.mark.parametrize("name", CASES)
 def test_differences_are_line_integrals_of_the_fields(name: str, path: tuple[tuple[float, float], ...]) -> None:
     case = factors(name)
     response = solver.solve(case)
     half_width = float(response["contact_trailing"] + response["contact_leading"]) / 2
     t, weights = np.polynomial.legendre.leggauss(200)
-    start, end = np.array(path)
-    points = (start + end) / 2 + t[:, None] * (end - start) / 2
-    names = [f"{field}_field_{axis}" for field in BOTH for axis in "xy"]
-    along = [solver.solve_interior(case, [x], [y], fields=names).squeeze(drop=True) for x, y in points]
+    (x0, y0), (x1, y1) = path
+    x, y = (x0 + x1) / 2 + t * (x1 - x0) / 2, (y0 + y1) / 2 + t * (y1 - y0) / 2
+    across = solver.solve_interior(case, x, [y0], fields=[f"{field}_field_x" for field in BOTH])
+    down = solver.solve_interior(case, [x1], y, fields=[f"{field}_field_y" for field in BOTH])
     ends = [solver.solve_interior(case, [x], [y], fields=POTENTIALS).squeeze(drop=True) for x, y in path]
     for field in BOTH:
-        vectors = np.array([[float(one[f"{field}_field_{axis}"]) for axis in "xy"] for one in along])
-        expected = -half_width * (weights @ (vectors @ (end - start))) / 2
+        integral = weights @ across[f"{field}_field_x"].values[0] * (x1 - x0) / 2
+        integral += weights @ down[f"{field}_field_y"].values[:, 0] * (y1 - y0) / 2
         first, last = (float(one[f"{field}_potential"]) for one in ends)
-        assert last - first == pytest.approx(expected, rel=1e-9, abs=1e-11 * max(abs(first), abs(last), 1e-30))
+        size = max(abs(first), abs(last), 1e-30)
+        assert last - first == pytest.approx(-half_width * integral, rel=1e-9, abs=1e-11 * size)
 
 
 def test_far_away_they_are_logarithms_of_the_totals() -> None:
