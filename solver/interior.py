@@ -8,6 +8,7 @@ and stress function phi (t_2 = phi,x) of surface tractions t are
 Every field is ``pressure_scale * U + sum_j charge_density_j * W_j``, as on the surface.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,9 @@ from solver.arrays import Array, ComplexArray, stack
 from solver.contact import Contact
 from solver.halfplane import HalfPlane
 from solver.spectrum import spectrum
+
+#: What belongs to S, to D and to the charges, at points z.
+Functions = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray, ComplexArray]]
 
 #: Fields that are linear in the tractions, in the order of the rows of :func:`field_rows`.
 LINEAR = (
@@ -59,6 +63,19 @@ def interior_parts(contact: Contact, x: Array, y: Array, fields: tuple[str, ...]
     fields
         Names of ``LINEAR``; ``stress_zz`` needs c12.
     """
+    return parts_of(contact, x, y, fields, lambda z: transforms(contact, z))
+
+
+def transforms(contact: Contact, z: ComplexArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """H[S], H[D] and -H[1/sqrt(1 - X^2)] at points z on or above the real axis; (..., point)."""
+    root: ComplexArray = np.sqrt(z - 1) * np.sqrt(z + 1)
+    HS, HD_root = contact.shape.transforms(z, root, contact.pressing.slope)
+    inverse = 1 / root
+    return HS, HD_root * inverse, inverse
+
+
+def parts_of(contact: Contact, x: Array, y: Array, fields: tuple[str, ...], functions: Functions) -> InteriorParts:
+    """As :func:`interior_parts`, with other functions of z in place of :func:`transforms`."""
     half, sliding = contact.halfplane, contact.sliding
     nodes, weights = spectrum(half)
     rows = field_rows(half)[..., [LINEAR.index(name) for name in fields], :]
@@ -75,11 +92,9 @@ def interior_parts(contact: Contact, x: Array, y: Array, fields: tuple[str, ...]
     charges = [np.zeros(()), np.zeros(())]
     for j in range(nodes.shape[-1]):
         z = _conjugate_points(x, y, nodes[..., j])
-        root: ComplexArray = np.sqrt(z - 1) * np.sqrt(z + 1)
-        HS, HD_root = contact.shape.transforms(z, root, contact.pressing.slope)
-        inverse = 1 / root
-        load = load + _real(pressed[..., j, :], HS) + _real(followed[..., j, :], HD_root * inverse)
-        charges = [sum_ - _real(of[..., j, :], inverse) for sum_, of in zip(charges, charged, strict=True)]
+        of_S, of_D, of_charge = functions(z)
+        load = load + _real(pressed[..., j, :], of_S) + _real(followed[..., j, :], of_D)
+        charges = [sum_ - _real(of[..., j, :], of_charge) for sum_, of in zip(charges, charged, strict=True)]
     return InteriorParts(load, (charges[0], charges[1]))
 
 

@@ -14,11 +14,9 @@ from solver.contact import Contact
 from solver.factors import FactorError, checked
 from solver.fields import surface_fields
 from solver.material import Material
-from solver.names import FIELDS, PEAKS, QUANTITIES, SINGULAR
+from solver.names import EVERY_QUANTITY, FIELDS, PEAKS, SINGULAR
 from solver.peaks import peak_principal_tension, peak_von_mises
 from solver.quantities import quantities
-
-_DESCRIBED = {**QUANTITIES, **PEAKS}
 
 
 def solve(
@@ -81,13 +79,13 @@ def solve(
         for name, value in values.items():
             require_finite(name, value, "factors (contact as wide as the datum, or overflow)")
         out = xr.Dataset(
-            {name: (dims, np.broadcast_to(value, shape), _DESCRIBED[name].attrs) for name, value in values.items()},
+            {name: (dims, np.broadcast_to(value, shape), EVERY_QUANTITY[name].attrs) for name, value in values.items()},
             coords=coordinates(arrays),
         )
         return out if X is None else _with_fields(out, contact, X, dims, shape, regular=regular)
 
     out = by_kind(arrays, part)
-    first = [name for name in _DESCRIBED if name in out]
+    first = [name for name in EVERY_QUANTITY if name in out]
     return out[[*first, *(name for name in out.data_vars if name not in first)]]
 
 

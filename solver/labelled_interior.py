@@ -14,6 +14,7 @@ from solver.factors import FactorError, checked
 from solver.interior import LINEAR, interior_parts, principal_tension, von_mises
 from solver.material import Material
 from solver.names import INTERIOR, INTERIOR_ON_REQUEST, NEED_C12
+from solver.potentials import POTENTIALS, potentials
 
 _COMBINED = {"von_mises": von_mises, "principal_tension": principal_tension}
 _ALONG_X = {"units": "1", "long_name": "position (x - c)/h along the surface"}
@@ -62,7 +63,7 @@ def solve_interior(
             raise FactorError(f"fields: {name!r} is not one of {', '.join(known)}")
 
     def part(arrays: dict[str, xr.DataArray]) -> xr.Dataset:
-        contact, _, dims, shape = contact_of_cases(arrays, materials, phases)
+        contact, datum, dims, shape = contact_of_cases(arrays, materials, phases)
         material = contact.halfplane.material
         if np.any(np.isnan(material.c12)):
             require_c12(material, [name for name in fields or () if name in NEED_C12])
@@ -74,7 +75,10 @@ def solve_interior(
         points_y, points_x = (points.ravel() for points in np.meshgrid(grid_y, grid_x, indexing="ij"))
         with np.errstate(all="ignore"):  # what is not finite is named below
             whole = interior_parts(contact, points_x, points_y, tuple(needed)).whole(contact)
-        values = {name: whole[..., k, :] for k, name in enumerate(needed)}
+            values = {name: whole[..., k, :] for k, name in enumerate(needed)}
+            if set(POTENTIALS) & set(wanted):
+                of_fields = potentials(contact, points_x, points_y, datum)
+                values |= {name: of_fields[..., k, :] for k, name in enumerate(POTENTIALS)}
         for name in combined:
             values[name] = _COMBINED[name](*(values[stress] for stress in LINEAR[:4]))
         size = (*shape, grid_y.size, grid_x.size)

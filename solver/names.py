@@ -62,9 +62,6 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "magnetic": ("conducting", "insulating"),
 }
 
-#: Factors of which this version solves one value only: none.
-FIXED: dict[str, str | float] = {}
-
 #: Factors that each profile must be given, and those that it may be given.
 PROFILES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "cylinder": (("radius",), ()),
@@ -106,6 +103,8 @@ INTERIOR: dict[str, Described] = {
 
 #: Fields inside the half-plane that are given when asked for by name.
 INTERIOR_ON_REQUEST: dict[str, Described] = {
+    "electric_potential": Described("V", "electric potential relative to the datum"),
+    "magnetic_potential": Described("A", "magnetic potential relative to the datum"),
     "principal_tension": Described("Pa", "largest principal stress"),
     "strain_xx": Described("1", "strain epsilon_xx"),
     "strain_yy": Described("1", "strain epsilon_yy"),
@@ -146,3 +145,6 @@ PEAKS: dict[str, Described] = {
     "peak_von_mises_depth": Described("m", "depth of the largest von Mises stress below depth 0.1 h"),
     "peak_principal_tension": Described("Pa", "largest principal stress below depth 0.1 h"),
 }
+
+#: Every quantity there is.
+EVERY_QUANTITY = {**QUANTITIES, **PEAKS}

@@ -9,15 +9,15 @@ from typing import Any
 import yaml
 
 from solver import Material, MaterialError
-from solver.names import CHOICES, FACTORS, FIXED
+from solver.names import CHOICES, FACTORS
 from workflow.targets import nearest
 
 _LARGEST = 1 << 20  # bytes; a study or a material is a few kB
 _LARGEST_TABLE = 1 << 28
 
 #: Factors whose values are names.
-TEXT_FACTORS = ("material", *CHOICES, *(name for name, value in FIXED.items() if isinstance(value, str)))
-_COLUMNS = (*TEXT_FACTORS, *FACTORS, *(name for name, value in FIXED.items() if not isinstance(value, str)))
+TEXT_FACTORS = ("material", *CHOICES)
+_COLUMNS = (*TEXT_FACTORS, *FACTORS)
 
 
 class InputError(ValueError):
@@ -93,8 +93,8 @@ def read_material(path: Path) -> tuple[str, Material]:
     return material.name, material
 
 
-def read_cases(path: Path) -> dict[str, list[float | str]]:
-    """Columns of a table of cases (CSV with a header of factor names), one row a case.
+def read_cases(path: Path) -> dict[str, list[float | str | None]]:
+    """Columns of a table of cases (CSV with a header of factor names), one row a case; an empty cell is None.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def read_cases(path: Path) -> dict[str, list[float | str]]:
             raise InputError(f"{path}: column {name!r}: unknown factor; {nearest(name, list(_COLUMNS))}")
         if header.count(name) > 1:
             raise InputError(f"{path}: column {name!r}: given twice")
-    columns: dict[str, list[float | str]] = {name: [] for name in header}
+    columns: dict[str, list[float | str | None]] = {name: [] for name in header}
     for line, row in enumerate(rows[1:], 2):
         if len(row) != len(header):
             raise InputError(f"{path}: case {line - 1}: {len(row)} cells, the header has {len(header)}")
@@ -128,7 +128,9 @@ def read_cases(path: Path) -> dict[str, list[float | str]]:
     return columns
 
 
-def _cell(where: str, name: str, text: str) -> float | str:
+def _cell(where: str, name: str, text: str) -> float | str | None:
+    if not text:
+        return None
     if name in TEXT_FACTORS:
         return text
     try:
