@@ -219,8 +219,15 @@ def _run(options: argparse.Namespace) -> int:
             f"study: {options.study!r} needs {', '.join(absent)} of requirements/dev.txt; `make run` installs them"
         )
     report, *others = [f"results/{options.study}/{file}" for file in study.targets]
-    command = ["--cores", options.cores, "--quiet", "rules", "host", "reason", "--", report, *others]
-    status = subprocess.run([Path(sys.executable).with_name("snakemake"), *command], check=False).returncode
+    snakemake = [Path(sys.executable).with_name("snakemake"), "--cores", options.cores, "--quiet"]
+    if study.open:  # what no budget reaches is bad input, and is told before anything else is done
+        chosen = [*snakemake, "all", "--", f"results/{options.study}/levels.nc"]
+        told = subprocess.run(chosen, check=False, stderr=subprocess.PIPE, text=True)
+        for line in told.stderr.splitlines():
+            kind, colon, reason = line.partition(": ")
+            if told.returncode and colon and kind in ("UnreachableError", "InputError"):
+                raise InputError(f"{studies.FOLDER / options.study}.yaml: {reason}")
+    status = subprocess.run([*snakemake, "rules", "host", "reason", "--", report, *others], check=False).returncode
     if status == 0:
         print(f"report: {report}")
     return status

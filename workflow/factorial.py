@@ -17,6 +17,10 @@ from workflow.study import Study
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
 
 
+#: Slabs of a study whose first axis is open, at most: `choice.choose` gives that axis as many levels.
+MOST_SLABS = 8
+
+
 def inputs(study: Study) -> list[Input]:
     """The factorial's axes as inputs of a surrogate."""
     return [
@@ -26,16 +30,17 @@ def inputs(study: Study) -> list[Input]:
 
 
 def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
-    """Levels of every axis."""
+    """Levels of every axis of a study without open ones."""
     return {
-        name: chebyshev_levels(axis.low, axis.high, axis.levels, axis.scale) for name, axis in study.factors.items()
+        name: chebyshev_levels(axis.low, axis.high, axis.levels or 0, axis.scale)
+        for name, axis in study.factors.items()
     }
 
 
 def slab_count(study: Study) -> int:
     """Number of slabs: what the study asks for, at most one a level of the first axis."""
     first = next(iter(study.factors.values()), None)
-    return min(study.dataset.slabs, first.levels) if first else 0
+    return min(study.dataset.slabs, first.levels or MOST_SLABS) if first else 0
 
 
 def slab(study: Study, index: int) -> xr.Dataset:

@@ -52,7 +52,9 @@ class Axis(Strict):
 
     low: Number = Field(description="lower end of the range, in the factor's SI unit")
     high: Number = Field(description="upper end of the range")
-    levels: int = Field(ge=2, le=1000, description="number of Chebyshev-Gauss levels; 2 are enough where it is linear")
+    levels: int | None = Field(
+        None, ge=2, le=1000, description="number of Chebyshev-Gauss levels; null: as many as validation.tolerance needs"
+    )
     scale: Literal["linear", "log"] = Field("linear", description="coordinate in which the levels are spread")
 
     @model_validator(mode="after")
@@ -85,6 +87,7 @@ class DataSet(Strict):
     positions: Positions = Field(default_factory=Positions, description="positions of the surface fields")
     slabs: int = Field(4, ge=1, le=4096, description="files, and jobs, that the factorial is split into")
     precision: Literal["float32", "float64"] = Field("float64", description="stored precision of the surface fields")
+    budget: int = Field(500_000, ge=1, le=MOST_CASES, description="most cases where the pipeline chooses the levels")
     peaks: bool = Field(
         False, description="also the largest stresses of the body: milliseconds a case, not microseconds"
     )
@@ -209,8 +212,13 @@ class Study(Strict):
 
     @property
     def cases(self) -> int:
-        """Number of cases of the factorial."""
-        return prod(axis.levels for axis in self.factors.values()) if self.factors else 0
+        """Number of cases of the factorial; 0 while some of its levels are open."""
+        return prod(axis.levels or 0 for axis in self.factors.values()) if self.factors else 0
+
+    @property
+    def open(self) -> bool:
+        """Whether the pipeline is to choose some levels."""
+        return any(axis.levels is None for axis in self.factors.values())
 
     @property
     def targets(self) -> list[str]:

@@ -40,9 +40,14 @@ def effects_of(study):
     return [f"{kind}_{name}" for name in study.effects.vary for kind in kinds]
 
 
+def levels_of(wildcards):
+    """The file of the chosen levels, where the study leaves some open."""
+    return [f"results/{wildcards.study}/levels.nc"] if study_of(wildcards).open else []
+
+
 def figures_of(wildcards):
     study = study_of(wildcards)
-    names = ["fields", "errors", "parity", "intervals"] if study.factors else []
+    names = ["fields", "decay", "errors", "parity", "intervals"] if study.factors else []
     names += [f"design_{name}" for name, target in study.design.items() if len(target.over) > 1]
     names += effects_of(study)
     names += [f"convergence_{group}" for group in CONVERGING if study.verification]

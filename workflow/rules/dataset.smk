@@ -1,7 +1,23 @@
-# Exact cases: slabs of the factorial, and every quantity of the whole of it.
+# Exact cases: slabs of the factorial, and every quantity of the whole of it; first its levels, where they are open.
+
+
+rule levels:
+    output:
+        "results/{study}/levels.nc",
+    params:
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation"),
+        code=provenance.code("workflow/scripts/levels.py"),
+    log:
+        "logs/{study}/levels.log",
+    benchmark:
+        "logs/{study}/levels.tsv"
+    script:
+        "../scripts/levels.py"
 
 
 rule slab:
+    input:
+        levels=levels_of,
     output:
         "results/{study}/fields/slab_{slab}.nc",
     params:

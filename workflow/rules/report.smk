@@ -23,6 +23,12 @@ rule figure_errors:
     input:
         "results/{study}/validation.nc",
     output:
+        decay=report(
+            "results/{study}/figures/decay.svg",
+            caption="../captions/decay.rst",
+            category="Surrogate",
+            labels={"figure": "decay of the coefficients"},
+        ),
         errors=report(
             "results/{study}/figures/errors.svg",
             caption="../captions/errors.rst",
@@ -120,6 +126,7 @@ rule provenance:
 rule report:
     input:
         results=results_of,
+        levels=levels_of,
         designs=lambda wildcards: expand(
             "results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design
         ),
@@ -130,7 +137,7 @@ rule report:
     params:
         code=provenance.code(
             "workflow/scripts/report.py",
-            *captions_of("fields", "errors", "parity", "intervals", "design", "effect", "interior", "convergence"),
+            *captions_of("fields", "decay", "errors", "parity", "intervals", "design", "effect", "interior", "convergence"),
         ),
     log:
         "logs/{study}/report.log",

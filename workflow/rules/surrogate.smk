@@ -39,6 +39,7 @@ rule validation:
         quantities="results/{study}/quantities.nc",
         cases="results/{study}/cases/validation.nc",
         surrogate="results/{study}/surrogate.nc",
+        levels=levels_of,
     output:
         validation="results/{study}/validation.nc",
         timing="results/{study}/timing.json",
