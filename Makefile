@@ -6,7 +6,7 @@ BIN    := .venv/bin
 export PYTHONDONTWRITEBYTECODE :=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: run test lint bench lock schema clean help
+.PHONY: run test soak lint bench lock schema clean help
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -18,6 +18,9 @@ run: .venv/run.stamp  ## run one study to its report: make run [STUDY=quickstart
 test: .venv/dev.stamp  ## linters, types, import contract and every test
 	@$(MAKE) --no-print-directory lint
 	$(BIN)/python -m pytest -n auto
+
+soak: .venv/dev.stamp  ## a hundred kills and ten thousand hostile files; takes about an hour
+	$(BIN)/python -m pytest -n auto -m soak tests/faults
 
 lint: .venv/dev.stamp  ## ruff, mypy --strict and the import contract
 	$(BIN)/ruff check .

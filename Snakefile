@@ -23,6 +23,15 @@ include: "workflow/rules/design.smk"
 include: "workflow/rules/effects.smk"
 include: "workflow/rules/report.smk"
 
+onstart:
+    # one run a study at a time; `nolock` in the profile leaves this to us
+    try:
+        running.claim(STUDIES)
+    except running.BusyError as error:
+        raise WorkflowError(str(error))
+    running.sweep(STUDIES)
+
+
 rule all:
     default_target: True
     input:

@@ -72,6 +72,8 @@ def write_whole(
         The folder does not exist.
     TypeError
         A variable or attribute of a kind that the file cannot hold.
+    OSError
+        No room or no permission, in the system's words, with the file.
     """
     path = Path(path)
     if not path.parent.is_dir():
@@ -92,8 +94,23 @@ def write_whole(
         _flush(partial)
         partial.replace(path)
         _flush(path.parent)
+    except (OSError, RuntimeError) as error:
+        raise _explained(error, partial, path) from error
     finally:
         partial.unlink(missing_ok=True)
+
+
+def _explained(error: OSError | RuntimeError, partial: Path, path: Path) -> OSError | RuntimeError:
+    """The system's reason (disk full, quota, permission) where the netCDF library only says that it failed."""
+    if isinstance(error, OSError) and (error.errno or 0) > 0:
+        return OSError(error.errno, error.strerror, os.fspath(path))
+    try:
+        with partial.open("ab") as file:
+            file.write(bytes(2**20))
+            _flush(partial)
+    except OSError as cause:
+        return OSError(cause.errno, cause.strerror, os.fspath(path))
+    return error
 
 
 def read_whole(path: str | PathLike[str], lazy: bool = False, max_bytes: int = MAX_BYTES) -> xr.Dataset:

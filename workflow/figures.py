@@ -1,5 +1,6 @@
 """Figures of the report, one function each; SVG without date, so that equal data give equal bytes."""
 
+import io
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.names import FACTORS
+from workflow.files import write_bytes
 
 _STYLE: dict[Any, Any] = {
     "figure.constrained_layout.use": True,
@@ -43,11 +45,11 @@ SHOWN = {
 
 def save(figure: Figure, path: Path) -> None:
     """Write a figure as SVG, whole or not at all."""
-    temporary = path.with_name(f".{path.name}")
+    drawn = io.BytesIO()
     with mpl.rc_context(_STYLE):  # the salt of the ids acts while saving
-        figure.savefig(temporary, format="svg", metadata={"Date": None, "Creator": "meecontact"})
+        figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": "meecontact"})
     plt.close(figure)
-    temporary.replace(path)
+    write_bytes(path, drawn.getvalue())
 
 
 @mpl.rc_context(_STYLE)

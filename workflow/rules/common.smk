@@ -2,17 +2,21 @@
 
 from functools import cache
 
-from workflow import factorial, provenance
+from workflow import factorial, provenance, running
 from workflow import study as studies
+
+STUDIES = set()  # those that this run needs
 
 
 @cache
 def study_named(name):
     """The checked study; bad input ends the run with one line."""
     try:
-        return studies.named(name)
+        study = studies.named(name)
     except studies.InputError as error:
         raise WorkflowError(str(error))
+    STUDIES.add(name)
+    return study
 
 
 def study_of(wildcards):
