@@ -15,7 +15,7 @@ from surrogate.scattergp import ScatterGP
 
 FORMAT = "surrogate"
 VERSION = 1
-MAX_BYTES = 2 * 2**30
+MAX_BYTES = 2**28  # unpacked; a model is a few MB at most, and a hostile file must not fill the memory
 ENGINES: dict[str, type[GridGP | ScatterGP]] = {GridGP.engine: GridGP, ScatterGP.engine: ScatterGP}
 PROBES = 8
 PROBE_TOLERANCE = 1e-7

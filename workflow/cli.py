@@ -19,7 +19,7 @@ from surrogate import FormatError, OutOfBoxError, load
 from surrogate.netcdf import write_whole
 from workflow import study as studies
 from workflow.files import write_text
-from workflow.inputs import InputError, read_cases, read_material
+from workflow.inputs import InputError, one_line, read_cases, read_material
 from workflow.targets import nearest
 
 
@@ -27,7 +27,7 @@ class _Parser(argparse.ArgumentParser):
     """Complains in one line."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}\n")
+        self.exit(2, f"{self.prog}: {one_line(message)}\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -47,11 +47,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return int(options.run(options) or 0)
     except (InputError, FactorError, MaterialError, OutOfBoxError, FormatError) as error:
-        print(f"meecontact: {error}", file=sys.stderr)
+        print(f"meecontact: {one_line(str(error))}", file=sys.stderr)
+        return 2
+    except np.linalg.LinAlgError as error:
+        print(f"meecontact: constants beyond what double precision can solve ({error})", file=sys.stderr)
         return 2
     except OSError as error:
         reason = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-        print(f"meecontact: {reason}", file=sys.stderr)
+        print(f"meecontact: {one_line(reason)}", file=sys.stderr)
         return 2
 
 
@@ -152,11 +155,14 @@ def _write_answer(path: Path, points: dict[str, list[Any]], answer: xr.Dataset) 
 def _material(options: argparse.Namespace) -> None:
     path = Path(options.material)
     material = read_material(path)[1] if path.suffix in (".yaml", ".yml") or path.exists() else find(options.material)
-    print(_described(material))
+    with np.errstate(all="ignore"):  # what is not finite is named below
+        half = HalfPlane(material)
+        if not (np.isfinite(half.compliance).all() and np.isfinite(half.friction_coupling).all()):
+            raise MaterialError(f"{material.name}: constants beyond what double precision can solve")
+        print(_described(material, half))
 
 
-def _described(material: Material) -> str:
-    half = HalfPlane(material)
+def _described(material: Material, half: HalfPlane) -> str:
     lines = [f"{material.name}: admissible"]
     lines += [f"{label}: {text}" for label, text in (("source", material.source), ("note", material.note)) if text]
     lines.append("constants")

@@ -40,7 +40,7 @@ def contents(project: Project) -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="session")
-def tiny(copy: Callable[[str], Project]) -> Callable[[str], Project]:  # noqa: F811  # the fixture of that name
+def tiny(copy: Callable[[str], Project]) -> Callable[[str], Project]:  # the fixture of that name
     """Make copies of the project that hold the tiny study."""
 
     def make(name: str) -> Project:
