@@ -28,8 +28,12 @@ def small_disk(folder: Path, kilobytes: int) -> Iterator[Callable[[], None]]:
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         pytest.skip(f"a small disk cannot be mounted here: {done.stderr.strip()}")
+
+    def enlarge() -> None:
+        subprocess.run(["mount", "-o", "remount,size=100m", str(folder)], check=True)
+
     try:
-        yield lambda: subprocess.run(["mount", "-o", "remount,size=100m", str(folder)], check=True) and None
+        yield enlarge
     finally:
         subprocess.run(["umount", "--lazy", str(folder)], check=True)
 

@@ -24,12 +24,14 @@ def finite_or_named(factors: dict[str, object]) -> bool:
     try:
         out = solve(factors, POSITIONS)
     except (FactorError, MaterialError) as error:
-        name = str(error).partition(":")[0]
-        assert name in {*QUANTITIES, *FIELDS, *factors}, error
-        assert "\n" not in str(error)
+        said = str(error)
+        out = None
+    if out is None:
+        assert said.partition(":")[0] in {*QUANTITIES, *FIELDS, *factors}, said
+        assert "\n" not in said
         return False
-    for name, array in out.data_vars.items():
-        assert np.isfinite(array.values).all(), (name, factors)
+    for variable, array in out.data_vars.items():
+        assert np.isfinite(array.values).all(), (variable, factors)
     return True
 
 
