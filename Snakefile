@@ -26,6 +26,9 @@ include: "workflow/rules/effects.smk"
 include: "workflow/rules/verification.smk"
 include: "workflow/rules/report.smk"
 
+# seconds each: not worth a job on a cluster
+localrules: all, design, figure_fields, figure_errors, figure_design, figure_effect, provenance, report
+
 onstart:
     # one run a study at a time; `nolock` in the profile leaves this to us
     try:

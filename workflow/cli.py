@@ -88,7 +88,8 @@ def _parser() -> _Parser:
 
     command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
     command.add_argument("study", help="name of a study in config/")
-    command.add_argument("--cores", default="all")
+    command.add_argument("--cores", default="all", help="cores of this machine to use at most")
+    command.add_argument("--profile", default="default", metavar="NAME", help="a folder of profiles/, such as slurm")
     command.set_defaults(run=_run)
     return parser
 
@@ -184,7 +185,12 @@ def _run(options: argparse.Namespace) -> int:
             f"study: {options.study!r} needs {', '.join(absent)} of requirements/dev.txt; `make run` installs them"
         )
     report, *others = [f"results/{options.study}/{file}" for file in study.targets]
-    command = ["--cores", options.cores, "--quiet", "rules", "host", "reason", "--", report, *others]
+    profiles = sorted(file.parent.name for file in Path("profiles").glob("*/config.yaml"))
+    if options.profile not in profiles:
+        raise InputError(f"--profile: {options.profile!r} is unknown; {nearest(options.profile, profiles)}")
+    where = ["--cores", options.cores] if options.profile == "default" else []  # a cluster's profile counts jobs
+    command = ["--workflow-profile", f"profiles/{options.profile}", *where]
+    command += ["--quiet", "rules", "host", "reason", "--", report, *others]
     status = subprocess.run([Path(sys.executable).with_name("snakemake"), *command], check=False).returncode
     if status == 0:
         print(f"report: {report}")

@@ -13,14 +13,13 @@ STUDIES = set()  # those that this run needs
 def study_named(name):
     """The checked study; bad input ends the run with one line."""
     try:
-        study = studies.named(name)
+        return studies.named(name)
     except studies.InputError as error:
         raise WorkflowError(str(error))
-    STUDIES.add(name)
-    return study
 
 
 def study_of(wildcards):
+    STUDIES.add(wildcards.study)
     return study_named(wildcards.study)
 
 
