@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.names import FACTORS, QUANTITIES
+from solver.names import EVERY_QUANTITY, FACTORS
 from surrogate import GaussianProcess, Input
 from surrogate.optimise import Optimum, Problem, maximise
 from workflow import factorial, targets
@@ -174,7 +174,7 @@ def _verdict(question: Question, best: Optimum, exact: xr.Dataset, predicted: xr
             "exact": ("term", solved[worst, take]),
             "limit": ("term", limits),
             "margin": ("term", margin),
-            "units": ("term", [QUANTITIES[term.quantity].units for term in question.terms]),
+            "units": ("term", [EVERY_QUANTITY[term.quantity].units for term in question.terms]),
             "worst": (("term", "factor"), np.array([[values[w] for values in factors.values()] for w in worst])),
             "feasible": feasible,
             "status": status,
@@ -189,7 +189,7 @@ def _role(target: Target, name: str) -> str:
 
 def _ranges(exact: xr.Dataset) -> xr.Dataset:
     """Exact range of every quantity over the scenarios."""
-    whole = exact[list(QUANTITIES)].to_dataarray("quantity").isel(point=0, drop=True)
+    whole = exact[[name for name in EVERY_QUANTITY if name in exact]].to_dataarray("quantity").isel(point=0, drop=True)
     whole = whole.drop_vars([name for name in whole.coords if name != "quantity"])
     return xr.Dataset({"exact_low": whole.min("scenario"), "exact_high": whole.max("scenario")})
 

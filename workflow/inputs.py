@@ -114,8 +114,8 @@ def read_material(path: Path) -> tuple[str, Material]:
     return material.name, material
 
 
-def read_cases(path: Path) -> dict[str, list[float | str]]:
-    """Columns of a table of cases (CSV with a header of factor names), one row a case.
+def read_cases(path: Path) -> dict[str, list[float | str | None]]:
+    """Columns of a table of cases (CSV with a header of factor names), one row a case; an empty cell is None.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def read_cases(path: Path) -> dict[str, list[float | str]]:
             raise InputError(f"{path}: column {name!r}: unknown factor; {nearest(name, list(_COLUMNS))}")
         if header.count(name) > 1:
             raise InputError(f"{path}: column {name!r}: given twice")
-    columns: dict[str, list[float | str]] = {name: [] for name in header}
+    columns: dict[str, list[float | str | None]] = {name: [] for name in header}
     for line, row in enumerate(rows[1:], 2):
         if len(row) != len(header):
             raise InputError(f"{path}: case {line - 1}: {len(row)} cells, the header has {len(header)}")
@@ -149,7 +149,9 @@ def read_cases(path: Path) -> dict[str, list[float | str]]:
     return columns
 
 
-def _cell(where: str, name: str, text: str) -> float | str:
+def _cell(where: str, name: str, text: str) -> float | str | None:
+    if not text:
+        return None
     if name in TEXT_FACTORS:
         return text
     try:

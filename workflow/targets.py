@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from solver.names import QUANTITIES
+from solver.names import EVERY_QUANTITY
 
 _TERM = r"(?:abs\(\s*(?P<absolute>\w+)\s*\)|(?P<plain>\w+))"
 _OBJECTIVE = re.compile(rf"\s*{_TERM}\s*")
@@ -56,6 +56,6 @@ def _term(match: re.Match[str] | None, text: str, form: str) -> Term:
     if match is None:
         raise ValueError(f"{text!r} is not of the form {form}")
     name = match["absolute"] or match["plain"]
-    if name not in QUANTITIES:
-        raise ValueError(f"{name!r} is not a quantity; {nearest(name, list(QUANTITIES))}")
+    if name not in EVERY_QUANTITY:
+        raise ValueError(f"{name!r} is not a quantity; {nearest(name, list(EVERY_QUANTITY))}")
     return Term(name, match["absolute"] is not None)

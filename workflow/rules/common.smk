@@ -36,11 +36,18 @@ def targets_of(name):
     return [f"results/{name}/{file}" for file in study_named(name).targets]
 
 
+def effects_of(study):
+    if not study.effects:
+        return []
+    kinds = ["effect", "interior"] if study.effects.interior else ["effect"]
+    return [f"{kind}_{name}" for name in study.effects.vary for kind in kinds]
+
+
 def figures_of(wildcards):
     study = study_of(wildcards)
     names = ["fields", "errors", "parity"] if study.factors else []
     names += [f"design_{name}" for name, target in study.design.items() if len(target.over) > 1]
-    names += [f"effect_{name}" for name in (study.effects.vary if study.effects else [])]
+    names += effects_of(study)
     names += [f"convergence_{group}" for group in CONVERGING if study.verification]
     return expand("results/{study}/figures/{figure}.svg", study=wildcards.study, figure=names)
 
@@ -49,6 +56,6 @@ def results_of(wildcards):
     study = study_of(wildcards)
     names = ["quantities.nc", "surrogate.nc", "validation.nc", "timing.json"] if study.factors else []
     names += ["design.nc", "design.csv"] if study.design else []
-    names += [f"fields/effect_{name}.nc" for name in (study.effects.vary if study.effects else [])]
+    names += [f"fields/{name}.nc" for name in effects_of(study)]
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]
     return expand("results/{study}/{file}", study=wildcards.study, file=names)
