@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from surrogate.gridgp import GridGP
 from surrogate.inputs import Input
 from surrogate.model import GaussianProcess
-from surrogate.netcdf import FAILURES, FormatError, read_whole, write_whole
+from surrogate.netcdf import FAILURES, read_whole, write_whole
 from surrogate.scattergp import ScatterGP
+from surrogate.sealed import FormatError
 
 FORMAT = "surrogate"
 VERSION = 1

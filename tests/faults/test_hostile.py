@@ -16,7 +16,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from surrogate.netcdf import SEAL, seal
+from surrogate.sealed import SEAL, seal
 from tests.faults import hostile
 from tests.faults.conftest import TINY
 from workflow import factorial, learning
