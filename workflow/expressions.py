@@ -15,7 +15,9 @@ from workflow import units
 Array = NDArray[np.float64]
 Partials = dict[str, Array]
 
-_ANY: Any = None  # unit of a bare number, which takes that of what it is added to
+#: Units of all names, as the interface writes them.
+UNITS: dict[str, str] = {name: one.units for name, one in QUANTITIES.items()}
+UNITS |= {name: one.units for name, one in FACTORS.items()}
 
 
 class Expression(ABC):
@@ -42,7 +44,7 @@ class Expression(ABC):
         return list(dict.fromkeys(node.name for node in self.walk() if isinstance(node, Name)))
 
     def walk(self) -> Iterator["Expression"]:
-        """This node and all below it."""
+        """Itself and every node below."""
         yield self
         for child in self.children():
             yield from child.walk()
@@ -60,7 +62,7 @@ class Number(Expression):
 
     def unit(self) -> units.Unit | None:
         """None: it takes the unit of what it is added to."""
-        return _ANY
+        return None
 
     def children(self) -> tuple[Expression, ...]:
         """None."""
@@ -80,7 +82,7 @@ class Name(Expression):
 
     def unit(self) -> units.Unit | None:
         """As the interface has it."""
-        return units.parse((QUANTITIES | FACTORS)[self.name].units)  # type: ignore[operator]  # both have units
+        return units.parse(UNITS[self.name])
 
     def children(self) -> tuple[Expression, ...]:
         """None."""

@@ -179,8 +179,8 @@ def design_map(answer: xr.Dataset) -> Figure:
             setter("log")
         label = FACTORS[name].long_name + (f" [{FACTORS[name].units}]" if FACTORS[name].units != "1" else "")
         (ax.set_xlabel if axis is x else ax.set_ylabel)(label)
-    maximised = answer.attrs["maximise"]
-    unit = str(answer["units"].sel(term="objective").values)
-    figure.colorbar(filled, ax=ax, label=f"worst-case {maximised} [{unit}]", format="%.3g")
+    unit = str(answer["units"].values[0])
+    label = f"{answer.attrs['statistic']} {answer.attrs['objective']} [{unit}]"
+    figure.colorbar(filled, ax=ax, label=label, format="%.3g")
     ax.grid(visible=False)
     return figure

@@ -107,7 +107,8 @@ def _design(path: Path) -> dict[str, Any]:
     data = read_whole(path)
     terms = [
         {
-            "name": data.attrs["maximise"] if name == "objective" else str(name),
+            "name": str(name),
+            "inside": bool(one["inside"]),
             **{key: float(one[key]) for key in ("predicted", "predicted_std", "exact", "limit", "margin")},
             "units": str(one["units"].values),
             "error": abs(float(one["predicted"]) / float(one["exact"]) - 1) if float(one["exact"]) else np.nan,
@@ -116,12 +117,20 @@ def _design(path: Path) -> dict[str, Any]:
         for one in [data.sel(term=name)]
     ]
     variables = [
-        {"name": str(name), "role": str(one["role"].values), "value": float(one["value"]), "units": FACTORS[name].units}
+        {
+            "name": str(name),
+            "role": str(one["role"].values),
+            "units": FACTORS[name].units,
+            **{key: float(one[key]) for key in ("value", "cost", "margin_left")},
+        }
         for name in data["factor"].values
         for one in [data.sel(factor=name)]
     ]
     return {
         "target": str(data["target"].values),
+        "goal": str(data.attrs["goal"]),
+        "statistic": str(data.attrs["statistic"]),
+        "flags": str(data["flags"].values),
         "status": str(data["status"].values),
         "feasible": bool(data["feasible"].values),
         "objective": terms[0],

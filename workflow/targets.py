@@ -1,8 +1,8 @@
 """The texts of a design question: objectives and limits, read by a fixed grammar. Nothing in them is evaluated.
 
-    objective := expression
-    limit     := (expression | "deviation(" expression ")") ("<=" | ">=" | "<" | ">") number [unit]
-                 ["with probability" number]
+objective := expression
+limit     := (expression | "deviation(" expression ")") ("<=" | ">=" | "<" | ">") number [unit]
+["with probability" number]
 """
 
 import re
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from workflow import grammar, units
-from workflow.expressions import Expression
+from workflow.expressions import UNITS, Expression
 from workflow.grammar import nearest
 
 __all__ = ["Limit", "Objective", "Statistic", "limit", "nearest", "objective", "statistic"]
@@ -95,6 +95,8 @@ def objective(text: str, *, maximise: bool = True) -> Objective:
 
 def limit(text: str) -> Limit:
     """Read a limit; ValueError names what is wrong, such as a unit that does not fit the expression."""
+    if len(text) > grammar.LONGEST:
+        raise ValueError(f"a limit of {len(text)} characters is longer than {grammar.LONGEST}")
     match = _LIMIT.fullmatch(text)
     if match is None:
         raise ValueError(f"{text!r} is not of the form: expression <= number [unit] [with probability p]")
@@ -106,9 +108,8 @@ def limit(text: str) -> Limit:
         raise ValueError(f"{text!r}: {error}") from None
     expected = units.Unit.none() if wrapped else expression.unit()
     if match["unit"] and expected is not None and not unit.fits(expected):
-        raise ValueError(
-            f"{text!r}: unit mismatch: the limit is in {match['unit']}, the expression in {_shown(expression, expected)}"
-        )
+        shown = _shown(expression, expected)
+        raise ValueError(f"{text!r}: unit mismatch: the limit is in {match['unit']}, the expression in {shown}")
     value = float(match["value"]) * unit.factor
     if not isfinite(value):
         raise ValueError(f"{text!r}: {match['value']} is not a finite number")
@@ -130,8 +131,6 @@ def statistic(text: str) -> Statistic:
 
 def _shown(expression: Expression, unit: units.Unit) -> str:
     """The interface's name of a lone quantity's unit, else base units."""
-    from solver.names import FACTORS, QUANTITIES
-
     names = expression.names()
-    described = {**QUANTITIES, **FACTORS}[names[0]].units
+    described = UNITS[names[0]]
     return described if units.parse(described).fits(unit) else str(unit)
