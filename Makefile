@@ -12,7 +12,8 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
 
-run: .venv/run.stamp  ## run one study to its report: make run [STUDY=quickstart] [CORES=all]
+# a verification compares with methods that live in the tests, and needs what these need
+run: .venv/$(if $(shell grep -s '^verification:' "config/$(STUDY).yaml"),dev,run).stamp  ## run one study to its report: make run [STUDY=quickstart] [CORES=all]
 	@$(BIN)/meecontact run "$(STUDY)" --cores "$(CORES)"
 
 test: .venv/dev.stamp  ## linters, types, import contract and every test

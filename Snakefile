@@ -2,6 +2,7 @@
 #
 #   slab -> quantities -> surrogate -> validation -> design -> figures -> report        (a study with `factors`)
 #   effect -> figures -> report                                                        (a study with `effects`)
+#   check -> figures -> report -> verdict                                              (a study with `verification`)
 #
 # `make run STUDY=name` or `snakemake results/name/report.html`; any file below results/ can be asked for by name.
 
@@ -15,15 +16,17 @@ wildcard_constraints:
     study="[A-Za-z0-9][A-Za-z0-9_-]*",
     slab="[0-9]+",
     name="[A-Za-z0-9_]+",
+    group="[a-z_]+",
 
 include: "workflow/rules/common.smk"
 include: "workflow/rules/dataset.smk"
 include: "workflow/rules/surrogate.smk"
 include: "workflow/rules/design.smk"
 include: "workflow/rules/effects.smk"
+include: "workflow/rules/verification.smk"
 include: "workflow/rules/report.smk"
 
 rule all:
     default_target: True
     input:
-        f"results/{config.get('study', 'quickstart')}/report.html",
+        targets_of(config.get("study", "quickstart")),

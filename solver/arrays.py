@@ -1,4 +1,7 @@
-"""The array type of the room, and the two small operations that every module needs."""
+"""The array types of the room, and the small operations that every module needs."""
+
+from numbers import Real
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,6 +9,17 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 ComplexArray = NDArray[np.complex128]
+#: Real or complex arrays: positions on the surface, or complex coordinates of the interior.
+Points = TypeVar("Points", Array, ComplexArray)
+Scalar = TypeVar("Scalar", bound=np.generic)
+
+
+def is_finite(value: object) -> bool:
+    """Whether a plain value is a real number, no truth value, that floating point holds."""
+    try:
+        return not isinstance(value, bool | np.bool_) and isinstance(value, Real) and bool(np.isfinite(float(value)))
+    except OverflowError:
+        return False
 
 
 def dot(one: Array, two: Array) -> Array:
@@ -16,3 +30,22 @@ def dot(one: Array, two: Array) -> Array:
 def column(values: Array) -> Array:
     """Values of the case axes (...) as (..., 1, 1), to multiply matrices."""
     return values[..., None, None]
+
+
+def stack(*values: NDArray[Scalar]) -> NDArray[Scalar]:
+    """Values that broadcast against each other, along a new last axis."""
+    return np.stack(np.broadcast_arrays(*values), -1)
+
+
+def components(vector: Array) -> list[Array]:
+    """Components of (..., n) as n arrays (..., 1), ready for a position axis."""
+    return [vector[..., j, None] for j in range(vector.shape[-1])]
+
+
+def power_series(coefficients: Array, x: Points) -> Points:
+    """Sum of coefficients[..., k] x^k (Horner) at points (..., point); case axes of both broadcast."""
+    value: Any = coefficients[..., -1, None]
+    for k in range(coefficients.shape[-1] - 2, -1, -1):
+        value = value * x + coefficients[..., k, None]
+    out: Points = value + np.zeros_like(x)
+    return out

@@ -1,24 +1,22 @@
 """Surface fields on both sides of the contact (theory section 5), at dimensionless positions X = (x - c)/h.
 
 Every field times sqrt|1 - X^2| is ``pressure_scale * U + sum_j charge_density_j * W_j``, where U depends on material,
-friction and position only and W on material and side only: the large shapes see one product and one sum.
+friction, profile and position only and W on material and side only: the large shapes see one product and one sum.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import exprel
 
-from solver.arrays import Array
+from solver.arrays import Array, BoolArray, components
 from solver.contact import Contact
-from solver.special import atanh_minus, exprel2, exprel3
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceFields:
     """Fields along the surface, each (..., position) in the smallest shape; [Pa], [C/m2] and [T].
 
-    ``*_regular`` is the field times sqrt|1 - X^2|, which is finite at the edges.
+    ``*_regular`` is the field times sqrt|1 - X^2|, which is finite at a smooth edge.
     """
 
     contact_pressure: Array
@@ -45,49 +43,39 @@ def surface_fields(contact: Contact, positions: Array) -> SurfaceFields:
     positions
         X, shape (position,), finite, never exactly +-1.
     """
-    X = positions
-    inside = np.abs(X) < 1
-    root = np.sqrt(np.abs((1 - X) * (1 + X)))
-    X_in, X_out = np.where(inside, X, 0.0), np.where(inside, 2.0, X)
-
-    half = contact.halfplane
-    delta, rho, tan = (v[..., None] for v in (contact.delta, contact.delta_over_tan, contact.tan_theta))
+    half, sliding = contact.halfplane, contact.sliding
+    inside, root, (S, S_root, HS, D_root, HD_root) = _shapes(contact, positions)
+    sign = np.where(inside, 0.0, np.sign(positions))
     eta, scale = contact.friction[..., None], contact.pressure_scale[..., None]
     d, r, e, k = (
-        _components(v)
-        for v in (contact.friction_screening, contact.screening, contact.charge_density, half.friction_coupling)
+        components(v)
+        for v in (sliding.friction_screening, sliding.screening, contact.charge_density, half.friction_coupling)
     )
-
-    shape = np.where(inside, root * np.exp(-2 * delta * np.arctanh(X_in)), 0.0) * contact.cos_theta[..., None]
-    bracket = eta * friction_bracket(delta, rho, tan, contact.log_cos_over_tan[..., None], X_in)
-    follow = [d[j] * bracket + r[j] * shape * root for j in (0, 1)]  # U of D_y, B_y
+    follow = [eta * d[j] * D_root - r[j] * S_root for j in (0, 1)]  # U of D_y, B_y
     flux_y = [np.where(inside, scale * follow[j] + e[j], 0.0) for j in (0, 1)]
 
-    # H[sigma_yy] / pressure_scale; du_x/dx = -k.(sigma_yy, D_y, B_y) + (L^-1)_xx eta H[sigma_yy]
-    hilbert = np.where(inside, tan * shape + X_in - 2 * delta, -_stress_transform(delta, X_out))
+    # du_x/dx = -k.(sigma_yy, D_y, B_y) + (L^-1)_xx eta H[sigma_yy]
     stiffness = half.in_plane_stiffness[..., None]
-    direct = [share - stiffness * k_j for share, k_j in zip(_components(half.in_plane_share), k, strict=True)]
-    stretch = stiffness * half.tangential_compliance[..., None] * eta * hilbert - direct[0] * shape
+    direct = [share - stiffness * k_j for share, k_j in zip(components(half.in_plane_share), k, strict=True)]
+    stretch = stiffness * half.tangential_compliance[..., None] * eta * HS + direct[0] * S
     follow_xx = stretch * root + np.where(inside, direct[1] * follow[0] + direct[2] * follow[1], 0.0)
     stress_xx = scale * follow_xx + np.where(inside, direct[1] * e[0] + direct[2] * e[1], 0.0)
 
-    # d(phi, psi)/dx vanishes under the conducting punch; outside it is N H[t], where M d = kq and M r = n
-    M = [_components(half.compliance[..., j, 1:]) for j in (1, 2)]
-    sign = np.sign(X_out)
-    away = eta * _friction_bracket_outside(delta, rho, X_out)
-    gradient = [sign * (scale * k[1 + j] * away - M[j][0] * e[0] - M[j][1] * e[1]) for j in (0, 1)]
-    permittivity = [_components(half.transverse_permittivity[..., j, :]) for j in (0, 1)]
-    shear_share = _components(half.transverse_shear_share)
-    shear_regular = -eta * shape * root
+    # lam d(phi, psi)/dx = s {eta [k_J S + (N_Jq.d) H[D]] + (N_J0 - N_Jq.r) H[S]} + N_Jq.e0 H[1/sqrt]
+    own, coupled = components(sliding.normal_compliance), components(sliding.friction_coupling)
+    gradient = []
+    for j in (1, 2):
+        M = components(half.compliance[..., j, 1:])
+        followed = eta * (coupled[j] * S_root + (k[j] - coupled[j]) * (HD_root + S_root)) + own[j] * HS * root
+        gradient.append(scale * followed - sign * (M[0] * e[0] + M[1] * e[1]))
+    permittivity = [components(half.transverse_permittivity[..., j, :]) for j in (0, 1)]
+    shear_share = components(half.transverse_shear_share)
+    shear_regular = eta * scale * S_root
     flux_x = [
-        np.where(
-            inside,
-            shear_share[j] * shear_regular * scale,
-            -permittivity[j][0] * gradient[0] - permittivity[j][1] * gradient[1],
-        )
+        shear_share[j] * shear_regular - permittivity[j][0] * gradient[0] - permittivity[j][1] * gradient[1]
         for j in (0, 1)
     ]
-    pressure = scale * shape
+    pressure = -scale * S
     return SurfaceFields(
         contact_pressure=pressure,
         shear_traction=-eta * pressure,
@@ -100,37 +88,24 @@ def surface_fields(contact: Contact, positions: Array) -> SurfaceFields:
     )
 
 
-def friction_bracket(delta: Array, rho: Array, tan: Array, log_cos_over_tan: Array, X: Array) -> Array:
-    """[(1 - X^2)(1 - cos(theta) E) + 2 delta X - 2 delta^2] / tan(theta), E = ((1-X)/(1+X))^delta, for |X| < 1.
+def _shapes(contact: Contact, X: Array) -> tuple[BoolArray, Array, list[Array]]:
+    """Where the contact is, sqrt|1 - X^2|, and [S, S root, H[S], D root, H[D] root] on both sides of the edges."""
+    shape, slope = contact.shape, contact.pressing.slope
+    inside = np.abs(X) < 1
+    root: Array = np.sqrt(np.abs((1 - X) * (1 + X)))
+    size = [np.broadcast_shapes(shape.factor.shape[:-1], slope.shape[:-1], contact.angle.delta.shape), X.shape]
+    values: list[Array] = [np.zeros((*size[0], *size[1])) for _ in range(5)]
+    S, S_root, HS, D_root, HD_root = values
 
-    The part of (D_y, B_y) sqrt(1 - X^2) that friction adds, in units of eta d h / (lam R); rho = delta / tan(theta).
-    """
-    slope = log_cos_over_tan - 2 * rho * np.arctanh(X)  # log(cos(theta) E) / tan(theta)
-    return 2 * rho * (X - delta) - (1 - X) * (1 + X) * slope * exprel(slope * tan)
+    X_in = X[inside]
+    S[..., inside], S_root[..., inside] = shape.traction(X_in)
+    D_root[..., inside] = shape.follower(X_in)
+    G = np.polynomial.polynomial.polyval(X_in, np.moveaxis(slope, -1, 0))
+    HS[..., inside] = G - contact.angle.tan[..., None] * S[..., inside]
+    HD_root[..., inside] = -S_root[..., inside]
 
-
-def _friction_bracket_outside(delta: Array, rho: Array, X: Array) -> Array:
-    """[(X^2 - 1)(1 - E) + 2 delta^2 - 2 delta X] / tan(theta), E = ((X-1)/(X+1))^delta, for |X| > 1.
-
-    Minus sqrt(X^2 - 1) times the Hilbert transform of the same part; expanded in 1/X, where the leading orders cancel.
-    """
-    u = 1 / X
-    gap = atanh_minus(u)
-    y = u + gap
-    v = -2 * delta * y
-    near = 2 * gap * (1 - delta * (y + u)) + 8 * delta**2 * y**3 * exprel3(v)
-    return rho * (near * X**2 - 2 * y * exprel(v))
-
-
-def _stress_transform(delta: Array, X: Array) -> Array:
-    """-H[sigma_yy] / pressure_scale for |X| > 1: X(z) - Pol X of theory section 3, expanded in 1/X."""
-    u = 1 / X
-    gap = atanh_minus(u)
-    half_log = 0.5 * np.log1p(-u * u)
-    v = half_log - 2 * delta * (u + gap)
-    return X * (v**2 * exprel2(v) + half_log - 2 * delta * gap)
-
-
-def _components(vector: Array) -> list[Array]:
-    """Components of (..., n) as n arrays (..., 1), ready for a position axis."""
-    return [vector[..., j, None] for j in range(vector.shape[-1])]
+    X_out = X[~inside]
+    signed = np.sign(X_out) * root[~inside]
+    HS[..., ~inside], HD = shape.transforms(X_out, signed, slope)
+    HD_root[..., ~inside] = np.sign(X_out) * HD
+    return inside, root, values

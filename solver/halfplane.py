@@ -1,6 +1,6 @@
 """Surface response of the half-plane y < 0: the Stroh matrix, its roots, its Barnett-Lothe tensors (theory, 2)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -10,6 +10,7 @@ from solver.material import Material, MaterialError
 
 _NEWTON_STEPS = 40  # quadratic convergence: ordinary materials need 6 to 8
 _TOLERANCE = 1e-13
+_STALLED = 1e-8  # steps that no longer shrink below this are rounding, which grows as a root nears the real axis
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,6 +21,9 @@ class HalfPlane:
     ----------
     material
         An admissible material.
+    speed
+        Steady speed V >= 0 of the tractions along x [m/s], below the limiting speed; (...). The fields are
+        quasi-static, so that V enters as Q - rho V^2 diag(1, 1, 0, 0) (theory section 4). Any but 0 needs rho.
 
     Notes
     -----
@@ -28,9 +32,15 @@ class HalfPlane:
     """
 
     material: Material
+    speed: Array = field(default_factory=lambda: np.zeros(()))
 
     @cached_property
-    def _scale(self) -> Array:
+    def inertia(self) -> Array:
+        """rho V^2 [Pa]; 0 at rest, where rho is not needed."""
+        return np.where(self.speed > 0, self.material.rho, 0.0) * self.speed**2
+
+    @cached_property
+    def scale(self) -> Array:
         """Diagonal (..., 4) that makes every block of the material's own order one, whatever the base units."""
         m = self.material
         return np.stack(np.broadcast_arrays(m.c33, m.c33, m.eps33, m.mu33), -1) ** -0.5
@@ -38,11 +48,13 @@ class HalfPlane:
     @cached_property
     def stroh_matrix(self) -> Array:
         """Scaled N = [[N1, N2], [N3, N1^T]] of the eigenproblem N [a; b] = p [a; b]; (..., 8, 8), dimensionless."""
-        both = self._scale[..., :, None] * self._scale[..., None, :]
-        Q, R, T = (block * both for block in self.material.generalised_stiffness())
+        both = self._scales
+        Q, R, T = self.material.generalised_stiffness()
+        Q, R, T = (Q - column(self.inertia) * np.diag([1.0, 1.0, 0.0, 0.0])) * both, R * both, T * both
         T_inv = np.linalg.inv(T)
         N1 = -T_inv @ np.swapaxes(R, -1, -2)
         N3 = -R @ N1 - Q
+        N1, T_inv = np.broadcast_to(N1, N3.shape), np.broadcast_to(T_inv, N3.shape)
         return np.concatenate([np.concatenate([N1, T_inv], -1), np.concatenate([N3, np.swapaxes(N1, -1, -2)], -1)], -2)
 
     @cached_property
@@ -55,18 +67,19 @@ class HalfPlane:
 
     @cached_property
     def _barnett_lothe(self) -> tuple[Array, Array]:
-        """S L^-1 and L^-1, both (..., 4, 4), SI.
+        """S L^-1 and L^-1, both (..., 4, 4), scaled as the Stroh matrix is.
 
         ``[[S, H], [-L, S^T]]`` is the matrix function that maps the roots p to i sign(Im p). Newton's iteration
         X <- (mu X - (mu X)^-1) / 2 finds it without eigenvectors, so coalescing roots are no special case.
         """
-        X = self.stroh_matrix
+        X, change = self.stroh_matrix, np.inf
         for _ in range(_NEWTON_STEPS):
             inverse = np.linalg.inv(X)
             mu = np.sqrt(np.linalg.norm(inverse, axis=(-2, -1)) / np.linalg.norm(X, axis=(-2, -1)))
             mu = np.where(abs(mu - 1) < 0.1, 1.0, mu)
             previous, X = X, (column(mu) * X - inverse / column(mu)) / 2
-            if np.max(abs(X - previous)) <= _TOLERANCE * np.max(abs(X)):
+            last, change = change, float(np.max(abs(X - previous)) / np.max(abs(X)))
+            if change <= _TOLERANCE or (change <= _STALLED and change >= last / 2):
                 break
         else:
             raise MaterialError(
@@ -75,29 +88,39 @@ class HalfPlane:
         X = (X - np.linalg.inv(X)) / 2
         S, L = X[..., :4, :4], -X[..., 4:, :4]
         L_inv = np.linalg.inv(L)
-        both = self._scale[..., :, None] * self._scale[..., None, :]
-        return S @ L_inv * both, (L_inv + np.swapaxes(L_inv, -1, -2)) / 2 * both
+        return S @ L_inv, (L_inv + np.swapaxes(L_inv, -1, -2)) / 2
 
     @property
+    def surface_impedance(self) -> ComplexArray:
+        """A B^-1 = -S L^-1 - i L^-1, scaled as the Stroh matrix is; (..., 4, 4)."""
+        local, nonlocal_ = self._barnett_lothe
+        return np.asarray(-local - 1j * nonlocal_)
+
+    @property
+    def _scales(self) -> Array:
+        """Products of the scales of rows and columns; (..., 4, 4)."""
+        return self.scale[..., :, None] * self.scale[..., None, :]
+
+    @cached_property
     def compliance(self) -> Array:
         """N: L^-1 restricted to (u_y, phi, psi); (..., 3, 3), symmetric."""
-        return self._barnett_lothe[1][..., 1:, 1:]
+        return (self._barnett_lothe[1] * self._scales)[..., 1:, 1:]
 
-    @property
+    @cached_property
     def friction_coupling(self) -> Array:
         """k = -(S L^-1)[(u_y, phi, psi), x]; (..., 3)."""
-        return -self._barnett_lothe[0][..., 1:, 0]
+        return -(self._barnett_lothe[0] * self._scales)[..., 1:, 0]
 
-    @property
+    @cached_property
     def tangential_compliance(self) -> Array:
         """(L^-1)_xx [1/Pa]; (...)."""
-        return self._barnett_lothe[1][..., 0, 0]
+        return (self._barnett_lothe[1] * self._scales)[..., 0, 0]
 
     @cached_property
     def _in_plane(self) -> tuple[Array, Array]:
         m = self.material
         h = np.stack(np.broadcast_arrays(m.c13, m.e31, m.f31), -1)
-        scale = self._scale[..., 1:]
+        scale = self.scale[..., 1:]
         T3 = m.generalised_stiffness()[2][..., 1:, 1:] * scale[..., :, None] * scale[..., None, :]
         share = np.linalg.solve(T3, (h * scale)[..., None])[..., 0] * scale
         return m.c11 - dot(h, share), share

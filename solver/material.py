@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solver.arrays import Array, BoolArray
+from solver.arrays import Array, BoolArray, is_finite
 
 VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m (CODATA 2022)
 VACUUM_PERMEABILITY = 1.25663706127e-6  # N s2/C2
@@ -104,7 +104,7 @@ class Material:
             if key not in UNITS:
                 if not isinstance(value, str):
                     raise MaterialError(f"{label}: {key}: {value!r} is not a text")
-            elif isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+            elif not is_finite(value):
                 raise MaterialError(f"{label}: {key}: {value!r} is not a finite number [{UNITS[key]}]")
         missing = [key for key in ("c11", "c13", "c33", "c44") if key not in mapping]
         if missing:
@@ -115,8 +115,16 @@ class Material:
 
     @classmethod
     def isotropic(cls, young: ArrayLike, poisson: ArrayLike, *, name: str = "isotropic", rho: float = np.nan) -> Self:
-        """Isotropic elastic solid without coupling, vacuum permittivity and permeability; moduli in Pa."""
+        """Isotropic elastic solid without coupling, vacuum permittivity and permeability; moduli in Pa.
+
+        Raises
+        ------
+        MaterialError
+            Young's modulus not positive, or Poisson's ratio not within -1 to 0.5.
+        """
         E, nu = np.asarray(young, np.float64), np.asarray(poisson, np.float64)
+        if np.any(bad := ~((nu > -1) & (nu < 0.5))):
+            raise MaterialError(f"{name}: Poisson's ratio {nu[bad].flat[0]:g} is not within -1 < nu < 0.5")
         shear, lame = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
         c11 = lame + 2 * shear
         material = cls(c11=c11, c12=lame, c13=lame, c33=c11, c44=shear, rho=np.array(rho), name=name)

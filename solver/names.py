@@ -42,22 +42,32 @@ class Described:
 FACTORS: dict[str, Factor] = {
     "volume_fraction": Factor("1", "volume fraction of phase one", None, 0.0, high=1.0),
     "radius": Factor("m", "punch radius R", None, 0.0, low_allowed=False),
+    "width": Factor("m", "width of a flat punch", None, 0.0, low_allowed=False),
+    "slope": Factor("1", "slope dg/dx of a wedge's face, or tilt of a flat punch"),
+    "moment": Factor("N", "moment int x p dx of the pressure about the middle of a flat punch, instead of its slope"),
     "friction": Factor("1", "Coulomb coefficient eta", 0.0, 0.0),
     "load": Factor("N m-1", "normal load P", None, 0.0, low_allowed=False),
     "charge": Factor("C m-1", "electric charge T", 0.0),
     "magnetic_charge": Factor("Wb m-1", "magnetic charge J", 0.0),
+    "speed": Factor("m s-1", "steady sliding speed V", 0.0, 0.0),
     "datum": Factor("m", "reference length L of the potentials", 1.0, 0.0, low_allowed=False),
 }
 
-#: Factors that take one of a few names.
-CHOICES: dict[str, tuple[str, ...]] = {"composite": ("fibrous", "laminate")}
+#: Factors that take one of a few names; the first is the default.
+CHOICES: dict[str, tuple[str, ...]] = {
+    "composite": ("fibrous", "laminate"),
+    "profile": ("cylinder", "flat", "wedge", "half_cylinder"),
+    "corner": ("leading", "trailing"),
+    "electric": ("conducting", "insulating"),
+    "magnetic": ("conducting", "insulating"),
+}
 
-#: Factors of the wider contact problem and the only value that this version solves.
-FIXED: dict[str, str | float] = {
-    "profile": "cylinder",
-    "electric": "conducting",
-    "magnetic": "conducting",
-    "speed": 0.0,
+#: Factors that each profile must be given, and those that it may be given.
+PROFILES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "cylinder": (("radius",), ()),
+    "flat": (("width",), ("slope", "moment")),
+    "wedge": (("slope",), ("corner",)),
+    "half_cylinder": (("radius",), ("corner",)),
 }
 
 #: Surface fields over (case factors..., position).
@@ -73,6 +83,36 @@ FIELDS: dict[str, Described] = {
 
 #: Fields with a square-root singularity at the edges, also given times sqrt|1 - X^2| as ``<name>_regular``.
 SINGULAR = tuple(FIELDS)[2:]
+
+#: Fields inside the half-plane over (case factors..., y, x), as :func:`solver.solve_interior` gives them unasked.
+INTERIOR: dict[str, Described] = {
+    "stress_xx": Described("Pa", "stress sigma_xx"),
+    "stress_yy": Described("Pa", "stress sigma_yy"),
+    "stress_xy": Described("Pa", "shear stress sigma_xy"),
+    "stress_zz": Described("Pa", "out-of-plane stress sigma_zz"),
+    "von_mises": Described("Pa", "von Mises stress"),
+    "electric_displacement_x": Described("C m-2", "electric displacement D_x"),
+    "electric_displacement_y": Described("C m-2", "electric displacement D_y"),
+    "magnetic_induction_x": Described("T", "magnetic induction B_x"),
+    "magnetic_induction_y": Described("T", "magnetic induction B_y"),
+    "electric_field_x": Described("V m-1", "electric field E_x"),
+    "electric_field_y": Described("V m-1", "electric field E_y"),
+    "magnetic_field_x": Described("A m-1", "magnetic field H_x"),
+    "magnetic_field_y": Described("A m-1", "magnetic field H_y"),
+}
+
+#: Fields inside the half-plane that are given when asked for by name.
+INTERIOR_ON_REQUEST: dict[str, Described] = {
+    "electric_potential": Described("V", "electric potential relative to the datum"),
+    "magnetic_potential": Described("A", "magnetic potential relative to the datum"),
+    "principal_tension": Described("Pa", "largest principal stress"),
+    "strain_xx": Described("1", "strain epsilon_xx"),
+    "strain_yy": Described("1", "strain epsilon_yy"),
+    "strain_xy": Described("1", "tensor shear strain epsilon_xy"),
+}
+
+#: Fields inside the half-plane that need c12.
+NEED_C12 = ("stress_zz", "von_mises", "principal_tension")
 
 #: Quantities, one number per case.
 QUANTITIES: dict[str, Described] = {
@@ -98,3 +138,13 @@ QUANTITIES: dict[str, Described] = {
     "blocked_load_per_volt": Described("N m-1 V-1", "load per voltage at fixed depth and magnetic charge"),
     "blocked_load_per_ampere": Described("N m-1 A-1", "load per magnetic potential at fixed depth and electric charge"),
 }
+
+#: Quantities of the body below depth 0.1 h, which are searched for and given when asked for.
+PEAKS: dict[str, Described] = {
+    "peak_von_mises": Described("Pa", "largest von Mises stress below depth 0.1 h"),
+    "peak_von_mises_depth": Described("m", "depth of the largest von Mises stress below depth 0.1 h"),
+    "peak_principal_tension": Described("Pa", "largest principal stress below depth 0.1 h"),
+}
+
+#: Every quantity there is.
+EVERY_QUANTITY = {**QUANTITIES, **PEAKS}

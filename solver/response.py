@@ -1,13 +1,12 @@
 """Punch response (depth, potentials) and the sensor and actuator tangents (theory section 6), in closed form.
 
-With ell = log(h / 2L) and kappa = (k1, k_phi, k_psi) the generalised surface displacement at the trailing edge is
+With ell = log(h / 2L), the generalised surface displacement at the trailing edge is
 
-    u_J(a) = P (N_J1 ell / pi + B_J) + (N_Jq . (T, J)) ell / pi,        J in (u_y, phi, psi),
-    B_J = [lam_J (1/2 + delta Psi) - eta (N_Jq . d) omega] / pi - eta kappa_J / 2,
+    u_J(a) = N_J . (P, T, J) ell / pi + P B_J,        J in (u_y, phi, psi),
+    B_J = [(N_J0 - N_Jq.r) <S> + eta (N_Jq.d) <D>] / (pi int S) - eta k_J / 2,
 
-with lam_J = (lam, 0, 0), N_Jq . d = (k1 - kap, k_phi, k_psi), Psi = [digamma(3/2 + delta) - digamma(3/2)] / delta and
-omega = (delta / tan theta) [2 (delta - 2) / (1 - 4 delta^2) - Psi]: the logarithmic moments of the theory, gathered so
-that nothing cancels and neither eta = 0 nor kap = 0 is a special case.
+with the logarithmic moments <S>, <D> of :mod:`solver.shape`, gathered so that nothing cancels. Along a load, the
+logarithm grows at the rate of the contact's width and the bracket at that of the pressure's shape.
 """
 
 from dataclasses import dataclass
@@ -17,12 +16,14 @@ import numpy as np
 
 from solver.arrays import Array, dot
 from solver.contact import Contact
-from solver.special import digamma_difference
+from solver.shape import Shape
 
 
 @dataclass(frozen=True, eq=False)
 class Response:
     """Response of the punch; scalars per case, shapes as small as each needs.
+
+    What belongs to the potential of a field means nothing where the punch does not conduct that field.
 
     Parameters
     ----------
@@ -40,17 +41,30 @@ class Response:
         """ell = log(h / 2L)."""
         return np.log(self.contact.half_width / (2 * self.datum))
 
+    def _bracket(self, shape: Shape) -> Array:
+        """The bracket of B_J over pi int S; (..., 3)."""
+        sliding = self.contact.sliding
+        along = sliding.halfplane.friction_coupling - sliding.friction_coupling
+        follower = (sliding.friction * shape.follower_moment)[..., None]
+        own = sliding.normal_compliance * shape.logarithmic_moment[..., None]
+        return (own + along * follower) / (np.pi * self.contact.shape.total)[..., None]
+
     @cached_property
     def _load_constant(self) -> Array:
         """B_J; (..., 3)."""
-        c = self.contact
-        psi = digamma_difference(c.delta)
-        omega = c.delta_over_tan * (2 * (c.delta - 2) / c.edge_product - psi)
-        k = c.halfplane.friction_coupling
-        along = np.stack(np.broadcast_arrays(k[..., 0] - c.kap, k[..., 1], k[..., 2]), -1)
-        followed = c.lam * (0.5 + c.delta * psi) / np.pi
-        friction_part = along * omega[..., None] / np.pi + k / 2
-        return np.asarray(followed[..., None] * np.array([1.0, 0.0, 0.0]) - c.friction[..., None] * friction_part)
+        return self._bracket(self.contact.shape) - self._shear_part
+
+    @property
+    def _shear_part(self) -> Array:
+        """eta k_J / 2; (..., 3)."""
+        return self.contact.friction[..., None] * self.contact.halfplane.friction_coupling / 2
+
+    @cached_property
+    def _load_constant_rate(self) -> Array:
+        """d (P B_J) / dP; (..., 3)."""
+        pressing = self.contact.pressing
+        widened = pressing.width_rate[..., None] * self._bracket(self.contact.shape)
+        return widened + self._bracket(pressing.shape_rate) - self._shear_part
 
     def _displacement(self, J: int) -> Array:
         """u_J(a)."""
@@ -66,21 +80,22 @@ class Response:
     def _load_tangent(self, J: int, *, charged: bool) -> Array:
         """d u_J(a) / dP, with or without the charges of the case."""
         c, N = self.contact, self.contact.halfplane.compliance
-        tangent = self._load_part(J) + N[..., J, 0] / (2 * np.pi)
+        width_rate = c.pressing.width_rate / np.pi
+        tangent = N[..., J, 0] * (self.log_width / np.pi + width_rate) + self._load_constant_rate[..., J]
         if charged:
-            tangent = tangent + dot(N[..., J, 1:], c.charges) / (2 * np.pi * c.load)
-        return tangent
+            tangent = tangent + dot(N[..., J, 1:], c.charges) * width_rate / c.load
+        return np.asarray(tangent)
 
     @property
     def depth(self) -> Array:
-        """a^2 / 2R - u_y(a): approach of the punch relative to the datum [m]."""
-        return self.contact.trailing**2 / (2 * self.contact.radius) - self._displacement(0)
+        """g(a) - u_y(a): approach of the punch, at its origin, relative to the datum [m]."""
+        return self.contact.pressing.rise - self._displacement(0)
 
     @cached_property
     def _depth_tangent(self) -> Array:
         """d depth / dP at fixed charges [m2/N]."""
         c = self.contact
-        return c.trailing**2 / (2 * c.radius * c.load) - self._load_tangent(0, charged=True)
+        return c.pressing.rise_rate / c.load - self._load_tangent(0, charged=True)
 
     def potential(self, field: int) -> Array:
         """Electric [V] (field 0) or magnetic [A] (field 1) potential of the punch relative to the datum."""

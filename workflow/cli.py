@@ -6,6 +6,7 @@ import io
 import subprocess
 import sys
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -171,9 +172,13 @@ def _described(material: Material) -> str:
 
 
 def _run(options: argparse.Namespace) -> int:
-    studies.named(options.study)
-    report = f"results/{options.study}/report.html"
-    command = ["--cores", options.cores, "--quiet", "rules", "host", "reason", "--", report]
+    study = studies.named(options.study)
+    if study.verification and (absent := [name for name in ("mpmath", "skfem") if not find_spec(name)]):
+        raise InputError(
+            f"study: {options.study!r} needs {', '.join(absent)} of requirements/dev.txt; `make run` installs them"
+        )
+    report, *others = [f"results/{options.study}/{file}" for file in study.targets]
+    command = ["--cores", options.cores, "--quiet", "rules", "host", "reason", "--", report, *others]
     status = subprocess.run([Path(sys.executable).with_name("snakemake"), *command], check=False).returncode
     if status == 0:
         print(f"report: {report}")

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from surrogate import GaussianProcess
 from surrogate.optimise import Optimum, improve, maximise
-from workflow import landscape, verdict
+from workflow import judgement, landscape
 from workflow.inputs import InputError
 from workflow.question import Question, ask
 from workflow.sources import Exact, Predicted
@@ -34,7 +34,7 @@ def solve_target(study: Study, name: str, model: GaussianProcess) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        What `verdict.verdict` and `landscape.landscape` give.
+        What `judgement.judge` and `landscape.landscape` give.
 
     Raises
     ------
@@ -51,11 +51,11 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> x
     found = [_search(ask(study, name, target, source, chosen), source, exact) for chosen in choices(target)]
     question, best = max(found, key=lambda pair: _rank(pair[1]))
     out = xr.merge(
-        [verdict.verdict(question, best.x, source, exact), landscape.landscape(question, best.x, source)],
+        [judgement.judge(question, best.x, source, exact), landscape.landscape(question, best.x, source)],
         compat="no_conflicts",
     )
     if not bool(out["inside"].all()) and not target.allow_outside_interval:
-        raise InputError(f"design: {name}: {verdict.outside(out)}; allow_outside_interval: true would accept it")
+        raise InputError(f"design: {name}: {judgement.outside(out)}; allow_outside_interval: true would accept it")
     objective = target.objectives[0]
     out.attrs = {
         "title": f"design target {name}",
@@ -86,12 +86,12 @@ def _search(question: Question, source: Predicted, exact: Exact) -> tuple[Questi
     first = maximise(question.problem(source), scan=scan)
     scale = abs(first.objective) or 1.0
     # the surrogate may be wrong by this much, so the limits keep that distance from it
-    doubt = verdict.doubts(question, first.x, source)
+    doubt = judgement.doubts(question, first.x, source)
     best = improve(question.problem(source, doubt), first.x, scale)
     slack = np.zeros(len(question.target.limits))
     for _ in range(_ROUNDS):
         best = improve(question.problem(exact, slack), best.x, scale)
-        excess = verdict.excesses(question, best.x, exact)
+        excess = judgement.excesses(question, best.x, exact)
         if not best.feasible or np.all(excess <= 0):
             break
         slack += np.where(excess > 0, 1.02 * excess + 1e-12, 0.0)

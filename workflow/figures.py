@@ -1,5 +1,6 @@
 """Figures of the report, one function each; SVG without date, so that equal data give equal bytes."""
 
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -159,6 +160,38 @@ def errors(validation: xr.Dataset) -> Figure:
     ax.invert_yaxis()
     ax.set_xlabel("error over range, on exact cases never trained on")
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
+    return figure
+
+
+#: Figures of convergence: title, and whether the effort is on a logarithmic axis.
+_CONVERGENCE = {
+    "collocation_terms": ("collocation, polynomial profiles", False),
+    "collocation_circle": ("collocation, the whole circle", False),
+    "fem_fields": ("finite elements, given tractions", True),
+    "fem_contact": ("finite elements, unilateral contact", True),
+}
+
+
+@mpl.rc_context(_STYLE)
+def convergence(curves: list[dict[str, Any]]) -> Figure:
+    """Errors of an independent method over its effort, a panel for each problem."""
+    names = list(dict.fromkeys(curve["figure"] for curve in curves))
+    figure, axes = plt.subplots(1, len(names), figsize=(5.2 * len(names), 4.2), squeeze=False)
+    for ax, name in zip(axes.flat, names, strict=True):
+        title, logarithmic = _CONVERGENCE[name]
+        shown = [curve for curve in curves if curve["figure"] == name]
+        for marker, curve in zip(cycle("os^vD<>P"), shown):
+            ax.plot(curve["x"], curve["error"], marker=marker, ms=4, lw=1.2, label=curve["label"])
+        ax.set_yscale("log")
+        if logarithmic:
+            ax.set_xscale("log")
+        ticks = sorted({x for curve in shown for x in curve["x"]})
+        ax.set_xticks(ticks, [f"{x:g}" for x in ticks])
+        ax.minorticks_off()
+        ax.set_xlabel(shown[0]["effort"])
+        ax.set_title(title)
+        ax.legend()
+    axes[0, 0].set_ylabel("error against the closed form")
     return figure
 
 

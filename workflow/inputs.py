@@ -9,15 +9,15 @@ from typing import Any
 import yaml
 
 from solver import Material, MaterialError
-from solver.names import CHOICES, FACTORS, FIXED
+from solver.names import CHOICES, FACTORS
 from workflow.targets import nearest
 
 _LARGEST = 1 << 20  # bytes; a study or a material is a few kB
 _LARGEST_TABLE = 1 << 28
 
 #: Factors whose values are names.
-TEXT_FACTORS = ("material", *CHOICES, *(name for name, value in FIXED.items() if isinstance(value, str)))
-_COLUMNS = (*TEXT_FACTORS, *FACTORS, *(name for name, value in FIXED.items() if not isinstance(value, str)))
+TEXT_FACTORS = ("material", *CHOICES)
+_COLUMNS = (*TEXT_FACTORS, *FACTORS)
 
 
 class InputError(ValueError):

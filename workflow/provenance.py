@@ -11,6 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 ROOMS = ("solver", "surrogate", "workflow")
+TRACED = (*ROOMS, "tests")  # the checks of a verification live in tests
 PACKAGES = ("meecontact", "numpy", "scipy", "xarray", "netCDF4", "scikit-learn", "snakemake", "pydantic", "matplotlib")
 
 
@@ -95,7 +96,7 @@ def _used(text: str) -> Iterator[Path]:
 def _file(name: str) -> Path | None:
     """The file of a module of the rooms."""
     parts = name.split(".")
-    if parts[0] not in ROOMS:
+    if parts[0] not in TRACED:
         return None
     target = ROOT.joinpath(*parts)
     return next((file for file in (target.with_suffix(".py"), target / "__init__.py") if file.is_file()), None)

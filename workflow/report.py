@@ -11,7 +11,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from solver.names import CHOICES, FACTORS, QUANTITIES
 from surrogate.netcdf import read_whole
-from workflow.study import Study
+from workflow.study import CHECK_GROUPS, Study
+from workflow.verdict import findings
 
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 CAPTIONS = Path(__file__).parent / "captions"
@@ -52,6 +53,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         "timing": None,
         "designs": [],
         "effects": list(study.effects.vary) if study.effects else [],
+        "verification": _verification(folder) if study.verification else None,
     }
     if study.factors:
         content["dataset"] = _dataset(folder)
@@ -66,6 +68,17 @@ def _figure(path: Path) -> dict[str, str]:
     caption = (CAPTIONS / f"{kind}.rst").read_text(encoding="utf-8").replace("\n", " ").replace("``", "").strip()
     data = base64.b64encode(path.read_bytes()).decode("ascii")
     return {"caption": caption, "source": f"data:image/svg+xml;base64,{data}", "name": path.stem}
+
+
+def _verification(folder: Path) -> dict[str, Any]:
+    groups = findings([folder / "verification" / f"{name}.json" for name in CHECK_GROUPS])
+    checks = [check for group in groups for check in group["checks"]]
+    return {
+        "groups": dict(zip(CHECK_GROUPS, groups, strict=True)),
+        "checks": len(checks),
+        "green": sum(check["passed"] for check in checks),
+        "timings": [timing for group in groups for timing in group["timings"]],
+    }
 
 
 def _dataset(folder: Path) -> dict[str, Any]:
@@ -148,9 +161,9 @@ def _ranges(data: xr.Dataset) -> list[dict[str, Any]]:
     ]
 
 
-def _number(value: float, digits: int = 4) -> str:
+def _number(value: float | None, digits: int = 4) -> str:
     """A number for people: plain where short, else with a power of ten."""
-    if np.isnan(value):
+    if value is None or np.isnan(value):
         return "–"
     if value == 0 or 1e-3 <= abs(value) < 1e5:
         return f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}")

@@ -19,6 +19,10 @@ from workflow.target import Target
 
 MOST_CASES = 20_000_000
 FOLDER = Path("config")
+#: Groups of checks in tests/verification, in the order of the page.
+CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "digits")
+#: Those with convergence curves.
+CONVERGING = ("integral_equations", "finite_elements")
 
 
 class Axis(Strict):
@@ -97,8 +101,17 @@ class Effects(Strict):
         return {name: value for name, value in case.items() if name not in other.get(factor, ())}
 
 
+class Verification(Strict):
+    """Checks of the solver against independent methods; they need requirements/dev.txt."""
+
+    cases: int = Field(24, ge=1, le=1000, description="random cases evaluated in 50 digits")
+    elements: int = Field(24, ge=12, le=96, multiple_of=12, description="finest mesh: finite elements under the punch")
+    timed: int = Field(4096, ge=100, le=1_000_000, description="cases of the closed form that are timed at once")
+    seed: int = Field(1, ge=0, description="seed of the random cases")
+
+
 class Study(Strict):
-    """Everything that a run can be asked for; each part is optional but a study needs ``factors`` or ``effects``."""
+    """Everything that a run can be asked for; a study needs ``factors``, ``effects`` or ``verification``."""
 
     title: str = Field(min_length=1, max_length=200, description="headline of the report")
     description: str = Field("", description="what the study is for")
@@ -113,6 +126,7 @@ class Study(Strict):
     validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
     design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
     effects: Effects | None = Field(None, description="one factor at a time, as figures")
+    verification: Verification | None = Field(None, description="checks of the solver against independent methods")
 
     _own: dict[str, Material] = PrivateAttr(default_factory=dict)
 
@@ -127,14 +141,19 @@ class Study(Strict):
         return prod(axis.levels for axis in self.factors.values()) if self.factors else 0
 
     @property
+    def targets(self) -> list[str]:
+        """Files under ``results/<study>/`` that a run makes last."""
+        return ["report.html", "verdict.txt"] if self.verification else ["report.html"]
+
+    @property
     def outputs(self) -> list[str]:
         """Quantities that the surrogate learns."""
         return self.surrogate.outputs or list(QUANTITIES)
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
-        if not self.factors and self.effects is None:
-            raise ValueError("factors: a study needs factors, or effects, or both")
+        if not self.factors and self.effects is None and self.verification is None:
+            raise ValueError("factors: a study needs factors, effects or verification")
         if self.cases > MOST_CASES:
             raise ValueError(f"factors: {self.cases} cases are more than {MOST_CASES}")
         for name in self.factors:

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import pytest
 import xarray as xr
 
 import solver
@@ -25,8 +24,6 @@ CHARGED: dict[str, Any] = {
 #: Maxima over the body: neither smooth nor affine, and unknown where c12 is; never part of the comparisons here.
 INTERIOR = ("peak_von_mises", "peak_von_mises_depth", "peak_principal_tension")
 
-#: A fault of the solver that these tests found and that is not mended yet; strict, so that a mended one shows.
-pending = pytest.mark.xfail(strict=True, reason="fault of the solver, reported")
 
 _ZERO = 1e-70  # what the oracle's 100 digits leave of a zero
 

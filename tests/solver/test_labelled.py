@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import solver
-from tests.solver.cases import CHARGED, SIH_SONG, assert_same, pending
+from tests.solver.cases import CHARGED, SIH_SONG, assert_same
 
 #: Units of interface.md.
 FIELD_UNITS = {
@@ -133,7 +133,6 @@ def test_scattered_cases_share_a_dimension() -> None:
         assert_same(out.isel(case=i), solver.solve(factors, POSITIONS))
 
 
-@pending
 def test_labels_of_a_dimension_stay_with_it() -> None:
     loads = xr.DataArray([1e3, 1e4], dims="case", coords={"case": ["light", "heavy"]})
     out = solver.solve(ONE | {"load": loads})

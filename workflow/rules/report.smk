@@ -106,7 +106,7 @@ rule report:
     params:
         code=provenance.code(
             "workflow/scripts/report.py",
-            *(f"workflow/captions/{kind}.rst" for kind in ("fields", "errors", "parity", "design", "effect")),
+            *(f"workflow/captions/{kind}.rst" for kind in ("fields", "errors", "parity", "design", "effect", "convergence")),
         ),
     log:
         "logs/{study}/report.log",

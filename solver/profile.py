@@ -1,0 +1,74 @@
+"""Rigid punch profiles: a polynomial slope, and which edges of the contact are corners of the punch."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from solver.arrays import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """Profile y = g(x) of a punch by its slope; one form for every case, parameters as arrays over case axes.
+
+    Parameters
+    ----------
+    slope
+        Coefficients of g'(x) in ascending powers of x, each (...) [m^-k]. The origin is the corner of a punch with one
+        corner, the middle of one with two, any point of one without.
+    smooth
+        Whether the punch leaves the surface smoothly at the trailing and the leading edge of the contact; otherwise it
+        has a corner there.
+    width
+        Distance of the corners of a punch with two [m]; (...).
+    moment
+        Moment int x p dx of the pressure about the origin [N], of a punch with two corners that may tilt: it then
+        replaces the constant of the slope.
+    """
+
+    slope: tuple[Array, ...]
+    smooth: tuple[bool, bool]
+    width: Array | None = None
+    moment: Array | None = None
+
+    def __post_init__(self) -> None:
+        if any(self.smooth) != (self.width is None):
+            raise ValueError("width: given by a punch with two corners, and only by that")
+        if self.moment is not None and any(self.smooth):
+            raise ValueError("moment: only a punch with two corners can take one")
+
+    @classmethod
+    def polynomial(
+        cls, slope: Sequence[ArrayLike], smooth: tuple[bool, bool] = (True, True), width: ArrayLike | None = None
+    ) -> Self:
+        """Any polynomial slope g'(x), coefficients in ascending powers of x [m^-k]; width between two corners [m]."""
+        coefficients = tuple(np.asarray(c, dtype=np.float64) for c in slope)
+        return cls(coefficients, smooth, None if width is None else np.asarray(width, dtype=np.float64))
+
+    @classmethod
+    def cylinder(cls, radius: Array) -> Self:
+        """Circular punch of radius R in the parabolic approximation: g' = x/R."""
+        return cls((np.zeros(()), 1 / radius), (True, True))
+
+    @classmethod
+    def flat(cls, width: Array, slope: Array, moment: Array | None = None) -> Self:
+        """Flat punch, tilted by a slope or as a moment asks."""
+        return cls((slope,), (False, False), width, moment)
+
+    @classmethod
+    def wedge(cls, slope: Array, corner: str = "leading") -> Self:
+        """Triangular punch: corner at the leading or the trailing edge, rising at the slope > 0 to the other."""
+        return cls((slope,), (True, False)) if corner == "leading" else cls((-slope,), (False, True))
+
+    @classmethod
+    def half_cylinder(cls, radius: Array, corner: str = "leading") -> Self:
+        """Half of the cylinder with its corner, and lowest point, at the leading or the trailing edge."""
+        return cls((np.zeros(()), 1 / radius), (corner == "leading", corner != "leading"))
+
+    @property
+    def homogeneous(self) -> bool:
+        """Whether the slope is one power of x, so that contacts under all loads are similar."""
+        return self.width is None and not any(np.any(c) for c in self.slope[:-1])

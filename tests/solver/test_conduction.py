@@ -1,0 +1,66 @@
+"""The four combinations of conducting and insulating punches against 50 digits, alone and mixed along an axis."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from mpmath import isnan
+
+import solver
+from tests.oracles import precise
+from tests.oracles.half_plane import CONSTANTS
+
+SIH_SONG = "BaTiO3-CoFe2O4 50:50"
+POSITIONS = [-250.0, -1.7, -1.0001, -0.95, 0.2, 0.95, 1.0001, 4.0]
+KINDS = ("conducting", "insulating")
+
+
+def plain(name: str) -> dict[str, float]:
+    material = solver.find(name)
+    return {constant: float(getattr(material, constant)) for constant in (*CONSTANTS, "rho")}
+
+
+@pytest.mark.parametrize("magnetic", KINDS)
+@pytest.mark.parametrize("electric", KINDS)
+@pytest.mark.parametrize(("name", "friction"), [(SIH_SONG, 0.0), (SIH_SONG, 1.3), ("PZT-5H", 0.4), ("CoFe2O4", 1e-9)])
+def test_conduction_agrees_with_50_digits(name: str, friction: float, electric: str, magnetic: str) -> None:
+    case: dict[str, Any] = {"radius": 0.03, "load": 4e4, "friction": friction, "datum": 0.2}
+    case |= {"charge": 1e-6 * (electric == KINDS[0]), "magnetic_charge": -2e-3 * (magnetic == KINDS[0])}
+    kinds: dict[str, Any] = {"electric": electric, "magnetic": magnetic}
+    found = solver.solve({"material": name, **case, **kinds}, POSITIONS)
+    exact = precise.solve(plain(name), **case, **kinds, positions=POSITIONS)
+    for quantity, value in exact.quantities.items():
+        if isnan(value):
+            assert quantity not in found
+        else:
+            np.testing.assert_allclose(found[quantity].item(), float(value), rtol=2e-13, atol=1e-70, err_msg=quantity)
+    for field, values in exact.fields.items():
+        np.testing.assert_allclose(found[field], np.array(values, float), rtol=2e-12, atol=1e-30, err_msg=field)
+
+
+def test_conduction_along_an_axis_is_that_of_each_case() -> None:
+    case = {"material": SIH_SONG, "radius": 0.05, "load": 1e5, "friction": [0.0, 0.5]}
+    whole = solver.solve(case | {"electric": list(KINDS), "magnetic": list(KINDS)}, POSITIONS)
+    assert "voltage" not in whole
+    assert "magnetic_potential" not in whole
+    for electric in KINDS:
+        for magnetic in KINDS:
+            one = solver.solve(case | {"electric": electric, "magnetic": magnetic}, POSITIONS)
+            part = whole.sel(electric=electric, magnetic=magnetic)
+            for name in whole.data_vars:
+                np.testing.assert_allclose(part[name], one[name], rtol=1e-14, atol=1e-30, err_msg=str(name))
+
+
+def test_a_field_that_the_punch_insulates_does_not_leave_the_body() -> None:
+    case = {"material": SIH_SONG, "radius": 0.05, "load": 1e5, "friction": 0.5, "electric": "insulating"}
+    found = solver.solve(case, POSITIONS)
+    assert np.all(found["electric_displacement_y"] == 0)
+    assert found["electric_edge_intensity_trailing"] == 0
+    assert np.any(found["magnetic_induction_y"] != 0)
+
+
+@pytest.mark.parametrize(("charge", "field"), [("charge", "electric"), ("magnetic_charge", "magnetic")])
+def test_a_charge_on_an_insulating_punch_is_refused(charge: str, field: str) -> None:
+    case = {"material": SIH_SONG, "radius": 0.05, "load": 1e5, field: "insulating", charge: [0.0, 1e-6]}
+    with pytest.raises(solver.FactorError, match=f"^{charge}: 1e-06 .*{field} insulating"):
+        solver.solve(case)

@@ -1,0 +1,145 @@
+"""Peaks of the body below depth 0.1 h against local searches from many starting points, and what they must obey."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import fmin, minimize_scalar
+
+import solver
+from solver.names import PEAKS
+
+SIH_SONG = "BaTiO3-CoFe2O4 50:50"
+BASE: dict[str, Any] = {"radius": 0.05, "load": 1e5}
+
+CASES: list[dict[str, Any]] = [
+    {"material": "BaTiO3"},
+    {"material": "CoFe2O4", "friction": 0.1, "charge": 3e-6},
+    {"material": SIH_SONG, "friction": 0.3, "magnetic_charge": -4e-3},
+    {"material": "PZT-4", "friction": 0.8, "charge": -5e-6},
+    {"material": "steel", "friction": 0.02, "speed": 1500.0},
+    {"material": SIH_SONG, "friction": 0.4, "electric": "insulating"},
+    {"material": SIH_SONG, "friction": 0.5, "profile": "wedge", "slope": 2e-3},
+    {"material": SIH_SONG, "friction": 0.2, "profile": "flat", "width": 4e-4, "slope": 5e-5},
+]  # fmt: skip
+
+
+def factors(case: dict[str, Any]) -> dict[str, Any]:
+    whole = BASE | case
+    return {k: v for k, v in whole.items() if k != "radius" or "profile" not in case}
+
+
+def searched(case: dict[str, Any], field: str) -> tuple[float, float]:
+    """Largest value of a field below depth 0.1 h and its depth over h, by simplices from a net of points."""
+
+    def lowered(point: np.ndarray[Any, np.dtype[np.float64]]) -> float:
+        place = [float(point[0])], [-0.1 - float(point[1]) ** 2]
+        return -float(solver.solve_interior(factors(case), *place, fields=[field])[field].item())
+
+    across = np.concatenate([np.linspace(-1.6, 1.6, 65), [2.0, 3.0, 5.0, 8.0, 14.0, 20.0, -2.0, -3.0]])
+    net = solver.solve_interior(factors(case), across, -0.1 * 1.3 ** np.arange(14), fields=[field])[field]
+    flat = net.stack(point=("x", "y"))
+    best = flat.isel(point=np.argsort(-flat.values)[:40:13])
+    found = []
+    for x, y in best["point"].values:
+        start = np.array([x, np.sqrt(max(-0.1 - y, 0.0))])
+        simplex = start + np.array([[0.0, 0.0], [0.02, 0.0], [0.0, 0.05]])
+        small = 1e-13 * float(np.max(np.abs(net)))
+        top = fmin(lowered, start, xtol=1e-9, ftol=small, maxiter=2000, disp=False, initial_simplex=simplex)
+        found.append((-lowered(top), 0.1 + float(top[1]) ** 2))
+    return max(found)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: "-".join(map(str, case.values())))
+def test_peaks_are_those_of_a_search(case: dict[str, Any]) -> None:
+    found = solver.solve(factors(case), peaks=True)
+    half = (found["contact_trailing"] + found["contact_leading"]).item() / 2
+    largest, depth = searched(case, "von_mises")
+    assert found["peak_von_mises"].item() == pytest.approx(largest, rel=1e-10)
+    assert found["peak_von_mises_depth"].item() == pytest.approx(depth * half, rel=2e-6)
+    if case.get("friction"):
+        assert found["peak_principal_tension"].item() == pytest.approx(searched(case, "principal_tension")[0], rel=1e-9)
+
+
+def test_frictionless_isotropic_contact_has_no_tension_and_the_peak_of_hertz() -> None:
+    """Johnson, Contact Mechanics (1985), section 4.2: 0.300 p0 of shear at 0.786 a, from the fields on the axis."""
+    steel = solver.Material.isotropic(200e9, 0.3)
+    found = solver.solve({"material": steel, **BASE}, peaks=True)
+    p0, a = found["peak_pressure"].item(), found["contact_trailing"].item()
+
+    def on_axis(z: float) -> float:
+        root = np.hypot(1, z)
+        xx, yy = -((1 + 2 * z * z) / root - 2 * z), -1 / root
+        zz = 0.3 * (xx + yy)
+        return float(np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2))
+
+    depth = minimize_scalar(lambda z: -on_axis(z), bounds=(0.1, 2.0), options={"xatol": 1e-10}).x
+    assert found["peak_von_mises"].item() == pytest.approx(p0 * on_axis(float(depth)), rel=1e-10)
+    assert found["peak_von_mises_depth"].item() == pytest.approx(float(depth) * a, rel=1e-5)
+    assert found["peak_principal_tension"].item() == 0
+
+
+@pytest.mark.parametrize("friction", [1e-2, 1e-3, 1e-4])
+def test_little_friction_pulls_far_behind_the_punch(friction: float) -> None:
+    """Flamant: (2 P/pi r)(eta cos - sin) at depth 0.1 h is largest at r = 0.2 h/eta, where it is 5 P eta^2/(pi h)."""
+    steel = solver.Material.isotropic(200e9, 0.3)
+    found = solver.solve({"material": steel, **BASE, "friction": friction}, peaks=True)
+    half = (found["contact_trailing"] + found["contact_leading"]).item() / 2
+    expected = 5e5 * friction**2 / (np.pi * half)
+    assert found["peak_principal_tension"].item() == pytest.approx(expected, rel=20 * friction)
+
+
+def test_each_case_of_a_factorial_is_found_by_itself() -> None:
+    grid = {"volume_fraction": [0.2, 0.9], "friction": [0.0, 0.15, 0.6], "charge": [0.0, 4e-6], "load": [2e4, 1e5]}
+    whole = solver.solve({"radius": 0.05, **grid}, peaks=True)
+    stacked = whole.stack(case=("volume_fraction", "friction", "charge", "load"))
+    for k in range(0, stacked.sizes["case"], 5):
+        case = stacked.isel(case=k)
+        one = solver.solve({name: case[name].item() for name in ("radius", *grid)}, peaks=True)
+        for name in PEAKS:
+            tolerance = 1e-7 if name.endswith("depth") else 1e-11
+            assert case[name].item() == pytest.approx(one[name].item(), rel=tolerance), name
+            assert whole[name].attrs["units"] == PEAKS[name].units
+
+
+def test_peaks_scale_as_the_pressure() -> None:
+    case = {"material": SIH_SONG, "friction": 0.3, "radius": [0.01, 0.2], "load": [1e3, 1e5]}
+    found = solver.solve(case, peaks=True)
+    half = (found["contact_trailing"] + found["contact_leading"]) / 2
+    for name in ("peak_von_mises", "peak_principal_tension"):
+        share = found[name] / found["peak_pressure"]
+        np.testing.assert_allclose(share, share[0, 0], rtol=1e-12)
+    depth = found["peak_von_mises_depth"] / half
+    np.testing.assert_allclose(depth, depth[0, 0], rtol=1e-9)
+
+
+def test_friction_and_its_mirror_image() -> None:
+    """The peaks are even in the direction of sliding: so are those of the mirrored half cylinder."""
+    case = {"material": SIH_SONG, "load": 1e5, "profile": "half_cylinder", "radius": 0.05}
+    leading, trailing = (solver.solve(case | {"corner": corner}, peaks=True) for corner in ("leading", "trailing"))
+    for name in ("peak_von_mises", "peak_von_mises_depth"):
+        assert leading[name].item() == pytest.approx(trailing[name].item(), rel=1e-9)
+
+
+def test_peaks_come_only_when_asked_for_and_need_c12() -> None:
+    assert not set(PEAKS) & set(solver.solve(BASE | {"material": "steel"}).data_vars)
+    constants = {name: float(getattr(solver.find("steel"), name)) for name in ("c11", "c13", "c33", "c44")}
+    with pytest.raises(solver.MaterialError, match="c12: missing; peak_von_mises needs it"):
+        solver.solve(BASE | {"material": solver.Material.from_mapping(constants)}, peaks=True)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_no_point_of_a_dense_net_is_above_the_peak(seed: int) -> None:
+    """Charges that rival the load make narrow peaks under the edges."""
+    random = np.random.default_rng(seed)
+    case = {"volume_fraction": random.uniform(), "friction": float(random.choice([0.0, random.uniform(0.0, 1.5)]))}
+    case |= {"radius": 10 ** random.uniform(-2.3, -0.7), "load": 10 ** random.uniform(3.0, 5.5)}
+    case |= {"charge": random.uniform(-4e-6, 4e-6), "magnetic_charge": random.uniform(-4e-3, 4e-3)}
+    near = np.linspace(-0.1, 0.1, 81)
+    across = np.concatenate([np.linspace(-8, 8, 161), 1 + near, -1 + near])
+    fields = ["von_mises", "principal_tension"]
+    net = solver.solve_interior(case, across, -0.1 * 1.15 ** np.arange(27), fields=fields)
+    found = solver.solve(case, peaks=True)
+    for field, peak in zip(fields, ("peak_von_mises", "peak_principal_tension"), strict=True):
+        highest = max(float(net[field].max()), 0.0)
+        assert highest * (1 - 1e-12) <= found[peak].item() <= 1.2 * highest + 1e-6 * float(net["von_mises"].max())

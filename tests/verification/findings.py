@@ -1,0 +1,120 @@
+"""What a verification finds: checks with their errors and tolerances, convergence curves, times."""
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+_NOTHING = 1e-60  # smaller values are zero to the 50-digit oracle
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """How much is asked; what the page and the tests differ in.
+
+    Attributes
+    ----------
+    cases : int
+        Random cases in 50 digits.
+    elements : int
+        Finest mesh, in elements under the punch.
+    timed : int
+        Cases of the closed form that are timed at once; 0: nothing is timed.
+    seed : int
+        Of the random cases.
+    """
+
+    cases: int = 12
+    elements: int = 24
+    timed: int = 4096
+    seed: int = 1
+
+
+@dataclass(frozen=True)
+class Check:
+    """One comparison.
+
+    Attributes
+    ----------
+    name, compared : str
+        What is checked; the found and the expected.
+    error, tolerance : float
+        The measured error and the largest that passes.
+    seconds : float
+        Time that it took.
+    """
+
+    name: str
+    compared: str
+    error: float
+    tolerance: float
+    seconds: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether the error is a number within the tolerance."""
+        return self.error <= self.tolerance
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Errors over a measure of effort, in a figure named ``figure``."""
+
+    figure: str
+    label: str
+    effort: str
+    x: list[float]
+    error: list[float]
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Seconds a case by both ways, at equal accuracy."""
+
+    name: str
+    error: float
+    numerical: float
+    closed_form_alone: float
+    closed_form_batch: float
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Findings of a group."""
+
+    title: str
+    about: str
+    checks: list[Check]
+    curves: list[Curve] = field(default_factory=list)
+    timings: list[Timing] = field(default_factory=list)
+
+    def to_json(self) -> str:
+        """As JSON; a check that is no number comes out as null."""
+        content = asdict(self)
+        for check, row in zip(self.checks, content["checks"], strict=True):
+            row["passed"] = check.passed
+            row["error"] = check.error if np.isfinite(check.error) else None
+        return json.dumps(content, indent=2, allow_nan=False) + "\n"
+
+
+def check(name: str, compared: str, tolerance: float, error: Callable[..., float], *of: Any) -> Check:
+    """Measure one error, ``error(*of)``, and its time."""
+    start = perf_counter()
+    measured = float(error(*of))
+    return Check(name, compared, measured, tolerance, perf_counter() - start)
+
+
+def off(found: ArrayLike, expected: ArrayLike) -> float:
+    """Largest difference over the largest expected size."""
+    found, expected = np.asarray(found, dtype=float), np.asarray(expected, dtype=float)
+    return float(np.max(np.abs(found - expected)) / np.max(np.abs(expected)))
+
+
+def off_each(found: ArrayLike, expected: ArrayLike) -> float:
+    """Largest difference of a value over its own expected size."""
+    found, expected = np.asarray(found, dtype=float), np.asarray(expected, dtype=float)
+    return float(np.max(np.abs(found - expected) / np.maximum(np.abs(expected), _NOTHING)))

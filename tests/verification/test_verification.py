@@ -1,0 +1,64 @@
+"""Every check of the verification page is green; and a wrong answer would not be."""
+
+import json
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+import solver
+from tests.oracles.surface_response import surface_response
+from tests.verification import GROUPS, Findings, Sizes, finite_elements, integral_equations, limits
+from tests.verification.cases import SIH_SONG, constants
+from tests.verification.findings import check
+from workflow.study import CHECK_GROUPS
+
+SMALL = Sizes(cases=4, elements=24, timed=0)
+
+
+@cache
+def findings(group: str) -> Findings:
+    return GROUPS[group](SMALL)
+
+
+def test_the_study_knows_the_groups() -> None:
+    assert tuple(GROUPS) == CHECK_GROUPS
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_every_check_is_green(group: str) -> None:
+    red = [f"{one.name}: {one.error:.2e} > {one.tolerance:.0e}" for one in findings(group).checks if not one.passed]
+    assert not red
+    assert len({one.name for one in findings(group).checks}) == len(findings(group).checks)
+
+
+def test_finite_elements_converge() -> None:
+    for curve in findings("finite_elements").curves:
+        assert all(fine < coarse for coarse, fine in zip(curve.error, curve.error[1:], strict=False)), curve.label
+
+
+def test_collocation_of_the_circle_converges_geometrically_to_the_closed_form() -> None:
+    (curve,) = [one for one in findings("integral_equations").curves if one.figure == "collocation_circle"]
+    assert all(fine < coarse / 10 for coarse, fine in zip(curve.error, curve.error[1:], strict=False))
+
+
+def test_a_wrong_coupling_turns_the_checks_red(monkeypatch: pytest.MonkeyPatch) -> None:
+    m = constants(solver.find(SIH_SONG))
+    other = surface_response(m | {"f31": 1.001 * m["f31"]})
+    assert integral_equations.error("cylinder", (1, 2), 8, other) > 1e-5
+    monkeypatch.setattr(finite_elements, "constants", lambda material: m | {"e15": 1.2 * m["e15"]})
+    assert max(finite_elements.Loaded(12).errors().values()) > 1e-2
+    monkeypatch.setattr(limits, "STEEL", (200e9, 0.31))
+    monkeypatch.setattr(solver.Material, "isotropic", lambda *_: solver.find("steel"))
+    assert limits.hertz() > 1e-3
+
+
+def test_what_is_no_number_is_red() -> None:
+    one = check("nothing", "nothing", 1.0, lambda: float(np.nan))
+    assert not one.passed
+    text = replace(findings("limits"), checks=[one]).to_json()
+    assert json.loads(text)["checks"][0] == {
+        "name": "nothing", "compared": "nothing", "error": None, "tolerance": 1.0, "seconds": one.seconds,
+        "passed": False,
+    }  # fmt: skip

@@ -1,0 +1,50 @@
+# Is the solver right? Groups of checks against independent methods, which live in tests/; the run fails if one is red.
+
+rule check:
+    output:
+        "results/{study}/verification/{group}.json",
+    params:
+        study=sections("verification"),
+        code=lambda wildcards: provenance.code(
+            "workflow/scripts/check.py", f"tests/verification/{wildcards.group}.py"
+        ),
+    threads: lambda wildcards: workflow.cores if wildcards.group == "integral_equations" else 1  # timed: alone
+    log:
+        "logs/{study}/check/{group}.log",
+    benchmark:
+        "logs/{study}/check/{group}.tsv"
+    script:
+        "../scripts/check.py"
+
+
+rule figure_convergence:
+    input:
+        "results/{study}/verification/{group}.json",
+    output:
+        report(
+            "results/{study}/figures/convergence_{group}.svg",
+            caption="../captions/convergence.rst",
+            category="Verification",
+            labels={"figure": "convergence", "checks": "{group}"},
+        ),
+    params:
+        code=provenance.code("workflow/scripts/figure_convergence.py"),
+    log:
+        "logs/{study}/figure_convergence/{group}.log",
+    script:
+        "../scripts/figure_convergence.py"
+
+
+rule verdict:
+    input:
+        # after the page, which then shows what is red
+        "results/{study}/report.html",
+        checks=expand("results/{{study}}/verification/{group}.json", group=CHECK_GROUPS),
+    output:
+        "results/{study}/verdict.txt",
+    params:
+        code=provenance.code("workflow/scripts/verdict.py"),
+    log:
+        "logs/{study}/verdict.log",
+    script:
+        "../scripts/verdict.py"

@@ -1,0 +1,14 @@
+"""Rule figure_convergence: errors of the independent methods as they are refined."""
+
+import json
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from workflow import figures, joblog
+
+snakemake: Snakemake
+
+joblog.start(snakemake.log[0])
+findings = json.loads(Path(snakemake.input[0]).read_text(encoding="utf-8"))
+figures.save(figures.convergence(findings["curves"]), Path(snakemake.output[0]))
