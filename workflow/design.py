@@ -18,6 +18,7 @@ from workflow.target import Target
 Array = NDArray[np.float64]
 
 _ROUNDS = 6  # polishes, each with limits tightened by what many more scenarios found beyond them
+_AWAY = 1e-10  # relative distance kept from a limit, beyond rounding
 _SCANNED = 1 << 17  # most evaluations of the surrogate in one scan
 
 
@@ -88,7 +89,7 @@ def _search(question: Question, source: Predicted, exact: Exact) -> tuple[Questi
     # the surrogate may be wrong by this much, so the limits keep that distance from it
     doubt = judgement.doubts(question, first.x, source)
     best = improve(question.problem(source, doubt), first.x, scale)
-    slack = np.zeros(len(question.target.limits))
+    slack = np.full(len(question.target.limits), _AWAY)
     for _ in range(_ROUNDS):
         best = improve(question.problem(exact, slack), best.x, scale)
         excess = judgement.excesses(question, best.x, exact)

@@ -112,7 +112,7 @@ def test_edits_rerun_exactly_what_depends_on_them(copy: Callable[[str], Project]
 
     assert project.planned(REPORT) == set()
     assert plan(study, "A small study", "A smaller study") == {"provenance", "report"}
-    assert plan(study, "trailing_tension <= 1e6", "trailing_tension <= 2e6") == {
+    assert plan(study, "trailing_tension <= 1 MPa", "trailing_tension <= 2 MPa") == {
         "target", "design", "figure_design", "provenance", "report",
     }  # fmt: skip
     assert plan(study, "friction: [0.0, 0.3]", "friction: [0.0, 0.2]") == {
