@@ -28,7 +28,10 @@ from surrogate.quantile import quantile_regression
 Array = NDArray[np.float64]
 
 NOMINAL = 0.95
-GUARD = 0.91
+# Share that every slab of every input holds, before its own sampling error.
+GUARD = 0.92
+# Share that level and guard hold together on the cases that they were fitted to: a little is lost on fresh ones.
+TARGET = 0.955
 SLABS = 10
 # Below this many cases in a slab its own quantile says too little.
 SLAB_CASES = 20
@@ -139,11 +142,8 @@ def calibrate(errors: Array, parts: Sequence[Array], t: Array) -> Calibration:
             ratio = 0.5 * (np.log(squares) - np.log(shares @ variances))
         ratio = np.maximum(ratio, ratio.max() - DEPTH)
         trend[:, p] = quantile_regression(A, ratio, NOMINAL)
-        scores = _cross_fitted(A, ratio)
-        level = _conformal_quantile(scores, NOMINAL)
+        level, guard[:, :, p] = _level_and_guard(_cross_fitted(A, ratio, trend[:, p]), slabs)
         trend[0, p] += level - np.log(norm.ppf((1 + NOMINAL) / 2))
-        for i, slab in enumerate(slabs):
-            guard[i, :, p] = [_excess(scores[slab == one], level) for one in range(SLABS)]
     return Calibration(weights, floor, trend, guard)
 
 
@@ -165,15 +165,35 @@ def _components(variances: Array, squares: Array) -> Array:
     return np.asarray(weights / size)
 
 
-def _cross_fitted(A: Array, ratio: Array) -> Array:
+def _cross_fitted(A: Array, ratio: Array, trend: Array) -> Array:
     """Residuals of the trend, every fold's from a fit to the others: (n,)."""
     order = np.random.default_rng(0).permutation(len(ratio))
     scores = np.empty(len(ratio))
     for k in range(FOLDS):
         held = order[k::FOLDS]
         rest = np.setdiff1d(order, held)
-        scores[held] = ratio[held] - A[held] @ quantile_regression(A[rest], ratio[rest], NOMINAL)
+        scores[held] = ratio[held] - A[held] @ quantile_regression(A[rest], ratio[rest], NOMINAL, trend)
     return scores
+
+
+def _level_and_guard(scores: Array, slabs: NDArray[np.intp]) -> tuple[float, Array]:
+    """Return the level of all scores and what every slab needs beyond it, (d, slabs).
+
+    The guard widens intervals, so the level is lowered as long as level and guard together hold `TARGET`.
+    """
+    own = [[_slab_quantile(scores[slab == one]) for one in range(SLABS)] for slab in slabs]
+    needed = np.array(own)
+
+    def beyond(level: float) -> float:
+        guard = np.max([np.maximum(one - level, 0)[slab] for one, slab in zip(needed, slabs, strict=True)], axis=0)
+        return _conformal_quantile(scores - level - guard, TARGET)
+
+    high = _conformal_quantile(scores, NOMINAL)
+    low = min(float(_conformal_quantile(scores, GUARD)), high)
+    for _ in range(30):
+        middle = (low + high) / 2
+        low, high = (middle, high) if beyond(middle) > 0 else (low, middle)
+    return high, np.maximum(needed - high, 0)
 
 
 def _conformal_quantile(scores: Array, level: float) -> float:
@@ -182,10 +202,8 @@ def _conformal_quantile(scores: Array, level: float) -> float:
     return float(np.sort(scores)[min(rank, len(scores)) - 1])
 
 
-def _excess(scores: Array, level: float) -> float:
-    if len(scores) < SLAB_CASES:
-        return 0.0
-    return max(0.0, _conformal_quantile(scores, GUARD) - level)
+def _slab_quantile(scores: Array) -> float:
+    return _conformal_quantile(scores, GUARD) if len(scores) >= SLAB_CASES else -np.inf
 
 
 def _additive(t: Array, degree: int) -> Array:

@@ -13,6 +13,9 @@ from surrogate import Input, chebyshev_levels
 from workflow.joblog import log
 from workflow.study import Study
 
+#: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
+SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
+
 
 def inputs(study: Study) -> list[Input]:
     """The factorial's axes as inputs of a surrogate."""
@@ -58,6 +61,12 @@ def gather(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
     """Quantities of the whole factorial from its slabs."""
     first = next(str(dim) for dim in slabs[0][next(iter(QUANTITIES))].dims)
     return xr.concat([part[list(QUANTITIES)] for part in slabs], dim=first)
+
+
+def cases(study: Study, name: str) -> xr.Dataset:
+    """Random exact cases of one of `SAMPLES`, over dimension ``case``."""
+    number, key = SAMPLES[name]
+    return sample(study, getattr(study.validation, key), (study.validation.seed, number))
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:

@@ -14,6 +14,8 @@ from surrogate.netcdf import read_whole
 from workflow.study import CHECK_GROUPS, Study
 from workflow.verdict import findings
 
+_INTERVALS = ("coverage", "worst_decile_coverage", "crps", "raw_coverage", "raw_worst_decile_coverage", "raw_crps")
+
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 CAPTIONS = Path(__file__).parent / "captions"
 
@@ -107,7 +109,7 @@ def _validation(folder: Path) -> dict[str, Any]:
             "rmse": float(one["rmse"]),
             "baseline": float(one["baseline_max_error"]),
             "r2": float(one["r2"]),
-            "coverage": float(one["coverage"]),
+            **{key: float(one[key]) for key in _INTERVALS},
         }
         for name in data["output"].values
         for one in [data.sel(output=name)]

@@ -76,7 +76,9 @@ class Validation(Strict):
     """Exact cases that the surrogate never saw."""
 
     cases: int = Field(2000, ge=20, le=1_000_000, description="random cases in the box, to measure errors")
-    calibration: int = Field(500, ge=20, le=1_000_000, description="further random cases, to scale the intervals")
+    calibration: int = Field(
+        3000, ge=40, le=1_000_000, description="further random cases, by which the intervals are calibrated"
+    )
     seed: int = Field(1, ge=0, description="seed of both samples")
     tolerance: Number = Field(1e-6, gt=0, description="largest error over range that every quantity should keep")
 

@@ -68,6 +68,18 @@ def test_few_cases_still_give_right_marginal_coverage(count: int) -> None:
     assert np.min(shares) >= 0.95 - 4.5 * np.sqrt(0.95 * 0.05 / count)
 
 
+def test_validation_shows_the_intervals_before_and_after() -> None:
+    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((10, 4, 4, 4, 2)))
+    fresh = functions.scattered(500, seed=2)
+    before = validate(model, fresh, None)
+    assert "raw_coverage" not in before
+    after = validate(model.calibrate(functions.scattered(500, seed=1)), fresh, None)
+    for name in ("coverage", "worst_decile_coverage", "crps", "pit"):
+        np.testing.assert_array_equal(after[f"raw_{name}"], before[name])
+        assert not np.array_equal(after[name], before[name])
+    assert model.calibration_ is not None
+
+
 def test_a_scattered_model_is_calibrated_too() -> None:
     keep = ["mixture", "angle", "size", "ratio"]
     train, held, fresh = (functions.scattered(n, seed=s)[keep] for n, s in ((60, 0), (600, 1), (3000, 2)))

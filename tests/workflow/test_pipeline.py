@@ -62,6 +62,24 @@ def test_validation_is_on_cases_outside_the_factorial(ran: Project) -> None:
         assert float(one["max_error"]) < 1e-3
 
 
+def test_the_intervals_are_calibrated_on_cases_of_their_own(ran: Project) -> None:
+    results = ran.folder / "results/small"
+    held, fresh = (read_whole(results / f"cases/{name}.nc") for name in ("calibration", "validation"))
+    assert held.sizes["case"] == 3000
+    assert not np.isin(fresh["load"].values, held["load"].values).any()
+    exact = solve({name: held[name] for name in ("volume_fraction", "friction", "radius", "load")})
+    np.testing.assert_allclose(held["peak_pressure"], exact["peak_pressure"], rtol=1e-12)
+    model = surrogate.load(results / "surrogate.nc")
+    data = read_whole(results / "validation.nc")
+    for name in model.outputs_:
+        answer = model.predict({name: fresh[name] for name in model.box})
+        inside = np.abs(answer[name] - fresh[name]) <= 1.959964 * answer[f"{name}_std"]
+        assert float(data["coverage"].sel(output=name)) == pytest.approx(float(inside.mean()))
+        # 200 cases: five standard deviations of a binomial share
+        assert float(inside.mean()) == pytest.approx(0.95, abs=0.08)
+    assert float(np.abs(data["raw_coverage"] - data["coverage"]).max()) > 0.02
+
+
 def test_a_design_is_solved_again_exactly(ran: Project) -> None:
     data = read_whole(ran.folder / "results/small/design.nc").sel(target="sensor")
     values = {str(name): float(data["value"].sel(factor=name)) for name in data["factor"].values}
@@ -120,7 +138,9 @@ def test_edits_rerun_exactly_what_depends_on_them(copy: Callable[[str], Project]
     }  # fmt: skip
     assert plan(project.folder / "surrogate/gridgp.py", '"""', '"""Edited. ') == everything_after_the_surrogate
     solver = plan(project.folder / "solver/contact.py", '"""', '"""Edited. ')
-    assert solver == everything_after_the_surrogate | {"slab", "quantities", "effect", "figure_fields", "figure_effect"}
+    assert solver == everything_after_the_surrogate | {
+        "slab", "quantities", "cases", "effect", "figure_fields", "figure_effect",
+    }  # fmt: skip
     assert plan(project.folder / "workflow/templates/report.html.j2", "<h2>Study", "<h2>The study") == {"report"}
     assert plan(project.folder / "workflow/scripts/design.py", '"""Rule', '"""The rule') >= {"design", "report"}
     assert study.read_text(encoding="utf-8") == original

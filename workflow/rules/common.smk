@@ -35,7 +35,7 @@ def targets_of(name):
 
 def figures_of(wildcards):
     study = study_of(wildcards)
-    names = ["fields", "errors", "parity"] if study.factors else []
+    names = ["fields", "errors", "parity", "intervals"] if study.factors else []
     names += [f"design_{name}" for name, target in study.design.items() if len(target.over) > 1]
     names += [f"effect_{name}" for name in (study.effects.vary if study.effects else [])]
     names += [f"convergence_{group}" for group in CONVERGING if study.verification]
@@ -49,3 +49,7 @@ def results_of(wildcards):
     names += [f"fields/effect_{name}.nc" for name in (study.effects.vary if study.effects else [])]
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]
     return expand("results/{study}/{file}", study=wildcards.study, file=names)
+
+
+def captions_of(*kinds):
+    return [f"workflow/captions/{kind}.rst" for kind in kinds]
