@@ -43,6 +43,14 @@ class Expression(ABC):
         """Names that occur, each once, in their order."""
         return list(dict.fromkeys(node.name for node in self.walk() if isinstance(node, Name)))
 
+    def lone(self) -> str | None:
+        """The interface's unit where that is the expression's: a quantity, its size, sums; None otherwise."""
+        unit = self.unit()
+        for name in self.names():
+            if unit is not None and units.parse(UNITS[name]).fits(unit):
+                return UNITS[name]
+        return None
+
     def walk(self) -> Iterator["Expression"]:
         """Itself and every node below."""
         yield self

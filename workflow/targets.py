@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from workflow import grammar, units
-from workflow.expressions import UNITS, Expression
+from workflow.expressions import Expression
 from workflow.grammar import nearest
 
 __all__ = ["Limit", "Objective", "Statistic", "limit", "nearest", "objective", "statistic"]
@@ -108,7 +108,7 @@ def limit(text: str) -> Limit:
         raise ValueError(f"{text!r}: {error}") from None
     expected = units.Unit.none() if wrapped else expression.unit()
     if match["unit"] and expected is not None and not unit.fits(expected):
-        shown = _shown(expression, expected)
+        shown = str(expected) if wrapped else expression.lone() or str(expected)
         raise ValueError(f"{text!r}: unit mismatch: the limit is in {match['unit']}, the expression in {shown}")
     value = float(match["value"]) * unit.factor
     if not isfinite(value):
@@ -127,10 +127,3 @@ def statistic(text: str) -> Statistic:
     if match is None:
         raise ValueError(f"{text!r} is not 'worst case', 'mean' or 'mean - K std'")
     return Statistic(None if text.strip().startswith("worst") else float(match["count"] or 0.0))
-
-
-def _shown(expression: Expression, unit: units.Unit) -> str:
-    """The interface's name of a lone quantity's unit, else base units."""
-    names = expression.names()
-    described = UNITS[names[0]]
-    return described if units.parse(described).fits(unit) else str(unit)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workflow import robustness
-from workflow.expressions import UNITS, Call, Expression, Operation, Power
+from workflow.expressions import Expression
 from workflow.targets import Limit, Objective
 
 Array = NDArray[np.float64]
@@ -49,13 +49,10 @@ class Term:
 
     @property
     def units(self) -> str:
-        """Unit in the interface's notation where it is a plain quantity, in base units otherwise."""
+        """Unit in the interface's notation where a quantity has it, in base units otherwise."""
         if isinstance(self.statistic, robustness.Deviation):
             return "1"
-        names, unit = self.expression.names(), self.expression.unit()
-        known = UNITS[names[0]]
-        only = len(names) == 1 and not any(isinstance(node, Operation | Power) for node in self.expression.walk())
-        return known if only and not _rooted(self.expression) else str(unit or "1")
+        return self.expression.lone() or str(self.expression.unit() or "1")
 
     def worst(self, rows: Array) -> Array:
         """The row that decides, over the last axis: the least objective, the largest use of a limit."""
@@ -83,7 +80,3 @@ def limited(one: Limit, scale: float) -> Term:
         statistic = robustness.Quantile(one.probability if one.upper else 1 - one.probability)
     size = abs(one.value) or scale
     return Term(str(one), one.expression, one.sign, statistic, one.probability is not None, one.value, size)
-
-
-def _rooted(expression: Expression) -> bool:
-    return any(isinstance(node, Call) and node.function in ("sqrt", "log", "exp") for node in expression.walk())
