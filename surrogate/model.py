@@ -184,6 +184,15 @@ class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # s
             answer["extrapolated"] = named.labelled(outer, {"long_name": "outside the trained box"})
         return xr.Dataset(answer)
 
+    def gradient_array(self, X: NDArray[np.floating[Any]]) -> Array:
+        """Return the derivatives of the means at plain points, in physical units: X (n, d) -> (n, n_outputs, d).
+
+        Raises OutOfBoxError for a point outside the box.
+        """
+        points = np.asarray(X, dtype=np.float64)
+        require_inside(points, self.inputs_)
+        return np.ascontiguousarray(self._physical_slopes(points, self._slopes).T)
+
     def score(self, X: xr.Dataset, y: xr.Dataset | None = None) -> float:
         """Return the coefficient of determination R2 averaged over the outputs.
 

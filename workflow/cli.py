@@ -22,7 +22,7 @@ from surrogate import FormatError, OutOfBoxError, load
 from surrogate.netcdf import write_whole
 from workflow import study as studies
 from workflow.files import write_text
-from workflow.inputs import InputError, read_cases, read_material
+from workflow.inputs import InputError, one_line, read_cases, read_material
 from workflow.tables import Cell, solved
 from workflow.targets import nearest
 
@@ -31,7 +31,7 @@ class _Parser(argparse.ArgumentParser):
     """Complains in one line."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}\n")
+        self.exit(2, f"{self.prog}: {one_line(message)}\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -51,14 +51,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return int(options.run(options) or 0)
     except (InputError, FactorError, MaterialError, OutOfBoxError, FormatError) as error:
-        print(f"meecontact: {error}", file=sys.stderr)
+        print(f"meecontact: {one_line(str(error))}", file=sys.stderr)
+        return 2
+    except np.linalg.LinAlgError as error:
+        print(f"meecontact: constants beyond what double precision can solve ({error})", file=sys.stderr)
         return 2
     except BrokenPipeError:  # who reads has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nor is there anything left to flush
         return 0
     except OSError as error:
         reason = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-        print(f"meecontact: {reason}", file=sys.stderr)
+        print(f"meecontact: {one_line(reason)}", file=sys.stderr)
         return 2
 
 
@@ -97,7 +100,8 @@ def _parser() -> _Parser:
 
     command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
     command.add_argument("study", help="name of a study in config/")
-    command.add_argument("--cores", default="all")
+    command.add_argument("--cores", default="all", help="cores of this machine to use at most")
+    command.add_argument("--profile", default="default", metavar="NAME", help="a folder of profiles/, such as slurm")
     command.set_defaults(run=_run)
     return parser
 
@@ -191,11 +195,14 @@ def _write_answer(path: Path, points: dict[str, list[Any]], answer: xr.Dataset) 
 def _material(options: argparse.Namespace) -> None:
     path = Path(options.material)
     material = read_material(path)[1] if path.suffix in (".yaml", ".yml") or path.exists() else find(options.material)
-    print(_described(material))
+    with np.errstate(all="ignore"):  # what is not finite is named below
+        half = HalfPlane(material)
+        if not (np.isfinite(half.compliance).all() and np.isfinite(half.friction_coupling).all()):
+            raise MaterialError(f"{material.name}: constants beyond what double precision can solve")
+        print(_described(material, half))
 
 
-def _described(material: Material) -> str:
-    half = HalfPlane(material)
+def _described(material: Material, half: HalfPlane) -> str:
     lines = [f"{material.name}: admissible"]
     lines += [f"{label}: {text}" for label, text in (("source", material.source), ("note", material.note)) if text]
     lines.append("constants")
@@ -219,15 +226,25 @@ def _run(options: argparse.Namespace) -> int:
             f"study: {options.study!r} needs {', '.join(absent)} of requirements/dev.txt; `make run` installs them"
         )
     report, *others = [f"results/{options.study}/{file}" for file in study.targets]
-    snakemake = [Path(sys.executable).with_name("snakemake"), "--cores", options.cores, "--quiet"]
+    profiles = sorted(file.parent.name for file in Path("profiles").glob("*/config.yaml"))
+    if options.profile not in profiles:
+        raise InputError(f"--profile: {options.profile!r} is unknown; {nearest(options.profile, profiles)}")
+    where = ["--cores", options.cores] if options.profile == "default" else []  # a cluster's profile counts jobs
+    snakemake = [
+        Path(sys.executable).with_name("snakemake"),
+        "--workflow-profile",
+        f"profiles/{options.profile}",
+        *where,
+    ]
     if study.open:  # what no budget reaches is bad input, and is told before anything else is done
-        chosen = [*snakemake, "all", "--", f"results/{options.study}/levels.nc"]
+        chosen = [*snakemake, "--quiet", "all", "--", f"results/{options.study}/levels.nc"]
         told = subprocess.run(chosen, check=False, stderr=subprocess.PIPE, text=True)
         for line in told.stderr.splitlines():
             kind, colon, reason = line.partition(": ")
             if told.returncode and colon and kind in ("UnreachableError", "InputError"):
                 raise InputError(f"{studies.FOLDER / options.study}.yaml: {reason}")
-    status = subprocess.run([*snakemake, "rules", "host", "reason", "--", report, *others], check=False).returncode
+    command = [*snakemake, "--quiet", "rules", "host", "reason", "--", report, *others]
+    status = subprocess.run(command, check=False).returncode
     if status == 0:
         print(f"report: {report}")
     return status

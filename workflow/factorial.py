@@ -88,14 +88,19 @@ def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
     return exact(study, axes)
 
 
-def exact(study: Study, axes: dict[str, Any], positions: Iterable[float] | None = None) -> xr.Dataset:
-    """The exact solver at some values of the factorial's factors, the study's fixed factors beside them."""
+def exact(
+    study: Study, axes: dict[str, Any], positions: Iterable[float] | None = None, *, peaks: bool | None = None
+) -> xr.Dataset:
+    """The exact solver at some values of the factorial's factors, the study's fixed factors beside them.
+
+    With the largest stresses of the body where ``peaks``, by default where the data set has them.
+    """
     return solve(
         {**study.fixed, **axes},
         positions,
         materials=study.own_materials,
         phases=study.phases,
-        peaks=study.dataset.peaks,
+        peaks=study.dataset.peaks if peaks is None else peaks,
     )
 
 

@@ -1,5 +1,6 @@
 """Figures of the report, one function each; SVG without date, so that equal data give equal bytes."""
 
+import io
 from itertools import cycle
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.names import FACTORS
+from workflow.files import write_bytes
 
 #: Style of every figure of the report.
 STYLE: dict[Any, Any] = {
@@ -46,11 +48,11 @@ SHOWN = {
 
 def save(figure: Figure, path: Path) -> None:
     """Write a figure as SVG, whole or not at all."""
-    temporary = path.with_name(f".{path.name}")
+    drawn = io.BytesIO()
     with mpl.rc_context(STYLE):  # the salt of the ids acts while saving
-        figure.savefig(temporary, format="svg", metadata={"Date": None, "Creator": "meecontact"})
+        figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": "meecontact"})
     plt.close(figure)
-    temporary.replace(path)
+    write_bytes(path, drawn.getvalue())
 
 
 @styled
@@ -262,8 +264,8 @@ def design_map(answer: xr.Dataset) -> Figure:
             setter("log")
         label = FACTORS[name].long_name + (f" [{FACTORS[name].units}]" if FACTORS[name].units != "1" else "")
         (ax.set_xlabel if axis is x else ax.set_ylabel)(label)
-    maximised = answer.attrs["maximise"]
-    unit = str(answer["units"].sel(term="objective").values)
-    figure.colorbar(filled, ax=ax, label=f"worst-case {maximised} [{unit}]", format="%.3g")
+    unit = str(answer["units"].values[0])
+    label = f"{answer.attrs['statistic']} {answer.attrs['objective']} [{unit}]"
+    figure.colorbar(filled, ax=ax, label=label, format="%.3g")
     ax.grid(visible=False)
     return figure

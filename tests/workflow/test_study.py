@@ -9,6 +9,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from solver.names import PEAKS
 from workflow import schema
 from workflow.inputs import InputError, read_yaml
 from workflow.study import Study, load
@@ -65,13 +66,21 @@ def test_quickstart_is_the_factorial_of_the_documentation() -> None:
         ("composite: fibrous", "composite: fibruos", "composite: 'fibruos' is not one of fibrous, laminate"),
         ("magnetic_charge: 0.0", "magnetic_charge: none", "magnetic_charge: 'none' is not a finite number [Wb m-1]"),
         ("magnetic_charge: 0.0", "charge: 0.0", "fixed: charge: is one of the factors already"),
-        ("tension <=", "tensin <=", "design.sensor: 'trailing_tensin' is not a quantity; did you mean 'trailing_t"),
-        ("<= 50e6", ">= 50e6", "design.sensor: 'trailing_tension >= 50e6' is not of the form quantity <= value"),
-        ("abs(volt", "sqrt(volt", "design.sensor: 'sqrt(voltage_sensitivity)' is not of the form"),
+        ("tension <=", "tensin <=", "design.sensor: 'trailing_tensin': 'trailing_tensin' is not a quantity; did"),
+        ("<= 50 MPa", "= 50 MPa", "design.sensor: 'trailing_tension = 50 MPa' is not of the form: expression"),
+        ("<= 50 MPa", "<= 50 mm", "design.sensor: 'trailing_tension <= 50 mm': unit mismatch: the limit is in mm, "),
+        ("abs(volt", "sinh(volt", "design.sensor: 'sinh(voltage_sensitivity)': 'sinh' is not a function; did you"),
+        ("abs(volt", "load + (volt", "design.sensor: 'load + (voltage_sensitivity)': 'kg s-2' and 'm2 s-1 A-1' cannot"),
+        ("maximise: abs", "maximize: abs", "design.sensor.maximize: unknown key; did you mean 'maximise'? allowed:"),
+        ("maximise: abs(voltage_sensitivity)", "robust: mean", "design.sensor: maximise or minimise: missing; one"),
+        ("[trailing_tension <= 50 MPa,", "[depth <= 1 mm with probability 0.9,", "design.sensor: subject_to: depth <="),
+        ("over: [volume_fraction, radius]", "over: {volume_fraction: {}, radius: {high: 1.0}}",
+         "design: sensor: radius = 1 is not within 0.005 to 0.2"),
+        ("friction: [0.1, 0.4]", "friction: {uniform: [0.1, 0.4]}", "design.sensor.worst_case.friction: {'uniform'"),
         ("[0.1, 0.4]", "[0.1, 0.9]", "design: sensor: friction = 0.9 is not within 0 to 0.6"),
         ("[0.1, 0.4]", "[0.4, 0.1]", "design.sensor: worst_case: friction: 0.4 must not be above 0.1"),
         ("[0.1, 0.4]", "[0.1]", "design.sensor.worst_case.friction: [0.1]: list should have at least 2 items"),
-        ("{load: 1e4, charge: 0.0}", "{load: 1e4}", "design: sensor: 'charge' is missing; put it in over, at or"),
+        ("{load: 1e4, charge: 0.0}", "{load: 1e4}", "design: sensor: 'charge' is missing; put it in over, at, worst"),
         ("over: [volume_fraction, radius]", "over: [radius, radius]", "design: sensor: 'radius' is given twice"),
         ("  sensor:", "  my sensor:", "design: 'my sensor' must be letters, digits and underscores"),
         ("cases: 5000", "cases: 5000\n  cases: 4", "line 27: not valid YAML: key 'cases' is given twice"),
@@ -184,3 +193,33 @@ def test_documented_default_holds_every_default() -> None:
     plain = {name: field.get_default(call_default_factory=True) for name, field in fields.items()}
     expected = {name: v.model_dump() if hasattr(v, "model_dump") else v for name, v in plain.items()}
     assert documented == {"title": "t", **expected}
+
+
+def test_a_study_has_the_quantities_that_its_cases_have(tmp_path: Path) -> None:
+    path = tmp_path / "kinds.yaml"
+    text = """\
+title: An insulating half cylinder
+fixed: {profile: half_cylinder, electric: insulating, radius: 0.05, load: 1.0e+5}
+factors: {volume_fraction: {low: 0.2, high: 0.8, levels: 4}, friction: {low: 0.0, high: 0.5, levels: 4}}
+"""
+    path.write_text(text, encoding="utf-8")
+    found = load(path).outputs
+    assert {"magnetic_potential", "trailing_tension", "depth"} <= set(found)
+    assert not {"voltage", "peak_pressure", "leading_compression", "peak_von_mises"} & set(found)
+    path.write_text(text + "dataset: {peaks: true}\n", encoding="utf-8")
+    assert load(path).outputs == [*found, *PEAKS]
+    for extra, expected in (
+        ("surrogate: {outputs: [voltage]}", "surrogate: outputs: some of these cases have no 'voltage'"),
+        ("surrogate: {outputs: [peak_von_mises]}", "surrogate: outputs: 'peak_von_mises' needs dataset: peaks: true"),
+    ):
+        path.write_text(f"{text}{extra}\n", encoding="utf-8")
+        with pytest.raises(InputError, match=expected):
+            load(path)
+
+
+def test_an_effect_of_the_profile_takes_what_each_profile_needs() -> None:
+    study = load(Path("config/parametric.yaml"))
+    assert study.effects is not None
+    case = study.effects.case("profile")
+    assert {"radius", "width"} <= set(case)
+    assert "width" not in study.effects.case("friction")

@@ -2,9 +2,11 @@
 
 from functools import cache
 
-from workflow import factorial, provenance
+from workflow import factorial, provenance, running
 from workflow import study as studies
 from workflow.study import CHECK_GROUPS, CONVERGING
+
+STUDIES = set()  # those that this run needs
 
 
 @cache
@@ -17,6 +19,7 @@ def study_named(name):
 
 
 def study_of(wildcards):
+    STUDIES.add(wildcards.study)
     return study_named(wildcards.study)
 
 
@@ -47,7 +50,7 @@ def levels_of(wildcards):
 
 def figures_of(wildcards):
     study = study_of(wildcards)
-    names = ["fields", "decay", "errors", "parity", "intervals"] if study.factors else []
+    names = ["fields", "decay", "errors", "parity", "intervals", "sensitivity", "main_effects"] if study.factors else []
     names += [f"design_{name}" for name, target in study.design.items() if len(target.over) > 1]
     names += effects_of(study)
     names += [f"convergence_{group}" for group in CONVERGING if study.verification]
@@ -56,7 +59,7 @@ def figures_of(wildcards):
 
 def results_of(wildcards):
     study = study_of(wildcards)
-    names = ["quantities.nc", "surrogate.nc", "validation.nc", "timing.json"] if study.factors else []
+    names = ["quantities.nc", "surrogate.nc", "validation.nc", "sensitivity.nc", "timing.json"] if study.factors else []
     names += ["design.nc", "design.csv"] if study.design else []
     names += [f"fields/{name}.nc" for name in effects_of(study)]
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]

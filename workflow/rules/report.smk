@@ -55,6 +55,31 @@ rule figure_errors:
         "../scripts/figure_errors.py"
 
 
+rule figure_sensitivity:
+    input:
+        "results/{study}/sensitivity.nc",
+    output:
+        indices=report(
+            "results/{study}/figures/sensitivity.svg",
+            caption="../captions/sensitivity.rst",
+            category="Surrogate",
+            labels={"figure": "Sobol' indices"},
+        ),
+        effects=report(
+            "results/{study}/figures/main_effects.svg",
+            caption="../captions/main.rst",
+            category="Surrogate",
+            labels={"figure": "main effects"},
+        ),
+    params:
+        shown=lambda wildcards: study_of(wildcards).of_interest,
+        code=provenance.code("workflow/scripts/figure_sensitivity.py"),
+    log:
+        "logs/{study}/figure_sensitivity.log",
+    script:
+        "../scripts/figure_sensitivity.py"
+
+
 rule figure_design:
     input:
         "results/{study}/design/{name}.nc",
@@ -137,7 +162,7 @@ rule report:
     params:
         code=provenance.code(
             "workflow/scripts/report.py",
-            *captions_of("fields", "decay", "errors", "parity", "intervals", "design", "effect", "interior", "convergence"),
+            *captions_of("fields", "decay", "errors", "parity", "intervals", "sensitivity", "main", "design", "effect", "interior", "convergence"),
         ),
     log:
         "logs/{study}/report.log",

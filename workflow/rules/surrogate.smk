@@ -52,3 +52,18 @@ rule validation:
         "logs/{study}/validation.tsv"
     script:
         "../scripts/validation.py"
+
+
+rule sensitivity:
+    input:
+        "results/{study}/surrogate.nc",
+    output:
+        "results/{study}/sensitivity.nc",
+    params:
+        code=provenance.code("workflow/scripts/sensitivity.py"),
+    log:
+        "logs/{study}/sensitivity.log",
+    benchmark:
+        "logs/{study}/sensitivity.tsv"
+    script:
+        "../scripts/sensitivity.py"
