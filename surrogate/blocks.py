@@ -6,6 +6,7 @@ as if it had been written at once, and equal data give equal bytes.
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from math import prod
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -145,7 +146,7 @@ def _created(
     file: netCDF4.Dataset, name: str, array: xr.DataArray, chunks: Mapping[str, int], packed: Mapping[str, Any]
 ) -> _Stored:
     sizes = [min(chunks.get(str(dim), size), size) for dim, size in array.sizes.items()]
-    settings = packed if array.size >= COMPRESS_FROM else {}
+    settings = packed if prod(sizes) >= COMPRESS_FROM // 4 else {}  # small chunks gain nothing, or cannot be packed
     dims = tuple(str(dim) for dim in array.dims)
     variable = file.createVariable(name, array.dtype, dims, chunksizes=sizes or None, fill_value=False, **settings)
     variable.set_auto_maskandscale(False)

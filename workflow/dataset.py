@@ -96,16 +96,14 @@ def _chunks(axes: Mapping[str, NDArray[np.float64]], block: Region) -> dict[str,
 
 def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision: str) -> xr.Dataset:
     """The slab without its values: coordinates, attributes, dimensions and types."""
-    coords = xr.Dataset(coords=case.coords).drop_vars(list(axes))
-    for one, levels in axes.items():
-        coords = coords.assign_coords({one: xr.Variable(one, levels, case[one].attrs)})
-    sizes = {**case.sizes, **{one: levels.size for one, levels in axes.items()}}
-    variables = {}
-    for one, array in case.data_vars.items():
-        empty = np.zeros((), precision if one in FIELDS else array.dtype)
-        shape = [sizes[dim] for dim in array.dims]
-        variables[one] = (array.dims, np.broadcast_to(empty, shape), array.attrs)
-    return coords.assign(variables).assign_attrs(case.attrs)
+    frame = xr.Dataset(coords=case.coords).drop_vars(list(axes))
+    for axis, levels in axes.items():
+        frame = frame.assign_coords({axis: xr.Variable(axis, levels, case[axis].attrs)})
+    for name, array in case.data_vars.items():
+        empty = np.zeros((), precision if name in FIELDS else array.dtype)
+        shape = [frame.sizes[dim] for dim in array.dims]
+        frame[name] = (array.dims, np.broadcast_to(empty, shape), array.attrs)
+    return frame.assign_attrs(case.attrs)
 
 
 def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
