@@ -154,6 +154,17 @@ class ChebyshevFactor(Factor):
         shape, shape_slope = self._unknown @ T[:n] ** 2, 2 * self._unknown @ (T[:n] * S[:n])
         return Features(mean, prior, 2 * T[n] * S[n] * shape + T[n] ** 2 * shape_slope)
 
+    def plain(self) -> dict[str, object]:
+        """Return what `features` needs, as plain lists."""
+        return {
+            "levels": self._n,
+            "affine": self.affine,
+            "decay": self._decay.tolist(),
+            "damping": self._damping.tolist(),
+            "unknown": self._unknown.tolist(),
+            "firstDamped": self._first_damped,
+        }
+
     def _mean(self, T: Array, modes: int) -> Array:
         rows = self._damped(modes)
         mean = T[:modes].copy()

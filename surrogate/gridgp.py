@@ -97,6 +97,7 @@ class GridGP(GaussianProcess):
             if name not in [one.name for one in data.inputs]:
                 raise ValueError(f"hyperparameters name {name!r}, which is no input")
         self.inputs_, self.levels_ = data.inputs, data.levels
+        self.calibration_ = None
         self.outputs_, self.attrs_ = tuple(data.outputs), data.attrs
         points = [one.to_unit(levels) for one, levels in zip(data.inputs, data.levels, strict=True)]
         bases = [cosine_basis(len(t))[0] if self.kernel == "chebyshev" else polynomial_basis(t) for t in points]
@@ -193,38 +194,52 @@ class GridGP(GaussianProcess):
         model.train_.check([len(model.levels_[k]) for k in model.order_], len(outputs))
         return model
 
-    def _mean_std(self, t: Array, return_std: bool) -> tuple[Array, Array | None]:
+    @property
+    def parts(self) -> int:
+        """Number of parts of the variance: one a factor."""
+        return len(self.inputs_)
+
+    def _mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
         features = self._features(t)
         mean = self.train_.evaluate([features[k].mean for k in self.order_])
         mean *= self.scale_[:, None]
         mean += self.offset_[:, None]
-        if not return_std:
+        if weights is None:
             return mean, None
-        std = np.sqrt(self._unit_variance(features) * self.variance_[:, None])
-        return mean, std * self.scale_[:, None]
+        return mean, self._unit_variance(features, weights) * (self.variance_ * self.scale_**2)[:, None]
 
     def _slopes(self, t: Array) -> Array:
         features, slopes = self._features(t), self._features(t, slopes=True)
         parts = self.train_.gradient([features[k].mean for k in self.order_], [slopes[k].mean for k in self.order_])
         return np.asarray(parts[np.argsort(self.order_)] * self.scale_[:, None])
 
+    def _variance_slopes(self, t: Array, weights: Array) -> Array:
+        features, slopes = self._features(t), self._features(t, slopes=True)
+        size = (self.variance_ * self.scale_**2)[:, None]
+        return np.stack([self._unit_variance(features, weights, (k, one)) * size for k, one in enumerate(slopes)])
+
     def _features(self, t: Array, slopes: bool = False) -> list[Features]:
         modes = dict(zip(self.order_, self.train_.modes, strict=True))
         return [(f.slopes if slopes else f.features)(t[k], modes[k]) for k, f in enumerate(self.factors_)]
 
-    def _unit_variance(self, features: Sequence[Features]) -> Array:
-        """Return the posterior variance at unit process variance, (p, B).
+    def _unit_variance(
+        self, features: Sequence[Features], weights: Array, slope: tuple[int, Features] | None = None
+    ) -> Array:
+        """Return the posterior variance at unit process variance, (p, B), its parts weighted by (d, p).
 
         prod_f k_f - prod_f q_f with q_f = k_f - r_f known and r_f unknown parts is the sum over factors of
-        q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative.
+        q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative. It is linear in what every factor brings, so
+        that with the slopes of one factor in place of its features it is the derivative.
         """
         shape = (len(self.outputs_), len(features[0].prior))
         unknown, known = np.zeros(shape), np.ones(shape)
-        for factor, feature, amplitude in zip(self.factors_, features, self.amplitude_, strict=True):
-            k = amplitude[:, None] * feature.prior + factor.constant
+        for f, (factor, amplitude, weight) in enumerate(zip(self.factors_, self.amplitude_, weights, strict=True)):
+            derived = slope is not None and slope[0] == f
+            feature = slope[1] if slope is not None and derived else features[f]
+            k = amplitude[:, None] * feature.prior + (0.0 if derived else factor.constant)
             r = amplitude[:, None] * feature.residual
             unknown *= k
-            unknown += known * r
+            unknown += known * r * weight[:, None]
             k -= r
             known *= k
         return unknown

@@ -1,5 +1,6 @@
 """How good a surrogate is on cases that it was not trained on: errors, intervals, and the baseline beside them."""
 
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,8 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
         nominal 95 % interval), `crps` (over range), `worst_decile_coverage`, and with training `baseline_max_error` and
         `baseline_rmse`. Over (`output`, `input`, `decile`): `decile_coverage`, deciles of the cases by the value of the
         input. Over (`output`, `case`): `pit`, the predictive distribution's value at the truth, and `error` (signed,
-        over range). An output with no range is measured against 1.
+        over range). An output with no range is measured against 1. For a calibrated model `raw_coverage`,
+        `raw_worst_decile_coverage`, `raw_crps` and `raw_pit` are those of the same model without its calibration.
 
     Raises
     ------
@@ -84,6 +86,11 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
     if training is not None:
         interpolated = chebyshev_interpolation(training, list(model.inputs_), points, names)
         table |= _errors((_stack(interpolated, names, predicted) - true) / over, "baseline_")
+    if model.calibration_ is not None:
+        raw = copy(model)
+        raw.calibration_ = None
+        before = validate(raw, cases, None)
+        table |= {f"raw_{name}": before[name].variable for name in ("coverage", "worst_decile_coverage", "crps", "pit")}
     coords = {"output": names, "input": list(model.box), "decile": np.arange(1, DECILES + 1)}
     return xr.Dataset(table, coords=coords)
 

@@ -1,7 +1,7 @@
 """The face that all surrogates share: named, labelled inputs and outputs over scikit-learn's estimator conventions."""
 
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from os import PathLike
 from typing import Any, ClassVar, Literal, Self, overload
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted
 
+from surrogate.conformal import Calibration, calibrate
 from surrogate.inputs import Input, unit_coordinates
 from surrogate.points import Points, named_points, outside, require_inside
 
@@ -33,20 +34,35 @@ class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # s
         Names of its outputs.
     attrs_ : dict
         `units` and `long_name` of every output.
+    calibration_ : Calibration or None
+        What `calibrate` has learnt; None before.
     """
 
     engine: ClassVar[str]
     inputs_: tuple[Input, ...]
     outputs_: tuple[str, ...]
     attrs_: dict[str, dict[str, str]]
+    calibration_: Calibration | None
 
     @abstractmethod
     def fit(self, X: xr.Dataset, y: None = None) -> Self:
         """Fit to a data set that holds inputs and outputs; `y` is there for scikit-learn's convention only."""
 
     @abstractmethod
-    def _mean_std(self, t: Array, return_std: bool) -> tuple[Array, Array | None]:
-        """Return mean and standard deviation, (p, B), at scaled coordinates t, (d, B)."""
+    def _mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+        """Return mean and variance, (p, B), at scaled coordinates t, (d, B).
+
+        `weights`, shape (parts, p), multiply the parts of the variance; without them there is no variance.
+        """
+
+    @abstractmethod
+    def _variance_slopes(self, t: Array, weights: Array) -> Array:
+        """Return the derivatives of the weighted variances with respect to the scaled coordinates, (d, p, B)."""
+
+    @property
+    @abstractmethod
+    def parts(self) -> int:
+        """Number of parts that the variance is the sum of."""
 
     @abstractmethod
     def _slopes(self, t: Array) -> Array:
@@ -134,34 +150,48 @@ class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # s
         mean, std = self._blocks(points, return_std)
         return (mean.T, std.T) if std is not None else mean.T
 
-    def gradient(self, points: Mapping[str, Any] | xr.Dataset, *, extrapolate: bool = False) -> xr.Dataset:
+    def gradient(
+        self, points: Mapping[str, Any] | xr.Dataset, return_std: bool = False, *, extrapolate: bool = False
+    ) -> xr.Dataset:
         """Return d output/d input at named points, analytically, in physical units.
 
-        Parameters and errors as for `predict`. Returns a Dataset with `<output>` over (`input`, the points'
-        dimensions); the coordinates `input` and `input_units` name the inputs and their units.
+        Parameters and errors as for `predict`. Returns a Dataset with `<output>` and, with `return_std`,
+        `<output>_std`, the derivative of the standard deviation, over (`input`, the points' dimensions); the
+        coordinates `input` and `input_units` name the inputs and their units. Where the standard deviation is zero it
+        has a kink, and 0 is given.
         """
         check_is_fitted(self, "inputs_")
         named = named_points(points, self.inputs_)
         outer = self._checked(named, extrapolate)
-        chain = np.stack([one.unit_slope(named.X[:, k]) for k, one in enumerate(self.inputs_)])
-        slopes = np.empty((len(self.inputs_), len(self.outputs_), len(named.X)))
-        for block in _slices(len(named.X)):
-            slopes[..., block] = self._slopes(unit_coordinates(self.inputs_, named.X[block]))
-        slopes *= chain[:, None, :]
+        parts = {"": self._physical_slopes(named.X, self._slopes)}
+        if return_std:
+            parts["_std"] = self._physical_slopes(named.X, self._std_slopes)
         coords = {
             "input": [one.name for one in self.inputs_],
             "input_units": ("input", [i.units for i in self.inputs_]),
         }
         answer = {}
-        for k, name in enumerate(self.outputs_):
-            attrs = self.attrs_[name]
-            derivative = {"long_name": f"derivative of {attrs.get('long_name', name)} with respect to the input"}
-            derivative |= {"units": f"({attrs['units']}) / input_units"} if "units" in attrs else {}
-            each = [named.labelled(slopes[i, k], derivative) for i in range(len(self.inputs_))]
-            answer[name] = xr.concat(each, "input", coords="minimal", compat="override").assign_coords(coords)
+        for suffix, slopes in parts.items():
+            for k, name in enumerate(self.outputs_):
+                attrs = self.attrs_[name]
+                what = f"{'standard deviation of ' if suffix else ''}{attrs.get('long_name', name)}"
+                derivative = {"long_name": f"derivative of {what} with respect to the input"}
+                derivative |= {"units": f"({attrs['units']}) / input_units"} if "units" in attrs else {}
+                each = [named.labelled(slopes[i, k], derivative) for i in range(len(self.inputs_))]
+                joined = xr.concat(each, "input", coords="minimal", compat="override")
+                answer[f"{name}{suffix}"] = joined.assign_coords(coords)
         if outer is not None:
             answer["extrapolated"] = named.labelled(outer, {"long_name": "outside the trained box"})
         return xr.Dataset(answer)
+
+    def gradient_array(self, X: NDArray[np.floating[Any]]) -> Array:
+        """Return the derivatives of the means at plain points, in physical units: X (n, d) -> (n, n_outputs, d).
+
+        Raises OutOfBoxError for a point outside the box.
+        """
+        points = np.asarray(X, dtype=np.float64)
+        require_inside(points, self.inputs_)
+        return np.ascontiguousarray(self._physical_slopes(points, self._slopes).T)
 
     def score(self, X: xr.Dataset, y: xr.Dataset | None = None) -> float:
         """Return the coefficient of determination R2 averaged over the outputs.
@@ -194,11 +224,64 @@ class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # s
                 raise ValueError(f"{name!r} is not in the data set; it has {', '.join(map(str, dataset.variables))}")
         return {one.name: dataset[one.name] for one in self.inputs_}, dataset[list(self.outputs_)]
 
+    def calibrate(self, dataset: xr.Dataset) -> Self:
+        """Make the standard deviations right on held-out cases: marginally, and in every slab of every input.
+
+        The means stay as they are. A nominal 95 % interval is the mean +- 1.96 standard deviations.
+
+        Parameters
+        ----------
+        dataset : Dataset
+            Held-out cases, inputs and true outputs over one dimension; 3,000 spread over the box are a good number, 500
+            give the right marginal coverage. They must not serve for validation as well.
+
+        Raises
+        ------
+        ValueError
+            Missing variables, NaN, a case outside the box, or too few cases.
+        """
+        points, truth = self.cases(dataset)
+        named = named_points(points, self.inputs_)
+        require_inside(named.X, self.inputs_)
+        t = unit_coordinates(self.inputs_, named.X)
+        like = named.labelled(np.zeros(len(named.X)), {})
+        true = np.stack([named.flat(truth[name], like) for name in self.outputs_])
+        bad = ~np.isfinite(true).all(axis=1)
+        if bad.any():
+            raise ValueError(f"output {self.outputs_[int(bad.argmax())]!r} is not finite in a case of the calibration")
+        raw = [np.zeros((self.parts, len(self.outputs_))) for _ in range(self.parts)]
+        for k, one in enumerate(raw):
+            one[k] = 1
+        mean = np.concatenate([self._mean_variance(t[:, block], None)[0] for block in _slices(t.shape[1])], axis=1)
+        parts = [
+            np.concatenate([self._variance(t[:, block], one) for block in _slices(t.shape[1])], axis=1) for one in raw
+        ]
+        self.calibration_ = calibrate(mean - true, parts, t)
+        return self
+
     def save(self, path: str | PathLike[str]) -> None:
         """Write the model to a netCDF-4 file, whole or not at all; the same model gives the same bytes."""
         from surrogate.persistence import save
 
         save(self, path)
+
+    def _physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
+        """Turn derivatives in scaled coordinates into those in physical inputs, at points (n, d): (d, p, n)."""
+        slopes = np.empty((len(self.inputs_), len(self.outputs_), len(X)))
+        for block in _slices(len(X)):
+            slopes[..., block] = scaled(unit_coordinates(self.inputs_, X[block]))
+        chain = np.stack([one.unit_slope(X[:, k]) for k, one in enumerate(self.inputs_)])
+        return np.asarray(slopes * chain[:, None, :])
+
+    def _std_slopes(self, t: Array) -> Array:
+        weights = self._weights()
+        variance, slopes = self._variance(t, weights), self._variance_slopes(t, weights)
+        if self.calibration_ is not None:
+            return self.calibration_.std_slopes(variance, slopes, t)
+        return np.asarray(slopes / (2 * np.sqrt(np.where(variance > 0, variance, np.inf))))
+
+    def _weights(self) -> Array:
+        return np.ones((self.parts, len(self.outputs_))) if self.calibration_ is None else self.calibration_.weights
 
     def _checked(self, named: Points, extrapolate: bool) -> NDArray[np.bool_] | None:
         if not extrapolate:
@@ -209,11 +292,17 @@ class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # s
     def _blocks(self, X: Array, return_std: bool) -> tuple[Array, Array | None]:
         mean = np.empty((len(self.outputs_), len(X)))
         std = np.empty_like(mean) if return_std else None
+        calibration, weights = self.calibration_, self._weights() if return_std else None
         for block in _slices(len(X)):
-            mean[:, block], part = self._mean_std(unit_coordinates(self.inputs_, X[block]), return_std)
-            if std is not None and part is not None:
-                std[:, block] = part
+            t = unit_coordinates(self.inputs_, X[block])
+            mean[:, block], variance = self._mean_variance(t, weights)
+            if std is not None and variance is not None:
+                std[:, block] = np.sqrt(variance) if calibration is None else calibration.std(variance, t)
         return mean, std
+
+    def _variance(self, t: Array, weights: Array) -> Array:
+        variance = self._mean_variance(t, weights)[1]
+        return np.zeros((len(self.outputs_), t.shape[1])) if variance is None else variance
 
 
 def _slices(count: int) -> Iterator[slice]:

@@ -16,22 +16,22 @@ _TIE = 1e-9  # share of the objective's range over the box that counts as none
 
 @dataclass(frozen=True)
 class Problem:
-    """Maximise ``min_s f(x, s)`` subject to ``max_s g_k(x, s) <= 0`` over ``-1 <= x <= 1``.
+    """Maximise ``min_s f_s(x)`` subject to ``g_r(x) <= 0`` for every r, over ``-1 <= x <= 1``.
 
     Parameters
     ----------
     dimension
         Number d of design variables.
     value
-        Maps points (n, d) to values (n, s, 1 + k): over s scenarios the objective f, then the excesses g of the k
-        limits, scaled so that one unit matters.
+        Maps points (n, d) to the objective in every scenario, (n, s), and the excesses, (n, m), scaled so that one unit
+        matters; a limit that must hold in several scenarios is several excesses.
     slope
-        Maps one point (d,) to the derivatives of these values by x, (s, 1 + k, d).
+        Maps one point (d,) to the derivatives of both by x, (s, d) and (m, d).
     """
 
     dimension: int
-    value: Callable[[Array], Array]
-    slope: Callable[[Array], Array]
+    value: Callable[[Array], tuple[Array, Array]]
+    slope: Callable[[Array], tuple[Array, Array]]
 
 
 @dataclass(frozen=True)
@@ -43,20 +43,17 @@ class Optimum:
     x
         The best point (d,); where nothing is feasible, the point of the least largest excess.
     objective
-        ``min_s f`` there.
+        ``min_s f_s`` there.
     excess
-        ``max_s g_k`` there; (k,).
+        ``g_r`` there; (m,).
     feasible
         Whether every excess is zero or less.
-    scenarios
-        Which scenario is the worst for the objective and for each limit; (1 + k,).
     """
 
     x: Array
     objective: float
     excess: Array
     feasible: bool
-    scenarios: NDArray[np.intp]
 
 
 def maximise(problem: Problem, *, scan: int = 4096, starts: int = 6, seed: int = 0) -> Optimum:
@@ -77,8 +74,8 @@ def maximise(problem: Problem, *, scan: int = 4096, starts: int = 6, seed: int =
         Seed of the scan.
     """
     X = 2 * qmc.Sobol(problem.dimension, rng=seed).random(scan) - 1
-    values = problem.value(X)
-    worst, largest = values[..., 0].min(1), values[..., 1:].max((1, 2), initial=-np.inf)
+    objective, excess = problem.value(X)
+    worst, largest = objective.min(1), excess.max(1, initial=-np.inf)
     order = np.lexsort((-worst, np.maximum(largest, 0.0)))
     local = _Local(problem, float(np.ptp(worst)) or 1.0)
     candidates = [X[order[0]]]
@@ -86,8 +83,30 @@ def maximise(problem: Problem, *, scan: int = 4096, starts: int = 6, seed: int =
         feasible = local.relax(start)
         candidates += [feasible, local.climb(feasible)]
     best = _best(problem, candidates)
+    return _settled(local, best)
+
+
+def improve(problem: Problem, x: Array, scale: float) -> Optimum:
+    """Climb from one point only.
+
+    Parameters
+    ----------
+    problem
+        What to maximise.
+    x
+        Where to start; (d,).
+    scale
+        Size of the objective's variation.
+    """
+    local = _Local(problem, scale)
+    start = local.relax(x)
+    return _settled(local, _best(problem, [x, start, local.climb(start)]))
+
+
+def _settled(local: "_Local", best: Optimum) -> Optimum:
+    """Take the largest margins where the objective leaves a choice."""
     if best.feasible and best.excess.size:
-        best = _best(problem, [best.x, local.settle(best)], tie=_TIE * local.scale)
+        best = _best(local.problem, [best.x, local.settle(best)], tie=_TIE * local.scale)
     return best
 
 
@@ -107,11 +126,8 @@ def _violation(optimum: Optimum) -> float:
 
 
 def _judge(problem: Problem, x: Array) -> Optimum:
-    values = problem.value(x[None])[0]
-    excess = values[:, 1:].max(0)
-    scenarios = np.concatenate([values[:, :1].argmin(0), values[:, 1:].argmax(0)])
-    feasible = bool(np.all(excess <= _FEASIBLE))
-    return Optimum(x, float(values[:, 0].min()), excess, feasible, scenarios)
+    objective, excess = (one[0] for one in problem.value(x[None]))
+    return Optimum(x, float(objective.min()), excess, bool(np.all(excess <= _FEASIBLE)))
 
 
 def _apart(ranked: Array, count: int) -> Array:
@@ -134,12 +150,12 @@ class _Local:
 
     def relax(self, start: Array) -> Array:
         """The least largest excess near an infeasible start; a feasible start itself."""
-        excess = self.problem.value(start[None])[0, :, 1:].max(initial=-np.inf)
+        excess = self.problem.value(start[None])[1].max(initial=-np.inf)
         return start if excess <= 0 else self._search(start, float(excess), rise=False, floor=None)
 
     def climb(self, start: Array) -> Array:
         """The best worst case under the limits."""
-        level = float(self.problem.value(start[None])[0, :, 0].min()) / self.scale
+        level = float(self.problem.value(start[None])[0].min()) / self.scale
         return self._search(start, level, rise=True, floor=None)
 
     def settle(self, best: Optimum) -> Array:
@@ -158,15 +174,15 @@ class _Local:
             return direction
 
         def margins(z: Array) -> Array:
-            values = self.problem.value(z[None, :d])[0]
-            objective, excess = values[:, 0] / self.scale, values[:, 1:].ravel()
+            objective, excess = (one[0] for one in self.problem.value(z[None, :d]))
+            objective = objective / self.scale
             above = [objective - z[d]] if rise else [] if floor is None else [objective - floor]
             return np.concatenate([*above, -excess if rise else z[d] - excess])
 
         def margins_slope(z: Array) -> Array:
-            slope = self.problem.slope(z[:d])
-            above = [slope[:, 0] / self.scale] if rise or floor is not None else []
-            limits = -slope[:, 1:].reshape(-1, d)
+            slope, limits = self.problem.slope(z[:d])
+            above = [slope / self.scale] if rise or floor is not None else []
+            limits = -limits
             level_slope = [np.full(len(slope), -1.0 if rise else 0.0)] if above else []
             level_slope += [np.full(len(limits), 0.0 if rise else 1.0)]
             return np.column_stack([np.vstack([*above, limits]), np.concatenate(level_slope)])

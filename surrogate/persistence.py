@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from surrogate.conformal import Calibration
 from surrogate.gridgp import GridGP
 from surrogate.inputs import Input
 from surrogate.model import GaussianProcess
@@ -43,8 +44,9 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
         coords={"input": [one.name for one in inputs], "output": list(outputs)},
         attrs={"Conventions": "CF-1.11", "format": FORMAT, "format_version": VERSION, "engine": model.engine},
     )
-    state = model.state()
-    write_whole(common.merge(state, combine_attrs="no_conflicts"), path)
+    if model.calibration_ is not None:
+        common = common.assign(model.calibration_.state())
+    write_whole(common.merge(model.state(), combine_attrs="no_conflicts"), path)
 
 
 def load(path: str | PathLike[str]) -> GridGP | ScatterGP:
@@ -70,6 +72,7 @@ def load(path: str | PathLike[str]) -> GridGP | ScatterGP:
     try:
         _check_numbers(stored)
         model = engine.restore(stored, _inputs(stored), _outputs(stored))
+        model.calibration_ = Calibration.restore(stored, model.parts, len(model.inputs_), len(model.outputs_))
         points = stored["probe_point"].transpose("probe", "input").values
         mean, std = model.predict_array(points, return_std=True)
     except FAILURES as error:

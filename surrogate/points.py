@@ -44,6 +44,10 @@ class Points:
         """Label one value per point: shape (n,) -> the shape of the broadcast."""
         return xr.DataArray(values.reshape(self.shape), coords=self.coords, dims=self.dims, attrs=dict(attrs))
 
+    def flat(self, array: xr.DataArray, like: xr.DataArray) -> NDArray[np.float64]:
+        """Broadcast an array to the points, labelled `like` one of their answers: shape (n,)."""
+        return np.asarray(array.broadcast_like(like).transpose(*like.dims).values, dtype=np.float64).ravel()
+
 
 def named_points(points: Mapping[Any, Any] | xr.Dataset, inputs: Sequence[Input]) -> Points:
     """Broadcast named inputs against each other.

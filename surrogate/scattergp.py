@@ -7,6 +7,7 @@ from typing import ClassVar, Literal, Self, get_args
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.linalg import cho_solve
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Kernel, Matern
@@ -95,6 +96,7 @@ class ScatterGP(GaussianProcess):
                 raise ValueError(f"input {one.name!r} has the value {wrong:g} outside its range {one.range_text()}")
         self.inputs_, self.outputs_ = tuple(inputs), tuple(names)
         self.attrs_ = {name: text_attrs(X[name]) for name in names}
+        self.calibration_ = None
         self.points_ = np.stack([columns[one.name] for one in inputs], axis=1)
         self.values_ = np.stack([columns[name] for name in names], axis=1)
         t = unit_coordinates(self.inputs_, self.points_).T
@@ -177,25 +179,42 @@ class ScatterGP(GaussianProcess):
             return RBF(np.ones(inputs), LENGTHS)
         return Matern(np.ones(inputs), LENGTHS, nu=1.5 if self.kernel == "matern32" else 2.5)
 
-    def _mean_std(self, t: Array, return_std: bool) -> tuple[Array, Array | None]:
-        if not return_std:
+    @property
+    def parts(self) -> int:
+        """Number of parts of the variance: one."""
+        return 1
+
+    def _mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+        if weights is None:
             return np.stack([one.predict(t.T) for one in self.regressors_]), None
         with warnings.catch_warnings():
             # at a training point the variance is zero up to rounding, and scikit-learn warns of its sign
             warnings.filterwarnings("ignore", message="Predicted variances smaller than 0")
             pairs = [one.predict(t.T, return_std=True) for one in self.regressors_]
-        return np.stack([mean for mean, _ in pairs]), np.stack([std for _, std in pairs])
+        return np.stack([mean for mean, _ in pairs]), weights[0][:, None] * np.stack([std**2 for _, std in pairs])
 
     def _slopes(self, t: Array) -> Array:
         slopes = np.empty((len(t), len(self.outputs_), t.shape[1]))
         for p, one in enumerate(self.regressors_):
-            variance, lengths = np.exp(one.kernel_.theta[0]), np.exp(one.kernel_.theta[1:])
-            differences = [(t[i][:, None] - one.X_train_[:, i]) / lengths[i] for i in range(len(t))]
-            # every correlation's slope is -(difference / length) g(r) / length
-            weights = variance * self._radial(np.sqrt(sum(d * d for d in differences))) * one.alpha_ * one._y_train_std
-            for i, difference in enumerate(differences):
-                slopes[i, p] = -np.einsum("bn,bn->b", difference, weights) / lengths[i]
+            for i, slope in enumerate(self._kernel_slopes(one, t)):
+                slopes[i, p] = slope @ one.alpha_ * one._y_train_std
         return slopes
+
+    def _variance_slopes(self, t: Array, weights: Array) -> Array:
+        slopes = np.empty((len(t), len(self.outputs_), t.shape[1]))
+        for p, one in enumerate(self.regressors_):
+            explained = cho_solve((one.L_, True), one.kernel_(one.X_train_, t.T))
+            for i, slope in enumerate(self._kernel_slopes(one, t)):
+                slopes[i, p] = -2 * weights[0, p] * one._y_train_std**2 * np.einsum("bn,nb->b", slope, explained)
+        return slopes
+
+    def _kernel_slopes(self, one: GaussianProcessRegressor, t: Array) -> list[Array]:
+        """Return the slopes of k(t, X) with respect to every coordinate of t, each (B, n)."""
+        variance, lengths = np.exp(one.kernel_.theta[0]), np.exp(one.kernel_.theta[1:])
+        differences = [(t[i][:, None] - one.X_train_[:, i]) / lengths[i] for i in range(len(t))]
+        # every correlation's slope is -(difference / length) g(r) / length
+        shared = variance * self._radial(np.sqrt(sum(d * d for d in differences)))
+        return [-difference * shared / length for difference, length in zip(differences, lengths, strict=True)]
 
     def _radial(self, r: Array) -> Array:
         if self.kernel == "rbf":

@@ -15,6 +15,9 @@ from workflow.study import Study
 #: What a job that solves a slab takes at most, whatever its size [MB].
 SLAB_MEMORY = 1500
 
+#: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
+SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
+
 
 def inputs(study: Study) -> list[Input]:
     """The factorial's axes as inputs of a surrogate."""
@@ -51,6 +54,12 @@ def gather(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
     return xr.concat([part[names] for part in slabs], dim=str(slabs[0][names[0]].dims[0]))
 
 
+def cases(study: Study, name: str) -> xr.Dataset:
+    """Random exact cases of one of `SAMPLES`, over dimension ``case``."""
+    number, key = SAMPLES[name]
+    return sample(study, getattr(study.validation, key), (study.validation.seed, number))
+
+
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
     """Random cases, uniform in the axes' own scales; exact quantities over dimension ``case``."""
     random = np.random.default_rng(list(seed))
@@ -65,12 +74,17 @@ def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
     return exact(study, axes)
 
 
-def exact(study: Study, axes: dict[str, Any], positions: Iterable[float] | None = None) -> xr.Dataset:
-    """The exact solver at some values of the factorial's factors, the study's fixed factors beside them."""
+def exact(
+    study: Study, axes: dict[str, Any], positions: Iterable[float] | None = None, *, peaks: bool | None = None
+) -> xr.Dataset:
+    """The exact solver at some values of the factorial's factors, the study's fixed factors beside them.
+
+    With the largest stresses of the body where ``peaks``, by default where the data set has them.
+    """
     return solve(
         {**study.fixed, **axes},
         positions,
         materials=study.own_materials,
         phases=study.phases,
-        peaks=study.dataset.peaks,
+        peaks=study.dataset.peaks if peaks is None else peaks,
     )

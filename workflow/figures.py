@@ -18,7 +18,8 @@ from matplotlib.figure import Figure
 from solver.names import FACTORS
 from workflow.files import write_bytes
 
-_STYLE: dict[Any, Any] = {
+#: Style of every figure of the report.
+STYLE: dict[Any, Any] = {
     "figure.constrained_layout.use": True,
     "font.size": 9,
     "axes.grid": True,
@@ -30,8 +31,9 @@ _STYLE: dict[Any, Any] = {
     "legend.fontsize": 8,
     "svg.hashsalt": "meecontact",
 }
+styled = mpl.rc_context(STYLE)
 _NEAR = 0.02  # distance in X from an edge within which a singular field is cut
-_BLUE, _ORANGE, _GREY = "#2166ac", "#d95f02", "#8a8a8a"
+BLUE, ORANGE, GREY = "#2166ac", "#d95f02", "#8a8a8a"
 
 #: Fields that the parametric study shows, in the paper's order, and how each is scaled and named on its axis.
 SHOWN = {
@@ -47,13 +49,13 @@ SHOWN = {
 def save(figure: Figure, path: Path) -> None:
     """Write a figure as SVG, whole or not at all."""
     drawn = io.BytesIO()
-    with mpl.rc_context(_STYLE):  # the salt of the ids acts while saving
+    with mpl.rc_context(STYLE):  # the salt of the ids acts while saving
         figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": "meecontact"})
     plt.close(figure)
     write_bytes(path, drawn.getvalue())
 
 
-@mpl.rc_context(_STYLE)
+@styled
 def fields(slab: xr.Dataset) -> Figure:
     """Surface fields of a few cases of a slab: its first axis at both ends and in the middle, the others in theirs."""
     factors = [str(dim) for dim in slab["contact_pressure"].dims if dim != "position"]
@@ -66,7 +68,7 @@ def fields(slab: xr.Dataset) -> Figure:
     return figure
 
 
-@mpl.rc_context(_STYLE)
+@styled
 def effect(data: xr.Dataset) -> Figure:
     """Effect of one factor on the six surface fields of the paper's parametric study."""
     varied = next(str(dim) for dim in data["contact_pressure"].dims if dim != "position")
@@ -87,7 +89,7 @@ _INSIDE = {
 }
 
 
-@mpl.rc_context(_STYLE)
+@styled
 def interior(data: xr.Dataset) -> Figure:
     """Contours below the punch: a row for each field, on one scale, a column for each value of the factor."""
     varied = next(str(dim) for dim in data.dims if dim not in ("x", "y"))
@@ -144,7 +146,7 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
         ax.set_ylabel(label)
         _bounded(ax, curves[:, shown & (np.abs(np.abs(X) - 1) > _NEAR)])
         for edge in (-1, 1):
-            ax.axvline(edge, color=_GREY, lw=0.7, ls=":")
+            ax.axvline(edge, color=GREY, lw=0.7, ls=":")
         if not inside_only:
             ax.set_xlim(-3, 3)
     for ax in axes[1]:
@@ -162,7 +164,7 @@ def _bounded(ax: Axes, curves: np.ndarray[tuple[int, ...], np.dtype[np.float64]]
     ax.set_ylim(low - pad, high + pad)
 
 
-@mpl.rc_context(_STYLE)
+@styled
 def parity(validation: xr.Dataset) -> Figure:
     """Predicted against exact for every output, on cases that the surrogate never saw."""
     names = [str(name) for name in validation["output"].values]
@@ -174,8 +176,8 @@ def parity(validation: xr.Dataset) -> Figure:
         exact, predicted = one["exact"].values, one["predicted"].values
         some = slice(None, None, max(1, exact.size // 400))
         ends = [float(exact.min()), float(exact.max())]
-        ax.plot(ends, ends, color=_GREY, lw=0.8)
-        ax.plot(exact[some], predicted[some], ".", ms=2.5, color=_BLUE, rasterized=False)
+        ax.plot(ends, ends, color=GREY, lw=0.8)
+        ax.plot(exact[some], predicted[some], ".", ms=2.5, color=BLUE, rasterized=False)
         ax.set_title(
             name.replace("_", " ").replace("electric edge", "el. edge").replace("magnetic", "magn."), fontsize=7.5
         )
@@ -191,20 +193,20 @@ def parity(validation: xr.Dataset) -> Figure:
     return figure
 
 
-@mpl.rc_context(_STYLE)
+@styled
 def errors(validation: xr.Dataset) -> Figure:
     """Largest error over range of every output, the baseline beside it, against the tolerance."""
     names = [str(name) for name in validation["output"].values]
     y = np.arange(len(names))
     figure, ax = plt.subplots(figsize=(9, 0.27 * len(names) + 1.1))
     floor = 1e-17
-    ax.plot(np.maximum(validation["max_error"], floor), y, "o", color=_BLUE, label="Gaussian process, max")
-    ax.plot(np.maximum(validation["rmse"], floor), y, "o", mfc="none", color=_BLUE, label="its RMS error")
+    ax.plot(np.maximum(validation["max_error"], floor), y, "o", color=BLUE, label="Gaussian process, max")
+    ax.plot(np.maximum(validation["rmse"], floor), y, "o", mfc="none", color=BLUE, label="its RMS error")
     ax.plot(
-        np.maximum(validation["baseline_max_error"], floor), y, "x", color=_ORANGE,
+        np.maximum(validation["baseline_max_error"], floor), y, "x", color=ORANGE,
         label="tensor Chebyshev interpolation, max",
     )  # fmt: skip
-    ax.axvline(validation.attrs["tolerance"], color=_GREY, ls="--", lw=1, label="tolerance of the study")
+    ax.axvline(validation.attrs["tolerance"], color=GREY, ls="--", lw=1, label="tolerance of the study")
     ax.set_xscale("log")
     ax.set_yticks(y, [name.replace("_", " ") for name in names])
     ax.invert_yaxis()
@@ -222,7 +224,7 @@ _CONVERGENCE = {
 }
 
 
-@mpl.rc_context(_STYLE)
+@styled
 def convergence(curves: list[dict[str, Any]]) -> Figure:
     """Errors of an independent method over its effort, a panel for each problem."""
     names = list(dict.fromkeys(curve["figure"] for curve in curves))
@@ -245,7 +247,7 @@ def convergence(curves: list[dict[str, Any]]) -> Figure:
     return figure
 
 
-@mpl.rc_context(_STYLE)
+@styled
 def design_map(answer: xr.Dataset) -> Figure:
     """Worst-case objective over two design variables, the infeasible region hatched, the exact optimum marked."""
     x, y = answer["map_x"], answer["map_y"]
@@ -256,14 +258,14 @@ def design_map(answer: xr.Dataset) -> Figure:
     ax.contourf(x, y, excess, [0.0, max(float(excess.max()), 1e-9)], colors="none", hatches=["////"])
     ax.contour(x, y, excess, [0.0], colors="white", linewidths=1.6)
     best = [float(answer["value"].sel(factor=name)) for name in names]
-    ax.plot(*best, "*", ms=15, mfc=_ORANGE, mec="white")
+    ax.plot(*best, "*", ms=15, mfc=ORANGE, mec="white")
     for name, axis, setter in zip(names, (x, y), (ax.set_xscale, ax.set_yscale), strict=True):
         if axis.values[0] > 0 and not np.allclose(np.diff(axis.values), np.diff(axis.values)[0]):
             setter("log")
         label = FACTORS[name].long_name + (f" [{FACTORS[name].units}]" if FACTORS[name].units != "1" else "")
         (ax.set_xlabel if axis is x else ax.set_ylabel)(label)
-    maximised = answer.attrs["maximise"]
-    unit = str(answer["units"].sel(term="objective").values)
-    figure.colorbar(filled, ax=ax, label=f"worst-case {maximised} [{unit}]", format="%.3g")
+    unit = str(answer["units"].values[0])
+    label = f"{answer.attrs['statistic']} {answer.attrs['objective']} [{unit}]"
+    figure.colorbar(filled, ax=ax, label=label, format="%.3g")
     ax.grid(visible=False)
     return figure

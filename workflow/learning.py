@@ -18,8 +18,15 @@ def fit(study: Study, quantities: xr.Dataset) -> GridGP:
     return model.fit(quantities)
 
 
-def validate(study: Study, quantities: xr.Dataset, model: GaussianProcess) -> xr.Dataset:
+def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> xr.Dataset:
     """Errors on random exact cases that the model never saw, beside plain tensor Chebyshev interpolation.
+
+    Parameters
+    ----------
+    study, quantities, model
+        The study, the factorial that the model was trained on, and the model.
+    cases
+        The sample for validation; neither the training nor the calibration has seen it.
 
     Returns
     -------
@@ -27,7 +34,6 @@ def validate(study: Study, quantities: xr.Dataset, model: GaussianProcess) -> xr
         ``exact``, ``predicted``, ``std`` over (output, case), the error table over ``output``, the factors over
         ``case``, and the tolerance that the study asks for.
     """
-    cases = factorial.sample(study, study.validation.cases, (study.validation.seed, 0))
     points = {name: cases[name] for name in study.factors}
     predicted = model.predict(points)
     table = metrics.validate(model, cases, quantities)

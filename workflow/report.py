@@ -8,14 +8,20 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
 
 from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
+from surrogate import load
 from surrogate.netcdf import read_whole
+from workflow import whatif
 from workflow.study import CHECK_GROUPS, Study
 from workflow.verdict import findings
 
+_INTERVALS = ("coverage", "worst_decile_coverage", "crps", "raw_coverage", "raw_worst_decile_coverage", "raw_crps")
+
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 CAPTIONS = Path(__file__).parent / "captions"
+TEMPLATES = Path(__file__).parent / "templates"
 
 
 def page(study: Study, name: str, folder: Path, figures: list[Path], provenance: Path) -> str:
@@ -33,7 +39,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         ``provenance.json``.
     """
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        loader=FileSystemLoader(TEMPLATES),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -52,6 +58,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         "validation": None,
         "timing": None,
         "designs": [],
+        "whatif": None,
         "effects": list(study.effects.vary) if study.effects else [],
         "verification": _verification(folder) if study.verification else None,
     }
@@ -59,7 +66,12 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         content["dataset"] = _dataset(folder)
         content["validation"] = _validation(folder)
         content["timing"] = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
-        content["designs"] = [_design(folder / "design" / f"{target}.nc") for target in study.design]
+        answers = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
+        content["designs"] = [_design(answer) for answer in answers]
+        quantities = read_whole(folder / "quantities.nc")
+        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers)
+        content["whatif_json"] = whatif.as_json(content["whatif"])
+        content["scripts"] = [_script(name) for name in ("surrogate.js", "whatif.js")]
     return environment.get_template("report.html.j2").render(content)
 
 
@@ -107,7 +119,7 @@ def _validation(folder: Path) -> dict[str, Any]:
             "rmse": float(one["rmse"]),
             "baseline": float(one["baseline_max_error"]),
             "r2": float(one["r2"]),
-            "coverage": float(one["coverage"]),
+            **{key: float(one[key]) for key in _INTERVALS},
         }
         for name in data["output"].values
         for one in [data.sel(output=name)]
@@ -116,11 +128,16 @@ def _validation(folder: Path) -> dict[str, Any]:
     return {"rows": rows, "tolerance": tolerance, "worst": worst, "cases": data.sizes["case"]}
 
 
-def _design(path: Path) -> dict[str, Any]:
-    data = read_whole(path)
+def _script(name: str) -> Markup:
+    """A script of ours, to stand inside the page."""
+    return Markup((TEMPLATES / name).read_text(encoding="utf-8"))
+
+
+def _design(data: xr.Dataset) -> dict[str, Any]:
     terms = [
         {
-            "name": data.attrs["maximise"] if name == "objective" else str(name),
+            "name": str(name),
+            "inside": bool(one["inside"]),
             **{key: float(one[key]) for key in ("predicted", "predicted_std", "exact", "limit", "margin")},
             "units": str(one["units"].values),
             "error": abs(float(one["predicted"]) / float(one["exact"]) - 1) if float(one["exact"]) else np.nan,
@@ -129,12 +146,20 @@ def _design(path: Path) -> dict[str, Any]:
         for one in [data.sel(term=name)]
     ]
     variables = [
-        {"name": str(name), "role": str(one["role"].values), "value": float(one["value"]), "units": FACTORS[name].units}
+        {
+            "name": str(name),
+            "role": str(one["role"].values),
+            "units": FACTORS[name].units,
+            **{key: float(one[key]) for key in ("value", "cost", "margin_left")},
+        }
         for name in data["factor"].values
         for one in [data.sel(factor=name)]
     ]
     return {
         "target": str(data["target"].values),
+        "goal": str(data.attrs["goal"]),
+        "statistic": str(data.attrs["statistic"]),
+        "flags": str(data["flags"].values),
         "status": str(data["status"].values),
         "feasible": bool(data["feasible"].values),
         "objective": terms[0],

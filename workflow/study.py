@@ -7,13 +7,15 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from solver import FactorError, Material, MaterialError, solve
-from solver.names import CHOICES, EVERY_QUANTITY, FACTORS, INTERIOR, INTERIOR_ON_REQUEST, PEAKS, PROFILES, QUANTITIES
+from solver.names import EVERY_QUANTITY, PEAKS, PROFILES, QUANTITIES
 from workflow import targets
+from workflow.fields import FactorName, FieldName, InputName, Number, QuantityName, Strict, Vector
 from workflow.inputs import InputError, read_material, read_yaml
 from workflow.problems import first_problem
+from workflow.target import Target
 
 MOST_CASES = 20_000_000
 FOLDER = Path("config")
@@ -21,30 +23,6 @@ FOLDER = Path("config")
 CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "digits")
 #: Those with convergence curves.
 CONVERGING = ("integral_equations", "finite_elements")
-
-
-def _one_of(names: list[str], kind: str) -> AfterValidator:
-    def check(name: str) -> str:
-        if name not in names:
-            raise ValueError(f"{name!r} is not a {kind}; {targets.nearest(name, names)}")
-        return name
-
-    return AfterValidator(check)
-
-
-Number = Annotated[float, Field(allow_inf_nan=False)]
-FactorName = Annotated[str, _one_of(list(FACTORS), "factor")]
-InputName = Annotated[str, _one_of(["material", *CHOICES, *FACTORS], "factor")]
-QuantityName = Annotated[str, _one_of(list(EVERY_QUANTITY), "quantity")]
-FieldName = Annotated[str, _one_of([*INTERIOR, *INTERIOR_ON_REQUEST], "field of the interior")]
-Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
-Interval = Annotated[list[Number], Field(min_length=2, max_length=2)]
-
-
-class Strict(BaseModel):
-    """No unknown keys, no silent conversions, no changes afterwards."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
 class Axis(Strict):
@@ -103,31 +81,11 @@ class Validation(Strict):
     """Exact cases that the surrogate never saw."""
 
     cases: int = Field(2000, ge=20, le=1_000_000, description="random cases in the box, to measure errors")
-    calibration: int = Field(500, ge=20, le=1_000_000, description="further random cases, to scale the intervals")
+    calibration: int = Field(
+        3000, ge=40, le=1_000_000, description="further random cases, by which the intervals are calibrated"
+    )
     seed: int = Field(1, ge=0, description="seed of both samples")
     tolerance: Number = Field(1e-6, gt=0, description="largest error over range that every quantity should keep")
-
-
-class Target(Strict):
-    """One design question: the best factors under limits, in the worst case."""
-
-    maximise: str = Field(description="objective: quantity or abs(quantity)")
-    over: list[FactorName] = Field(min_length=1, description="design variables; their ranges are the factors'")
-    at: dict[FactorName, Number] = Field(default_factory=dict, description="factors held at a value")
-    worst_case: dict[FactorName, Interval] = Field(
-        default_factory=dict, description="factors that may take any value of a range [low, high]"
-    )
-    limits: list[str] = Field(default_factory=list, description='constraints "quantity <= value", in SI units')
-
-    @model_validator(mode="after")
-    def _readable(self) -> Self:
-        targets.objective(self.maximise)
-        for text in self.limits:
-            targets.limit(text)
-        for name, (low, high) in self.worst_case.items():
-            if not low <= high:
-                raise ValueError(f"worst_case: {name}: {low:g} must not be above {high:g}")
-        return self
 
 
 class Interior(Strict):
@@ -254,21 +212,23 @@ class Study(Strict):
             self._check_target(f"design: {label}", target)
 
     def _check_target(self, where: str, target: Target) -> None:
-        given = [*target.over, *target.at, *target.worst_case]
+        given = [*target.over, *target.at, *target.worst_case, *target.uncertain]
         for name in given:
             if name not in self.factors:
                 raise ValueError(f"{where}: {name!r} is not one of the study's factors: {', '.join(self.factors)}")
             if given.count(name) > 1:
-                raise ValueError(f"{where}: {name!r} is given twice; over, at and worst_case exclude each other")
+                raise ValueError(
+                    f"{where}: {name!r} is given twice; over, at, worst_case and uncertain exclude each other"
+                )
         for name, axis in self.factors.items():
             if name not in given:
-                raise ValueError(f"{where}: {name!r} is missing; put it in over, at or worst_case")
-            for value in [*target.worst_case.get(name, []), *([target.at[name]] if name in target.at else [])]:
+                raise ValueError(f"{where}: {name!r} is missing; put it in over, at, worst_case or uncertain")
+            for value in target.values(name):
                 if not axis.low <= value <= axis.high:
                     raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
-        for term in [targets.objective(target.maximise), *(targets.limit(text).term for text in target.limits)]:
-            if term.quantity not in self.outputs:
-                raise ValueError(f"{where}: {term.quantity!r} is not one of surrogate.outputs")
+        for name in target.names():
+            if name in EVERY_QUANTITY and name not in self.outputs:
+                raise ValueError(f"{where}: {name!r} is not one of surrogate.outputs")
 
     def corners(self) -> dict[str, Any]:
         """Ends of the factorial's box with the fixed factors: what the solver is asked once before any work."""

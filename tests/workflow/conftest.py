@@ -29,13 +29,13 @@ design:
     over: [volume_fraction, radius]
     at: {load: 1e4}
     worst_case: {friction: [0.1, 0.4]}
-    limits: [trailing_tension <= 50e6, peak_pressure <= 500e6]
+    subject_to: [trailing_tension <= 50 MPa, peak_pressure <= 500 MPa]
   impossible:
     maximise: abs(stroke_per_volt)
     over: [volume_fraction, radius]
     at: {load: 5e4}
     worst_case: {friction: [0.1, 0.4]}
-    limits: [trailing_tension <= 1e6]
+    subject_to: [trailing_tension <= 1 MPa]
 effects:
   baseline: {volume_fraction: 0.5, radius: 0.05, load: 1e5, friction: 0.3}
   vary: {friction: [0.0, 0.3], material: [BaTiO3, PZT-4]}

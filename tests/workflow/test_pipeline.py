@@ -62,22 +62,40 @@ def test_validation_is_on_cases_outside_the_factorial(ran: Project) -> None:
         assert float(one["max_error"]) < 1e-3
 
 
+def test_the_intervals_are_calibrated_on_cases_of_their_own(ran: Project) -> None:
+    results = ran.folder / "results/small"
+    held, fresh = (read_whole(results / f"cases/{name}.nc") for name in ("calibration", "validation"))
+    assert held.sizes["case"] == 3000
+    assert not np.isin(fresh["load"].values, held["load"].values).any()
+    exact = solve({name: held[name] for name in ("volume_fraction", "friction", "radius", "load")})
+    np.testing.assert_allclose(held["peak_pressure"], exact["peak_pressure"], rtol=1e-12)
+    model = surrogate.load(results / "surrogate.nc")
+    data = read_whole(results / "validation.nc")
+    for name in model.outputs_:
+        answer = model.predict({name: fresh[name] for name in model.box})
+        inside = np.abs(answer[name] - fresh[name]) <= 1.959964 * answer[f"{name}_std"]
+        assert float(data["coverage"].sel(output=name)) == pytest.approx(float(inside.mean()))
+        # 200 cases: five standard deviations of a binomial share
+        assert float(inside.mean()) == pytest.approx(0.95, abs=0.08)
+    assert float(np.abs(data["raw_coverage"] - data["coverage"]).max()) > 0.02
+
+
 def test_a_design_is_solved_again_exactly(ran: Project) -> None:
     data = read_whole(ran.folder / "results/small/design.nc").sel(target="sensor")
     values = {str(name): float(data["value"].sel(factor=name)) for name in data["factor"].values}
     friction = np.linspace(0.1, 0.4, 301)
     exact = solve({**values, "friction": friction, "composite": "fibrous"})
-    assert float(data["exact"].sel(term="objective")) == pytest.approx(
+    assert float(data["exact"].sel(term="abs(voltage_sensitivity)")) == pytest.approx(
         float(abs(exact["voltage_sensitivity"]).min()), rel=1e-9
     )
     assert float(exact["trailing_tension"].max()) <= 50e6
-    assert str(data["status"].values).startswith("feasible; binding: trailing_tension <= 5e+07")
+    assert str(data["status"].values).startswith("feasible; binding: trailing_tension <= 50 MPa")
 
 
 def test_an_infeasible_target_names_what_binds(ran: Project) -> None:
     data = read_whole(ran.folder / "results/small/design.nc").sel(target="impossible")
     assert not bool(data["feasible"])
-    assert str(data["status"].values).startswith("infeasible: trailing_tension <= 1e+06 binds; the least violated")
+    assert str(data["status"].values).startswith("infeasible: trailing_tension <= 1 MPa binds; the least violated")
     assert "infeasible: trailing_tension" in (ran.folder / "results/small/design.csv").read_text(encoding="utf-8")
 
 
@@ -112,7 +130,7 @@ def test_edits_rerun_exactly_what_depends_on_them(copy: Callable[[str], Project]
 
     assert project.planned(REPORT) == set()
     assert plan(study, "A small study", "A smaller study") == {"provenance", "report"}
-    assert plan(study, "trailing_tension <= 1e6", "trailing_tension <= 2e6") == {
+    assert plan(study, "trailing_tension <= 1 MPa", "trailing_tension <= 2 MPa") == {
         "target", "design", "figure_design", "provenance", "report",
     }  # fmt: skip
     assert plan(study, "friction: [0.0, 0.3]", "friction: [0.0, 0.2]") == {
@@ -121,7 +139,7 @@ def test_edits_rerun_exactly_what_depends_on_them(copy: Callable[[str], Project]
     assert plan(project.folder / "surrogate/gridgp.py", '"""', '"""Edited. ') == everything_after_the_surrogate
     solver = plan(project.folder / "solver/contact.py", '"""', '"""Edited. ')
     assert solver == everything_after_the_surrogate | {
-        "slab", "quantities", "figure_fields", "effect", "figure_effect", "interior", "figure_interior",
+        "slab", "quantities", "cases", "figure_fields", "effect", "figure_effect", "interior", "figure_interior",
     }  # fmt: skip
     assert plan(project.folder / "workflow/templates/report.html.j2", "<h2>Study", "<h2>The study") == {"report"}
     assert plan(project.folder / "workflow/scripts/design.py", '"""Rule', '"""The rule') >= {"design", "report"}

@@ -45,7 +45,7 @@ def effects_of(study):
 
 def figures_of(wildcards):
     study = study_of(wildcards)
-    names = ["fields", "errors", "parity"] if study.factors else []
+    names = ["fields", "errors", "parity", "intervals"] if study.factors else []
     names += [f"design_{name}" for name, target in study.design.items() if len(target.over) > 1]
     names += effects_of(study)
     names += [f"convergence_{group}" for group in CONVERGING if study.verification]
@@ -59,3 +59,7 @@ def results_of(wildcards):
     names += [f"fields/{name}.nc" for name in effects_of(study)]
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]
     return expand("results/{study}/{file}", study=wildcards.study, file=names)
+
+
+def captions_of(*kinds):
+    return [f"workflow/captions/{kind}.rst" for kind in kinds]

@@ -35,6 +35,12 @@ rule figure_errors:
             category="Surrogate",
             labels={"figure": "parity"},
         ),
+        intervals=report(
+            "results/{study}/figures/intervals.svg",
+            caption="../captions/intervals.rst",
+            category="Surrogate",
+            labels={"figure": "intervals"},
+        ),
     params:
         code=provenance.code("workflow/scripts/figure_errors.py"),
     log:
@@ -124,7 +130,7 @@ rule report:
     params:
         code=provenance.code(
             "workflow/scripts/report.py",
-            *(f"workflow/captions/{kind}.rst" for kind in ("fields", "errors", "parity", "design", "effect", "interior", "convergence")),
+            *captions_of("fields", "errors", "parity", "intervals", "design", "effect", "interior", "convergence"),
         ),
     log:
         "logs/{study}/report.log",

@@ -1,9 +1,26 @@
-# Statistics: the Gaussian process on the factorial, and exact cases that it never saw.
+# Statistics: the Gaussian process on the factorial, and random exact cases, by which it is calibrated and validated.
+
+
+rule cases:
+    output:
+        "results/{study}/cases/{sample}.nc",
+    wildcard_constraints:
+        sample="calibration|validation",
+    params:
+        study=sections(*PHYSICS, "validation"),
+        code=provenance.code("workflow/scripts/cases.py"),
+    log:
+        "logs/{study}/cases/{sample}.log",
+    benchmark:
+        "logs/{study}/cases/{sample}.tsv"
+    script:
+        "../scripts/cases.py"
 
 
 rule surrogate:
     input:
-        "results/{study}/quantities.nc",
+        quantities="results/{study}/quantities.nc",
+        calibration="results/{study}/cases/calibration.nc",
     output:
         "results/{study}/surrogate.nc",
     params:
@@ -20,6 +37,7 @@ rule surrogate:
 rule validation:
     input:
         quantities="results/{study}/quantities.nc",
+        cases="results/{study}/cases/validation.nc",
         surrogate="results/{study}/surrogate.nc",
     output:
         validation="results/{study}/validation.nc",

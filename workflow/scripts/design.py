@@ -5,12 +5,12 @@ from pathlib import Path
 from snakemake.iocontainers import Snakemake
 
 from surrogate.netcdf import read_whole, write_whole
-from workflow import design, joblog
+from workflow import answers, joblog
 from workflow.files import write_text
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-answers = [read_whole(Path(answer)) for answer in snakemake.input]
-write_whole(design.together(answers), Path(snakemake.output.nc))
-write_text(Path(snakemake.output.csv), design.table(answers))
+designs = [read_whole(Path(answer)) for answer in snakemake.input]
+write_whole(answers.together(designs), Path(snakemake.output.nc))
+write_text(Path(snakemake.output.csv), answers.table(designs))

@@ -1,4 +1,4 @@
-"""Rule surrogate: the Gaussian process on the factorial."""
+"""Rule surrogate: the Gaussian process on the factorial, its intervals calibrated."""
 
 from pathlib import Path
 
@@ -11,4 +11,6 @@ snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
 config = study.named(snakemake.wildcards.study)
-learning.fit(config, read_whole(Path(snakemake.input[0]))).save(Path(snakemake.output[0]))
+model = learning.fit(config, read_whole(Path(snakemake.input.quantities)))
+model.calibrate(read_whole(Path(snakemake.input.calibration)))
+model.save(Path(snakemake.output[0]))

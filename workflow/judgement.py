@@ -1,0 +1,248 @@
+"""The verdict on a design: predicted against exact, margins, what binds, and what small errors in building it cost."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from solver.names import EVERY_QUANTITY, FACTORS
+from workflow import factorial
+from workflow.question import Question
+from workflow.scenarios import Scenarios
+from workflow.sources import Exact, Factors, Predicted, Source, shape
+from workflow.terms import Term
+
+Array = NDArray[np.float64]
+
+_NORMAL = 1.959964  # standard deviations of a 95 % interval
+_BINDS = 1e-3  # margin below which a limit binds
+_ERROR = 0.01  # relative error in building a variable
+_STEP = 1e-3  # relative step of elasticities
+_LINEAR_FIELD = 3e5  # V/m: beyond it, ferroelectric ceramics are not linear
+_SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
+_PILOT = 512
+
+
+@dataclass(frozen=True)
+class Counted:
+    """What the terms count as at one design: values, the deciding scenario of each, and a standard deviation."""
+
+    values: Array
+    scenarios: list[int]
+    stds: Array
+
+
+def count(question: Question, factors: Mapping[bool, Factors], sets: Mapping[bool, Scenarios], source: Source) -> Array:
+    """Every term's deciding value at some designs, (n, terms)."""
+    out = []
+    for term in question.terms:
+        value = question.values(source, factors[term.drawn], sets[term.drawn], [term])[0]
+        out.append(term.worst(term.statistic.rows(value)))
+    return np.stack(out, -1)
+
+
+def excesses(question: Question, x: Array, source: Source) -> Array:
+    """Relative excess of every limit at a design, over the scenarios of the verdict; (k,)."""
+    factors = {drawn: question.factors(x[None], chosen) for drawn, chosen in question.judged.items()}
+    values = count(question, factors, question.judged, source)[0]
+    return np.array(
+        [term.oriented(value) for term, value in zip(question.terms, values, strict=True) if term.limited]
+    ).reshape(-1)
+
+
+def doubts(question: Question, x: Array, source: Predicted) -> Array:
+    """Half of the 95 % interval of every limited term at a design, over its scale; (k,)."""
+    stds = _counted(question, x, source, question.searched).stds
+    scaled = [std / term.scale for term, std in zip(question.terms, stds, strict=True) if term.limited]
+    return _NORMAL * np.array(scaled).reshape(-1)
+
+
+def _counted(question: Question, x: Array, source: Predicted, sets: Mapping[bool, Scenarios]) -> Counted:
+    """Terms on the surrogate, with standard deviations carried through expression and statistic as if they added."""
+    values, scenarios, stds = [], [], []
+    for term in question.terms:
+        chosen = sets[term.drawn]
+        factors = question.factors(x[None], chosen)
+        rows, row, weights = _deciding(question, factors, chosen, term, source)
+        sizes = {name: std[0] for name, std in source.stds(factors, _quantities(term)).items()}
+        values.append(float(rows[row]))
+        scenarios.append(int(weights.argmax()))
+        stds.append(float(weights @ _carried(question, factors, term, source, sizes)))
+    return Counted(np.array(values), scenarios, np.array(stds))
+
+
+def _deciding(
+    question: Question, factors: Factors, chosen: Scenarios, term: Term, source: Source
+) -> tuple[Array, int, Array]:
+    """Rows of a term at one design, the one that decides, and the weight of every scenario in it."""
+    value = question.values(source, factors, chosen, [term])[0]
+    rows = term.statistic.rows(value)[0]
+    row = int(np.flatnonzero(rows == term.worst(rows))[0])
+    return rows, row, np.abs(term.statistic.jacobian(value[0])[row])
+
+
+def _quantities(term: Term) -> list[str]:
+    return [name for name in term.expression.names() if name in EVERY_QUANTITY]
+
+
+def _carried(question: Question, factors: Factors, term: Term, source: Source, sizes: Mapping[str, Array]) -> Array:
+    """Sum over quantities of |d expression / d quantity| times a size of each; (scenarios,)."""
+    known = question.known(source, factors, [term.expression])
+    partials = term.expression.partials({name: one[0] for name, one in known.items()})[1]
+    total = np.zeros(shape(factors)[1])
+    for name, size in sizes.items():
+        total += np.abs(partials[name]) * size
+    return total
+
+
+def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.Dataset:
+    """Everything that is said about one design.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``factor``: ``value``, ``role``, and of every variable ``cost`` (share of the objective lost by a 1 % error
+        in it) and ``margin_left`` (least margin of all limits after that error). Over ``term``, the objective first:
+        ``predicted``, ``predicted_std``, ``half`` (of the interval, tolerance included), ``exact``, ``inside``,
+        ``limit``, ``margin``, ``units``. Over both: ``elasticity`` and ``worst`` (the scenario that decides). Over
+        ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``flags``.
+    """
+    question_terms, sets = question.terms, question.judged
+    factors = {drawn: question.factors(x[None], chosen) for drawn, chosen in sets.items()}
+    guessed = _counted(question, x, source, sets)
+    solved = count(question, factors, sets, exact)[0]
+    limits = np.array([term.bound for term in question_terms])
+    scales = np.array([term.scale for term in question_terms])
+    signs = np.array([term.sign for term in question_terms])
+    margin = signs * (limits - solved) / scales
+    half = _NORMAL * guessed.stds + _tolerances(question, x, source)
+    corner = exact.values(factors[False], exact.quantities)
+    worst = [_case(question, factors[t.drawn], s) for t, s in zip(question_terms, guessed.scenarios, strict=True)]
+    out = xr.Dataset(
+        {
+            "value": ("factor", list(worst[0].values())),
+            "role": ("factor", [_role(question, name) for name in worst[0]]),
+            "predicted": ("term", guessed.values),
+            "predicted_std": ("term", guessed.stds),
+            "half": ("term", half),
+            "exact": ("term", solved),
+            "inside": ("term", np.abs(solved - guessed.values) <= half + 1e-12 * np.abs(solved)),
+            "limit": ("term", limits),
+            "margin": ("term", margin),
+            "units": ("term", [term.units for term in question_terms]),
+            "worst": (("term", "factor"), np.array([list(case.values()) for case in worst])),
+            "exact_low": ("quantity", [float(corner[name].min()) for name in exact.quantities]),
+            "exact_high": ("quantity", [float(corner[name].max()) for name in exact.quantities]),
+            "feasible": bool(np.all(margin[~np.isnan(margin)] >= 0)),
+            "status": _status(question, x, margin),
+            "flags": "; ".join(_flags(corner, worst[0].get("radius", np.nan))),
+        },
+        coords={
+            "factor": list(worst[0]),
+            "term": [term.label for term in question_terms],
+            "quantity": exact.quantities,
+        },
+    )
+    return out.merge(_sensitivities(question, x, exact, list(worst[0])))
+
+
+def outside(answer: xr.Dataset) -> str:
+    """Which exact values left their intervals, in words."""
+    terms = answer["term"].values[~answer["inside"].values]
+    parts = [
+        f"{name}: exact {float(one['exact']):.7g} is outside {float(one['predicted']):.7g} +- {float(one['half']):.2g}"
+        for name in terms
+        for one in [answer.sel(term=name)]
+    ]
+    return "; ".join(parts)
+
+
+def _tolerances(question: Question, x: Array, source: Predicted) -> Array:
+    """What the study's tolerance, a share of every quantity's range over the box, may make of each term."""
+    box = qmc.Sobol(len(question.study.factors), rng=0).random(_PILOT)
+    levels = {
+        one.name: one.from_unit(2 * box[:, [column]] - 1).clip(one.low, one.high)
+        for column, one in enumerate(factorial.inputs(question.study))
+    }
+    names = list(dict.fromkeys(name for term in question.terms for name in _quantities(term)))
+    sizes = {
+        name: question.study.validation.tolerance * np.ptp(one) for name, one in source.values(levels, names).items()
+    }
+    out = []
+    for term in question.terms:
+        chosen = question.searched[term.drawn]
+        factors = question.factors(x[None], chosen)
+        _, _, weights = _deciding(question, factors, chosen, term, source)
+        own = {name: np.asarray(sizes[name]) for name in _quantities(term)}
+        out.append(float(weights @ _carried(question, factors, term, source, own)))
+    return np.array(out)
+
+
+def _case(question: Question, factors: Factors, scenario: int) -> dict[str, float]:
+    """Every factor of the factorial in one scenario of one design."""
+    return {name: float(np.broadcast_to(one, shape(factors))[0, scenario]) for name, one in factors.items()}
+
+
+def _role(question: Question, name: str) -> str:
+    target = question.target
+    if name in target.variables:
+        return "variable"
+    return "worst case" if name in target.worst_case else "uncertain" if name in target.uncertain else "given"
+
+
+def _status(question: Question, x: Array, margin: Array) -> str:
+    limited = [(term, m) for term, m in zip(question.terms, margin, strict=True) if term.limited]
+    ends = zip(question.inputs, x, strict=True)
+    binding = [term.label for term, m in limited if m < _BINDS]
+    binding += [f"{name} at its {'upper' if u > 0 else 'lower'} end" for name, u in ends if abs(u) > 1 - 1e-6]
+    worst, least = min(limited, key=lambda pair: pair[1], default=(None, 0.0))
+    if worst is None or least >= 0:
+        return f"feasible; binding: {', '.join(binding) or 'none'}"
+    return f"infeasible: {worst.label} binds; the least violated design misses it by {-100 * least:.3g} %"
+
+
+def _flags(corner: Mapping[str, Array], radius: float) -> list[str]:
+    """Where a design leaves what the theory holds for."""
+    flags = []
+    width = corner["contact_trailing"] + corner["contact_leading"]
+    field = float((np.abs(corner["voltage"]) / width).max())
+    if field > _LINEAR_FIELD:
+        flags.append(f"nominal field |voltage| / contact width = {field / 1e6:.3g} kV/mm is beyond 0.3 kV/mm")
+    if float(width.max()) > _SLENDER * radius:
+        flags.append(f"the contact is {float(width.max()) / radius:.2g} of the radius wide: no longer a parabola")
+    return flags
+
+
+def _sensitivities(question: Question, x: Array, exact: Exact, factors: list[str]) -> xr.Dataset:
+    """Elasticity of every term, and what a 1 % error costs, for every continuous variable."""
+    names = list(question.inputs)
+    design = {name: one[0] for name, one in question.physical(x[None]).items()}
+    shares = np.array([1.0, *(1 + step for _ in names for step in (-_STEP, _STEP, -_ERROR, _ERROR))])
+    varied = {name: np.full(shares.size, value) for name, value in design.items()}
+    for k, name in enumerate(names):
+        mine = slice(1 + 4 * k, 5 + 4 * k)
+        varied[name][mine] = np.clip(design[name] * shares[mine], *_physical_range(name))
+    sets = question.searched
+    values = count(question, {drawn: question.at(varied, chosen) for drawn, chosen in sets.items()}, sets, exact)
+    here, around = values[0], values[1:].reshape(len(names), 4, len(question.terms))
+    elasticity, cost, left = (np.full((len(factors), *rest), np.nan) for rest in ((len(question.terms),), (), ()))
+    wanted = len(question.target.objectives)
+    for k, name in enumerate(names):
+        row = factors.index(name)
+        change = varied[name][2 + 4 * k] / varied[name][1 + 4 * k] - 1
+        with np.errstate(divide="ignore", invalid="ignore"):
+            elasticity[row] = (around[k, 1] - around[k, 0]) / here / change if change else np.nan
+            loss = question.terms[0].sign * (here[0] - around[k, 2:, 0]) / np.abs(here[0])
+        cost[row] = max(float(loss.max()), 0.0)
+        margins = [-term.oriented(around[k, 2:, t]) for t, term in enumerate(question.terms) if t >= wanted]
+        left[row] = float(np.min(margins)) if margins else np.nan
+    return xr.Dataset(
+        {"elasticity": (("factor", "term"), elasticity), "cost": ("factor", cost), "margin_left": ("factor", left)}
+    )
+
+
+def _physical_range(name: str) -> tuple[float, float]:
+    return FACTORS[name].low, FACTORS[name].high

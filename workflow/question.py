@@ -1,0 +1,242 @@
+"""A design question in the terms of an optimiser: scaled variables, scenarios, terms with their statistics."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from solver.names import EVERY_QUANTITY, FACTORS
+from surrogate import Input
+from surrogate.optimise import Problem
+from workflow import factorial, scenarios
+from workflow.expressions import Call, Expression, Operation, Power
+from workflow.inputs import InputError
+from workflow.scenarios import Scenarios
+from workflow.sources import Factors, Source, shape
+from workflow.study import Study
+from workflow.target import Target
+from workflow.terms import Term, limited, wanted
+
+Array = NDArray[np.float64]
+
+_PILOT = 512  # points that tell a constant, unbounded or undefined term
+_CONSTANT = 1e-9  # relative variation that counts as none
+
+
+@dataclass(frozen=True)
+class Question:
+    """A target of a study with its choices made.
+
+    Attributes
+    ----------
+    study, target
+        What is asked.
+    held
+        Factors at one value: the target's own and those chosen from lists.
+    scales
+        Scale of every limit whose bound is zero, by label.
+    """
+
+    study: Study
+    target: Target
+    held: dict[str, float] = field(default_factory=dict)
+    scales: dict[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def inputs(self) -> dict[str, Input]:
+        """The continuous design variables, each with its range."""
+        whole = {one.name: one for one in factorial.inputs(self.study)}
+        return {
+            name: replace(
+                whole[name],
+                low=whole[name].low if one.low is None else one.low,
+                high=whole[name].high if one.high is None else one.high,
+            )
+            for name, one in self.target.variables.items()
+            if not one.choices
+        }
+
+    @cached_property
+    def terms(self) -> list[Term]:
+        """Objectives first, then the limits in the study's order."""
+        deviations = self.target.statistic.deviations
+        return [wanted(one, deviations) for one in self.target.objectives] + [
+            limited(one, self.scales.get(str(one), 1.0)) for one in self.target.limits
+        ]
+
+    @cached_property
+    def searched(self) -> dict[bool, Scenarios]:
+        """Scenarios of the search: corners under False, draws (where something is drawn) under True."""
+        return self._scenarios(scenarios.SEARCHED, scenarios.DRAWN)
+
+    @cached_property
+    def judged(self) -> dict[bool, Scenarios]:
+        """Many more of them, for the verdict."""
+        return self._scenarios(scenarios.JUDGED, scenarios.DRAWN_TO_JUDGE)
+
+    def _scenarios(self, nodes: dict[int, int], drawn: int) -> dict[bool, Scenarios]:
+        sets = {False: scenarios.corners(self.target, nodes)}
+        return sets | ({True: scenarios.draws(self.target, drawn)} if any(term.drawn for term in self.terms) else {})
+
+    def physical(self, x: Array) -> dict[str, Array]:
+        """Design variables at scaled points (n, d), by name."""
+        return {
+            name: np.clip(one.from_unit(x[:, column]), one.low, one.high)
+            for column, (name, one) in enumerate(self.inputs.items())
+        }
+
+    def factors(self, x: Array, chosen: Scenarios) -> Factors:
+        """Every factor of the factorial at scaled points (n, d), over (points, scenarios)."""
+        return self.at(self.physical(x), chosen)
+
+    def at(self, variables: dict[str, Array], chosen: Scenarios) -> Factors:
+        """Every factor of the factorial at values of the variables, (n,) each."""
+        given = {name: np.full((1, 1), value) for name, value in self.held.items()}
+        given |= {name: values[None, :] for name, values in chosen.values.items()}
+        given |= {name: values[:, None] for name, values in variables.items()}
+        return {name: given[name] for name in self.study.factors}
+
+    def values(self, source: Source, factors: Factors, chosen: Scenarios, terms: Sequence[Term]) -> list[Array]:
+        """Expressions of some terms, (points, groups, draws) each."""
+        known = self.known(source, factors, [term.expression for term in terms])
+        whole = np.zeros(shape(factors))
+        split = (len(whole), chosen.groups, chosen.draws)
+        return [(term.expression.evaluate(known) + whole).reshape(split) for term in terms]
+
+    def known(self, source: Source, factors: Factors, expressions: Sequence[Expression]) -> dict[str, Array]:
+        """Values of all names in some expressions, over (points, scenarios) or an axis of length one."""
+        names = list(dict.fromkeys(name for one in expressions for name in one.names()))
+        learned = [name for name in names if name in EVERY_QUANTITY]
+        known = source.values(factors, learned) if learned else {}
+        for name in set(names) - set(learned):
+            known[name] = factors[name] if name in factors else np.full((1, 1), self._fixed(name))
+        return known
+
+    def _fixed(self, name: str) -> float:
+        value = self.study.fixed.get(name, FACTORS[name].default)
+        if isinstance(value, str) or value is None:
+            raise InputError(f"{name!r} has no value in this study; it cannot stand in an expression")
+        return float(value)
+
+    def problem(self, source: Source, slack: Array | None = None) -> Problem:
+        """The question for the optimiser; ``slack``, one a limit, is added to the relative excess."""
+        extra = np.zeros(len(self.terms)) if slack is None else np.concatenate([self._none, slack])
+        groups = {drawn: [k for k, term in enumerate(self.terms) if term.drawn == drawn] for drawn in self.searched}
+
+        def rows(x: Array) -> list[Array]:
+            out: dict[int, Array] = {}
+            for drawn, members in groups.items():
+                chosen, terms = self.searched[drawn], [self.terms[k] for k in members]
+                values = self.values(source, self.factors(x, chosen), chosen, terms) if terms else []
+                for k, term, value in zip(members, terms, values, strict=True):
+                    out[k] = term.oriented(term.statistic.rows(value), extra[k])
+            return [out[k] for k in range(len(self.terms))]
+
+        def value(x: Array) -> tuple[Array, Array]:
+            return self._split(rows(x), -1)
+
+        def slope(x: Array) -> tuple[Array, Array]:
+            parts: dict[int, Array] = {}
+            for drawn, members in groups.items():
+                chosen, terms = self.searched[drawn], [self.terms[k] for k in members]
+                for k, term, jacobian in zip(members, terms, self._jacobians(source, x, chosen, terms), strict=True):
+                    parts[k] = term.sign / term.scale * jacobian
+            return self._split([parts[k] for k in range(len(self.terms))], 0)
+
+        return Problem(len(self.inputs), value, slope)
+
+    @property
+    def _none(self) -> Array:
+        return np.zeros(len(self.target.objectives))
+
+    def _split(self, rows: list[Array], axis: int) -> tuple[Array, Array]:
+        """Objectives' rows and limits' rows, each joined."""
+        wanted, limited = rows[: len(self._none)], rows[len(self._none) :]
+        empty = np.empty((len(rows[0]), 0) if axis == -1 else (0, len(self.inputs)))
+        return np.concatenate(wanted, axis), np.concatenate([empty, *limited], axis)
+
+    def _jacobians(self, source: Source, x: Array, chosen: Scenarios, terms: list[Term]) -> list[Array]:
+        """Derivatives of every term's rows by the scaled variables, (rows, d)."""
+        if not terms:
+            return []
+        if source.step is not None:
+            return self._quotients(source, x, chosen, terms, source.step)
+        factors = self.factors(x[None], chosen)
+        known = {name: array[0] for name, array in self.known(source, factors, [t.expression for t in terms]).items()}
+        over = list(self.inputs)
+        learned = [name for name in known if name in EVERY_QUANTITY]
+        slopes = source.slopes(factors, learned, over)
+        physical = self.physical(x[None])
+        chain = np.array([1 / one.unit_slope(physical[name][0]) for name, one in self.inputs.items()])
+        for name in set(known) - set(learned):
+            slopes[name] = np.broadcast_to([float(name == one) for one in over], (chosen.count, len(over)))
+        out = []
+        for term in terms:
+            value, partials = term.expression.partials(known)
+            whole = np.zeros((chosen.count, len(over)))
+            for name, partial in partials.items():
+                whole += np.broadcast_to(partial, chosen.count)[:, None] * slopes[name] * chain
+            shaped = np.broadcast_to(value, chosen.count).reshape(chosen.groups, chosen.draws)
+            out.append(term.statistic.jacobian(shaped) @ whole)
+        return out
+
+    def _quotients(self, source: Source, x: Array, chosen: Scenarios, terms: list[Term], step: float) -> list[Array]:
+        """Difference quotients of the rows, central where the range allows."""
+        d = len(x)
+        ends = np.clip(np.concatenate([x + step * np.eye(d), x - step * np.eye(d)]), -1, 1)
+        width = np.diag(ends[:d] - ends[d:])
+        values = self.values(source, self.factors(ends, chosen), chosen, terms)
+        rows = [term.statistic.rows(value) for term, value in zip(terms, values, strict=True)]
+        return [((one[:d] - one[d:]) / width[:, None]).T for one in rows]
+
+
+def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[str, float] | None = None) -> Question:
+    """A question that makes sense on a source.
+
+    Raises
+    ------
+    InputError
+        An objective that is constant over the variables, or one that passes a pole or is not defined within them.
+    """
+    question = Question(study, target, {**target.at, **(chosen or {})})
+    corner = question.searched[False]
+    if not question.inputs:
+        return question
+    x = 2 * qmc.Sobol(len(question.inputs), rng=0).random(_PILOT) - 1
+    factors = question.factors(x, corner)
+    scales: dict[str, float] = {}
+    for term in question.terms:
+        what = f"design: {name}: {term.label!r}"
+        value = question.values(source, factors, corner, [term])[0]
+        _check_poles(what, question, term, source, factors, corner)
+        if not np.all(np.isfinite(value)):
+            raise InputError(f"{what} is not defined everywhere within the ranges of {', '.join(question.inputs)}")
+        if not term.limited and np.ptp(value, 0).max() <= _CONSTANT * np.abs(value).max():
+            raise InputError(f"{what} is constant: it does not depend on {', '.join(question.inputs)}")
+        if term.bound == 0:
+            scales[term.label] = float(np.abs(value).max()) or 1.0
+    return replace(question, scales=scales)
+
+
+def _check_poles(
+    what: str, question: Question, term: Term, source: Source, factors: Factors, corner: Scenarios
+) -> None:
+    for node in term.expression.walk():
+        inner = _divisor(node)
+        if inner is None or not inner.names():
+            continue
+        value = question.values(source, factors, corner, [replace(term, expression=inner)])[0]
+        if value.min() <= 0 <= value.max():
+            raise InputError(f"{what} is unbounded: {' and '.join(inner.names())} in a divisor passes 0 in the ranges")
+
+
+def _divisor(node: Expression) -> Expression | None:
+    """What a node divides by, or takes the logarithm of."""
+    if isinstance(node, Operation) and node.symbol == "/":
+        return node.right
+    if isinstance(node, Power) and node.exponent < 0:
+        return node.base
+    return node.arguments[0] if isinstance(node, Call) and node.function == "log" else None

@@ -1,0 +1,108 @@
+"""What a term counts as over its scenarios: rows that an optimiser bounds, with their derivatives.
+
+Every function maps values of a term over scenarios, (n, groups, draws), to rows (n, r), and, for one point, to the
+Jacobian (r, groups * draws) of the rows by the values.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import betainc
+
+Array = NDArray[np.float64]
+
+
+class Statistic(ABC):
+    """A way to count scenarios."""
+
+    @abstractmethod
+    def rows(self, values: Array) -> Array:
+        """(n, groups, draws) -> (n, r)."""
+
+    @abstractmethod
+    def jacobian(self, values: Array) -> Array:
+        """(groups, draws) -> (r, groups * draws)."""
+
+
+class Every(Statistic):
+    """Every scenario on its own."""
+
+    def rows(self, values: Array) -> Array:
+        """The values themselves."""
+        return values.reshape(len(values), -1)
+
+    def jacobian(self, values: Array) -> Array:
+        """The identity."""
+        return np.eye(values.size)
+
+
+@dataclass(frozen=True)
+class Moments(Statistic):
+    """Mean plus ``deviations`` (of either sign) standard deviations of the draws, in every group."""
+
+    deviations: float
+
+    def rows(self, values: Array) -> Array:
+        """One row a group."""
+        return np.asarray(values.mean(-1) + self.deviations * values.std(-1))
+
+    def jacobian(self, values: Array) -> Array:
+        """By the rule of the square root; where nothing spreads, that of the mean."""
+        draws = values.shape[-1]
+        std = values.std(-1, keepdims=True)
+        away = np.divide(values - values.mean(-1, keepdims=True), std, out=np.zeros_like(values), where=std > 0)
+        return _by_group((1 + self.deviations * away) / draws)
+
+
+@dataclass(frozen=True)
+class Quantile(Statistic):
+    """Quantile of the draws in every group, smooth in the values.
+
+    Source: F. E. Harrell and C. E. Davis, Biometrika 69 (1982) 635.
+    """
+
+    share: float
+
+    def rows(self, values: Array) -> Array:
+        """One row a group."""
+        return np.asarray(np.sort(values, -1) @ _harrell_davis(values.shape[-1], self.share))
+
+    def jacobian(self, values: Array) -> Array:
+        """The weights, in the order of the values."""
+        ranks = values.argsort(-1).argsort(-1)
+        return _by_group(_harrell_davis(values.shape[-1], self.share)[ranks])
+
+
+class Deviation(Statistic):
+    """Relative deviations of all scenarios from their common mean, upwards and downwards."""
+
+    def rows(self, values: Array) -> Array:
+        """Twice as many rows as scenarios."""
+        flat = values.reshape(len(values), -1)
+        with np.errstate(divide="ignore", invalid="ignore"):  # a mean of zero deviates without bound
+            relative = flat / flat.mean(-1, keepdims=True) - 1
+        return np.concatenate([relative, -relative], -1)
+
+    def jacobian(self, values: Array) -> Array:
+        """By the rule of the quotient."""
+        flat = values.ravel()
+        mean = flat.mean()
+        one = np.eye(flat.size) / mean - flat[:, None] / (mean**2 * flat.size)
+        return np.concatenate([one, -one])
+
+
+@cache
+def _harrell_davis(count: int, share: float) -> Array:
+    edges = betainc((count + 1) * share, (count + 1) * (1 - share), np.arange(count + 1) / count)
+    return np.asarray(np.diff(edges))
+
+
+def _by_group(weights: Array) -> Array:
+    """Block-diagonal (groups, groups * draws) from (groups, draws)."""
+    groups, draws = weights.shape
+    whole = np.zeros((groups, groups, draws))
+    whole[np.arange(groups), np.arange(groups)] = weights
+    return whole.reshape(groups, -1)

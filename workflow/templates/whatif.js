@@ -1,0 +1,126 @@
+// The what-if panel: sliders in, every quantity with its interval, the contact pressure and the limits out.
+"use strict";
+
+const PREFIXES = { "-15": "f", "-12": "p", "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T" };
+const SUPERSCRIPT = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹", "/": "ᐟ" };
+
+// A prefix fits where the first symbol of a unit has no exponent, as in "V m N-1".
+function engineering(value, units) {
+  const scalable = units && units !== "1" && /^[A-Za-z]+( |$)/.test(units);
+  const power = value === 0 || !scalable ? 0 : Math.min(Math.max(3 * Math.floor(Math.log10(Math.abs(value)) / 3), -15), 12);
+  const pretty = units === "1" ? "" : units.replace(/([A-Za-z])(-?[0-9/]+)/g, (_, s, e) => s + [...e].map((c) => SUPERSCRIPT[c]).join(""));
+  return { size: 10 ** power, units: (scalable ? PREFIXES[power] : "") + pretty };
+}
+
+function digits(value, count) {
+  if (value === 0 || (Math.abs(value) >= 1e-3 && Math.abs(value) < 1e5)) return Number(value.toPrecision(count)).toString().replace("-", "−");
+  const [mantissa, power] = value.toExponential(count - 1).split("e");
+  return `${Number(mantissa)}×10${[...String(Number(power))].map((c) => SUPERSCRIPT[c]).join("")}`.replace("-", "−");
+}
+
+function evaluate(tree, values) {
+  if (typeof tree === "number") return tree;
+  if (typeof tree === "string") return values[tree];
+  const [symbol, ...parts] = tree, [a, b] = parts.map((part) => evaluate(part, values));
+  switch (symbol) {
+    case "+": return a + b;
+    case "-": return a - b;
+    case "*": return a * b;
+    case "/": return a / b;
+    case "^": return a ** b;
+    case "min": return Math.min(...parts.map((part) => evaluate(part, values)));
+    case "max": return Math.max(...parts.map((part) => evaluate(part, values)));
+    case "abs": return Math.abs(a);
+    case "sqrt": return Math.sqrt(a);
+    case "log": return Math.log(a);
+    case "exp": return Math.exp(a);
+  }
+  throw new Error(`unknown operation ${symbol}`);
+}
+
+// Closed form of the pressure under a circular punch, from its extents, exponent and peak.
+function pressure(values, count) {
+  const { contact_trailing: a, contact_leading: b, pressure_exponent: alpha, peak_pressure: peak } = values;
+  const l = a + b, points = [];
+  for (let k = 0; k <= count; k++) {
+    const s = (1 - Math.cos((Math.PI * k) / count)) / 2, x = -b + l * s;
+    points.push([x, peak * ((1 - s) / alpha) ** alpha * (s / (1 - alpha)) ** (1 - alpha)]);
+  }
+  return points;
+}
+
+function startWhatIf(root) {
+  const data = JSON.parse(document.getElementById("whatif-data").textContent);
+  const model = loadSurrogate(data.surrogate), sliders = [...root.querySelectorAll("input[type=range]")];
+  const point = model.inputs.map((input, k) => Number(sliders[k].value));
+
+  function show() {
+    const { mean, std } = predict(model, point), values = { ...data.fixed };
+    model.inputs.forEach((input, k) => { values[input.name] = fromUnit(input, point[k]); });
+    model.outputs.forEach((output, p) => { values[output.name] = mean[p]; });
+    showInputs(values);
+    showOutputs(mean, std);
+    showLimits(values);
+    if (data.pressure) drawPressure(root.querySelector("svg"), values);
+  }
+
+  function showInputs(values) {
+    model.inputs.forEach((input, k) => {
+      const out = root.querySelector(`output[data-input="${input.name}"]`), value = values[input.name];
+      const shown = engineering(value, input.units);
+      out.textContent = `${digits(value / shown.size, 4)} ${shown.units}`.trim();
+      out.dataset.value = String(value);
+      sliders[k].setAttribute("aria-valuetext", out.textContent);
+    });
+  }
+
+  function showOutputs(mean, std) {
+    model.outputs.forEach((output, p) => {
+      const row = root.querySelector(`tr[data-output="${output.name}"]`), shown = engineering(mean[p], output.units);
+      row.dataset.mean = String(mean[p]);
+      row.dataset.std = String(std[p]);
+      row.cells[1].textContent = digits(mean[p] / shown.size, 6);
+      row.cells[2].textContent = `± ${digits((1.959964 * std[p]) / shown.size, 2)}`;
+      row.cells[3].textContent = shown.units;
+      const [low, high] = data.ranges[output.name], share = high > low ? (mean[p] - low) / (high - low) : 0.5;
+      row.querySelector("i").style.left = `${100 * Math.min(Math.max(share, 0), 1)}%`;
+    });
+  }
+
+  function showLimits(values) {
+    data.limits.forEach((limit, k) => {
+      const row = root.querySelectorAll("li[data-limit]")[k], value = evaluate(limit.tree, values);
+      const shown = engineering(value, limit.units), kept = limit.upper ? value <= limit.value : value >= limit.value;
+      row.className = kept ? "good" : "bad";
+      row.dataset.kept = String(kept);
+      row.querySelector("b").textContent = kept ? "kept" : "broken";
+      row.querySelector("span").textContent = `${digits(value / shown.size, 4)} ${shown.units}`;
+    });
+  }
+
+  sliders.forEach((slider, k) => slider.addEventListener("input", () => { point[k] = Number(slider.value); show(); }));
+  root.querySelectorAll("button[data-case]").forEach((button) => button.addEventListener("click", () => {
+    const chosen = data.cases[Number(button.dataset.case)].values;
+    model.inputs.forEach((input, k) => {
+      point[k] = Math.min(Math.max(toUnit(input, chosen[input.name]), -1), 1); // finer than a slider's step
+      sliders[k].value = String(point[k]);
+    });
+    show();
+  }));
+  show();
+}
+
+function drawPressure(svg, values) {
+  const points = pressure(values, 96), width = 420, height = 190, left = 52, bottom = 30, top = 8;
+  const reach = Math.max(values.contact_trailing, values.contact_leading) * 1.12, peak = values.peak_pressure;
+  const xs = engineering(reach, "m"), ys = engineering(peak, "Pa"), most = 1.12 * peak;
+  const X = (x) => left + ((width - left - 8) * (x + reach)) / (2 * reach);
+  const Y = (y) => top + (height - top - bottom) * (1 - y / most);
+  const line = points.map(([x, y]) => `${X(x).toFixed(2)},${Y(y).toFixed(2)}`).join(" ");
+  const ticks = [0, 0.5, 1].map((s) => `<text x="${left - 6}" y="${Y(s * peak) + 4}" text-anchor="end">${digits((s * peak) / ys.size, 3)}</text><line class="grid" x1="${left}" x2="${width - 8}" y1="${Y(s * peak)}" y2="${Y(s * peak)}"/>`);
+  const ends = [[-values.contact_leading, "leading"], [values.contact_trailing, "trailing"]].map(([x, name]) => `<text x="${X(x)}" y="${height - 16}" text-anchor="middle">${digits(x / xs.size, 3)}</text><text class="soft" x="${X(x)}" y="${height - 3}" text-anchor="middle">${name} edge [${xs.units}]</text>`);
+  svg.innerHTML = `${ticks.join("")}${ends.join("")}<polygon class="area" points="${line}"/><polyline class="curve" points="${line}"/><text x="${left}" y="${top + 4}" class="soft">p [${ys.units}]</text>`;
+}
+
+const whatIf = document.getElementById("whatif");
+if (whatIf && document.getElementById("whatif-data")) startWhatIf(whatIf);

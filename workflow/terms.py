@@ -1,0 +1,82 @@
+"""Terms of a design question: objectives and limited expressions, with what they count as over the scenarios."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workflow import robustness
+from workflow.expressions import Expression
+from workflow.targets import Limit, Objective
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Term:
+    """An objective or a limited expression, with what it counts as over the scenarios.
+
+    Attributes
+    ----------
+    label
+        As the study has it.
+    expression
+        What is computed.
+    sign
+        An objective times its sign is maximised; a limit's excess is its sign times what is beyond the bound.
+    statistic
+        How scenarios count.
+    drawn
+        Whether the scenarios are draws of the distributions rather than the corners of all ranges.
+    bound
+        Limit, NaN for an objective.
+    scale
+        Size of the bound, or of the expression where the bound is zero.
+    """
+
+    label: str
+    expression: Expression
+    sign: float
+    statistic: robustness.Statistic
+    drawn: bool
+    bound: float = np.nan
+    scale: float = 1.0
+
+    @property
+    def limited(self) -> bool:
+        """Whether it is a limit."""
+        return not np.isnan(self.bound)
+
+    @property
+    def units(self) -> str:
+        """Unit in the interface's notation where a quantity has it, in base units otherwise."""
+        if isinstance(self.statistic, robustness.Deviation):
+            return "1"
+        return self.expression.lone() or str(self.expression.unit() or "1")
+
+    def worst(self, rows: Array) -> Array:
+        """The row that decides, over the last axis: the least objective, the largest use of a limit."""
+        return np.asarray(rows.min(-1) if (self.sign > 0) != self.limited else rows.max(-1))
+
+    def oriented(self, rows: Array, slack: float = 0.0) -> Array:
+        """Rows that are maximised, or those of a limit as relative excess plus ``slack``."""
+        if not self.limited:
+            return self.sign * rows
+        return self.sign * (rows - self.bound) / self.scale + slack
+
+
+def wanted(one: Objective, deviations: float | None) -> Term:
+    """The term of an objective; ``deviations`` None counts the worst case."""
+    statistic = robustness.Every() if deviations is None else robustness.Moments(-one.sign * deviations)
+    return Term(str(one), one.expression, one.sign, statistic, deviations is not None)
+
+
+def limited(one: Limit, scale: float) -> Term:
+    """The term of a limit, with a scale for a bound of zero."""
+    statistic: robustness.Statistic = robustness.Every()
+    if one.deviation:
+        statistic = robustness.Deviation()
+    elif one.probability is not None:
+        statistic = robustness.Quantile(one.probability if one.upper else 1 - one.probability)
+    size = abs(one.value) or scale
+    return Term(str(one), one.expression, one.sign, statistic, one.probability is not None, one.value, size)

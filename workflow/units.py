@@ -1,0 +1,96 @@
+"""Units: ``MPa``, ``kV/mm``, ``V m N-1``, ``C m-3/2`` to a factor on SI and the exponents of metre, kilogram, ...
+
+The notation is that of CF (a symbol with its exponent behind it, a blank between symbols), with ``/`` for the symbols
+behind it, ``%``, and the decimal prefixes of the SI (BIPM, The International System of Units, 9th edition, table 7).
+"""
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Self
+
+_PREFIXES = {
+    "": 1.0, "f": 1e-15, "p": 1e-12, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "c": 1e-2,
+    "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12,
+}  # fmt: skip
+_ALONE = {"%": (1e-2, (0, 0, 0, 0)), "1": (1.0, (0, 0, 0, 0))}  # no prefix
+_SYMBOLS: dict[str, tuple[float, tuple[int, int, int, int]]] = {  # exponents of m, kg, s, A
+    "m": (1.0, (1, 0, 0, 0)),
+    "g": (1e-3, (0, 1, 0, 0)),
+    "s": (1.0, (0, 0, 1, 0)),
+    "A": (1.0, (0, 0, 0, 1)),
+    "N": (1.0, (1, 1, -2, 0)),
+    "Pa": (1.0, (-1, 1, -2, 0)),
+    "J": (1.0, (2, 1, -2, 0)),
+    "C": (1.0, (0, 0, 1, 1)),
+    "V": (1.0, (2, 1, -3, -1)),
+    "F": (1.0, (-2, -1, 4, 2)),
+    "T": (1.0, (0, 1, -2, -1)),
+    "Wb": (1.0, (2, 1, -2, -1)),
+}
+_PART = re.compile(r"(?P<over>/)?\s*(?P<symbol>%|1|[A-Za-zµμ]+)\^?(?P<power>[-+]?\d+(?:/\d+)?)?")
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A factor on SI and the exponents of metre, kilogram, second and ampere."""
+
+    factor: float
+    exponents: tuple[Fraction, ...]
+
+    @classmethod
+    def none(cls) -> Self:
+        """The unit of a pure number."""
+        return cls(1.0, (Fraction(0),) * 4)
+
+    def __mul__(self, other: "Unit") -> "Unit":
+        return Unit(
+            self.factor * other.factor, tuple(a + b for a, b in zip(self.exponents, other.exponents, strict=True))
+        )
+
+    def power(self, exponent: Fraction) -> "Unit":
+        """The unit raised to a rational exponent."""
+        return Unit(self.factor ** float(exponent), tuple(exponent * one for one in self.exponents))
+
+    def fits(self, other: "Unit") -> bool:
+        """Whether both measure the same kind of quantity."""
+        return self.exponents == other.exponents
+
+    def __str__(self) -> str:
+        parts = [
+            name if power == 1 else f"{name}{power}"
+            for name, power in zip(("m", "kg", "s", "A"), self.exponents, strict=True)
+            if power
+        ]
+        return " ".join(parts) or "1"
+
+
+def parse(text: str) -> Unit:
+    """Read a unit; an empty text is a pure number.
+
+    Raises
+    ------
+    ValueError
+        Naming the part that is no unit.
+    """
+    unit, position = Unit.none(), 0
+    text = text.strip()
+    while position < len(text):
+        match = _PART.match(text, position)
+        if match is None:
+            raise ValueError(f"{text[position:]!r} is not a unit")
+        power = Fraction(match["power"] or 1)
+        unit *= _symbol(match["symbol"]).power(-power if match["over"] else power)
+        position = match.end()
+        position += len(text[position:]) - len(text[position:].lstrip(" *·"))
+    return unit
+
+
+def _symbol(text: str) -> Unit:
+    if text in _ALONE:
+        factor, exponents = _ALONE[text]
+        return Unit(factor, tuple(map(Fraction, exponents)))
+    for symbol, (factor, exponents) in _SYMBOLS.items():
+        if text.endswith(symbol) and text[: -len(symbol)] in _PREFIXES:
+            return Unit(factor * _PREFIXES[text[: -len(symbol)]], tuple(map(Fraction, exponents)))
+    raise ValueError(f"{text!r} is not a unit; known are {', '.join(_SYMBOLS)} with decimal prefixes, and %")

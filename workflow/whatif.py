@@ -1,0 +1,87 @@
+"""What the what-if panel (whatif.html.j2) needs: the surrogate as plain data, limits, ranges and starting points."""
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from markupsafe import Markup
+
+from solver.names import FACTORS
+from surrogate import GaussianProcess
+from surrogate.plain import plain
+from workflow.expressions import Call, Expression, Name, Number, Operation, Power
+from workflow.study import Study
+
+#: Quantities that give the contact pressure of a circular punch in closed form.
+_PRESSURE = {"contact_trailing", "contact_leading", "pressure_exponent", "peak_pressure"}
+
+
+def content(
+    study: Study, model: GaussianProcess, quantities: xr.Dataset, designs: Sequence[xr.Dataset]
+) -> dict[str, Any] | None:
+    """The panel's data; None where the browser cannot evaluate the surrogate.
+
+    Parameters
+    ----------
+    study, model, quantities
+        The study, its surrogate, and its factorial (for the ranges).
+    designs
+        Answers of the study's targets, offered as starting points.
+    """
+    stored = plain(model)
+    if stored is None:
+        return None
+    values = [{name: float(one["worst"].sel(factor=name)[0]) for name in model.box} for one in designs]
+    start = values[0] if values else {}
+    return {
+        "surrogate": stored,
+        "ranges": {name: [float(quantities[name].min()), float(quantities[name].max())] for name in model.outputs_},
+        "fixed": {name: factor.default for name, factor in FACTORS.items() if factor.default is not None}
+        | {name: value for name, value in study.fixed.items() if not isinstance(value, str)},
+        "limits": _limits(study),
+        "cases": [
+            {"name": str(one["target"].values), "values": case} for one, case in zip(designs, values, strict=True)
+        ],
+        "start": [
+            float(np.clip(one.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, one in model.box.items()
+        ],
+        "pressure": set(model.outputs_) >= _PRESSURE and study.fixed.get("profile", "cylinder") == "cylinder",
+    }
+
+
+def as_json(data: dict[str, Any] | None) -> Markup:
+    """JSON that may stand inside a script element."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False)
+    return Markup(text.replace("<", "\\u003c").replace("&", "\\u0026"))
+
+
+def _limits(study: Study) -> list[dict[str, Any]]:
+    """Every limit of one case that some target has, each once."""
+    found: dict[str, dict[str, Any]] = {}
+    for target in study.design.values():
+        for limit in target.limits:
+            if not limit.deviation:
+                text = str(limit).split(" with probability")[0]
+                tree, unit = _tree(limit.expression), str(limit.expression.unit() or "1")
+                lone = limit.expression.lone()
+                found[text] = {
+                    "text": text, "tree": tree, "value": limit.value, "upper": limit.upper, "units": lone or unit,
+                }  # fmt: skip
+    return list(found.values())
+
+
+def _tree(node: Expression) -> Any:
+    """An expression as nested lists."""
+    if isinstance(node, Number):
+        return node.value
+    if isinstance(node, Name):
+        return node.name
+    if isinstance(node, Operation):
+        return [node.symbol, _tree(node.left), _tree(node.right)]
+    if isinstance(node, Power):
+        return ["^", _tree(node.base), node.exponent]
+    if isinstance(node, Call):
+        return [node.function, *map(_tree, node.arguments)]
+    raise TypeError(f"unknown node {node!r}")
