@@ -19,6 +19,10 @@ SLAB_MEMORY = 1500
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
 
 
+#: Slabs of a study whose first axis is open, at most and if it does not say: `choice.choose` gives that axis as many levels.
+MOST_SLABS, USUAL_SLABS = 8, 4
+
+
 def inputs(study: Study) -> list[Input]:
     """The factorial's axes as inputs of a surrogate."""
     return [
@@ -28,9 +32,10 @@ def inputs(study: Study) -> list[Input]:
 
 
 def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
-    """Levels of every axis."""
+    """Levels of every axis of a study without open ones."""
     return {
-        name: chebyshev_levels(axis.low, axis.high, axis.levels, axis.scale) for name, axis in study.factors.items()
+        name: chebyshev_levels(axis.low, axis.high, axis.levels or 0, axis.scale)
+        for name, axis in study.factors.items()
     }
 
 
@@ -43,6 +48,8 @@ def slab_count(study: Study) -> int:
     first = next(iter(study.factors.values()), None)
     if first is None:
         return 0
+    if first.levels is None:  # its levels follow from the slabs, and must not from the machine
+        return min(study.dataset.slabs or USUAL_SLABS, MOST_SLABS)
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2**20
     at_once = min(len(os.sched_getaffinity(0)), memory // SLAB_MEMORY)
     return min(study.dataset.slabs or max(1, at_once), first.levels)

@@ -1,11 +1,28 @@
-# Exact cases: slabs of the factorial, every quantity of the whole of it, and the card that describes them.
+# Exact cases: slabs of the factorial, every quantity of the whole of it, and the card that describes them; first the
+# levels, where they are open.
 
 
 def slabs_of(wildcards, file):
     return expand(file, study=wildcards.study, slab=range(factorial.slab_count(study_of(wildcards))))
 
 
+rule levels:
+    output:
+        "results/{study}/levels.nc",
+    params:
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation"),
+        code=provenance.code("workflow/scripts/levels.py"),
+    log:
+        "logs/{study}/levels.log",
+    benchmark:
+        "logs/{study}/levels.tsv"
+    script:
+        "../scripts/levels.py"
+
+
 rule slab:
+    input:
+        levels=levels_of,
     output:
         "results/{study}/fields/slab_{slab}.nc",
     resources:
@@ -38,7 +55,8 @@ rule quantities:
 
 rule card:
     input:
-        lambda wildcards: slabs_of(wildcards, "results/{study}/fields/slab_{slab}.nc"),
+        slabs=lambda wildcards: slabs_of(wildcards, "results/{study}/fields/slab_{slab}.nc"),
+        levels=levels_of,
     output:
         json="results/{study}/datacard.json",
         markdown="results/{study}/datacard.md",
