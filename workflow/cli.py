@@ -20,6 +20,7 @@ from solver.material import UNITS
 from solver.names import QUANTITIES
 from surrogate import FormatError, OutOfBoxError, load
 from surrogate.netcdf import write_whole
+from surrogate.trial import try_to_read
 from workflow import study as studies
 from workflow.files import write_text
 from workflow.inputs import InputError, one_line, read_cases, read_material
@@ -143,6 +144,8 @@ def _solved(
 
 
 def _query(options: argparse.Namespace) -> None:
+    if options.surrogate.is_file():
+        try_to_read(options.surrogate)  # it may come from anywhere
     model = load(options.surrogate)
     if (options.table is None) == (options.at is None):
         raise InputError("query: give either a table AT.csv or --at NAME=VALUE,...")
@@ -230,9 +233,21 @@ def _run(options: argparse.Namespace) -> int:
     if options.profile not in profiles:
         raise InputError(f"--profile: {options.profile!r} is unknown; {nearest(options.profile, profiles)}")
     where = ["--cores", options.cores] if options.profile == "default" else []  # a cluster's profile counts jobs
-    command = ["--workflow-profile", f"profiles/{options.profile}", *where]
-    command += ["--quiet", "rules", "host", "reason", "--", report, *others]
-    status = subprocess.run([Path(sys.executable).with_name("snakemake"), *command], check=False).returncode
+    snakemake = [
+        Path(sys.executable).with_name("snakemake"),
+        "--workflow-profile",
+        f"profiles/{options.profile}",
+        *where,
+    ]
+    if study.open:  # what no budget reaches is bad input, and is told before anything else is done
+        chosen = [*snakemake, "--quiet", "all", "--", f"results/{options.study}/levels.nc"]
+        told = subprocess.run(chosen, check=False, stderr=subprocess.PIPE, text=True)
+        for line in told.stderr.splitlines():
+            kind, colon, reason = line.partition(": ")
+            if told.returncode and colon and kind in ("UnreachableError", "InputError"):
+                raise InputError(f"{studies.FOLDER / options.study}.yaml: {reason}")
+    command = [*snakemake, "--quiet", "rules", "host", "reason", "--", report, *others]
+    status = subprocess.run(command, check=False).returncode
     if status == 0:
         print(f"report: {report}")
     return status

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from solver.names import EVERY_QUANTITY
-from surrogate import GaussianProcess, GridGP, metrics
+from surrogate import GaussianProcess, GridGP, levels, metrics
 from workflow import factorial
 from workflow.study import Study
 
@@ -32,7 +32,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     -------
     xarray.Dataset
         ``exact``, ``predicted``, ``std`` over (output, case), the error table over ``output``, the factors over
-        ``case``, and the tolerance that the study asks for.
+        ``case``, the decay of the factorial's coefficients, and the tolerance that the study asks for.
     """
     points = {name: cases[name] for name in study.factors}
     predicted = model.predict(points)
@@ -45,6 +45,8 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     }
     out = table.assign({name: (("output", "case"), array.values) for name, array in stacked.items()})
     out = out.assign_coords({name: ("case", array.values, array.attrs) for name, array in points.items()})
+    decays = levels.decays(quantities, factorial.inputs(study), names)
+    out = out.assign(levels.evidence(decays, {name: axis.levels or 0 for name, axis in study.factors.items()}))
     out = out.assign_coords(units=("output", [EVERY_QUANTITY[name].units for name in names]))
     return out.assign_attrs(tolerance=study.validation.tolerance)
 

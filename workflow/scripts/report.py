@@ -4,7 +4,7 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from workflow import joblog, report, study
+from workflow import choice, joblog, report, study
 from workflow.files import write_text
 
 snakemake: Snakemake
@@ -13,5 +13,6 @@ joblog.start(snakemake.log[0])
 output = Path(snakemake.output[0])
 name = snakemake.wildcards.study
 figures = [Path(figure) for figure in snakemake.input.figures]
-page = report.page(study.named(name), name, output.parent, figures, Path(snakemake.input.provenance))
+config = choice.resolved(study.named(name), snakemake.input.levels)
+page = report.page(config, name, output.parent, figures, Path(snakemake.input.provenance))
 write_text(output, page)
