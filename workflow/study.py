@@ -63,7 +63,9 @@ class DataSet(Strict):
     """What is stored of the factorial."""
 
     positions: Positions = Field(default_factory=Positions, description="positions of the surface fields")
-    slabs: int = Field(4, ge=1, le=4096, description="files, and jobs, that the factorial is split into")
+    slabs: int | None = Field(
+        None, ge=1, le=4096, description="files, and jobs, that the factorial is split into; null: one a core"
+    )
     precision: Literal["float32", "float64"] = Field("float64", description="stored precision of the surface fields")
     budget: int = Field(500_000, ge=1, le=MOST_CASES, description="most cases where the pipeline chooses the levels")
     peaks: bool = Field(

@@ -59,7 +59,8 @@ def figures_of(wildcards):
 
 def results_of(wildcards):
     study = study_of(wildcards)
-    names = ["quantities.nc", "surrogate.nc", "validation.nc", "sensitivity.nc", "timing.json"] if study.factors else []
+    names = ["quantities.nc", "datacard.json", "surrogate.nc", "validation.nc", "sensitivity.nc", "timing.json"]
+    names = names if study.factors else []
     names += ["design.nc", "design.csv"] if study.design else []
     names += [f"fields/{name}.nc" for name in effects_of(study)]
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]
