@@ -1,6 +1,6 @@
 """Write results/benchmarks.json and results/benchmarks.html: ``python -m benchmarks [NAME ...]``.
 
-A measurement is a module of this folder with a function ``measure``, found by that; what it gives is kept under its name.
+A measurement is a module of this folder with a function ``measure``; what that gives is kept under the module's name.
 """
 
 import json
