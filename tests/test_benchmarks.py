@@ -14,6 +14,7 @@ def smooth(t: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> np.ndarray[t
     return np.stack([np.exp(0.3 * t[:, 0]) * t[:, 1], np.cos(t.sum(axis=1))], axis=1)
 
 
+@pytest.mark.filterwarnings("ignore::sklearn.exceptions.ConvergenceWarning")
 @pytest.mark.parametrize("rival", rivals.RIVALS[:2], ids=lambda rival: rival.name)
 def test_rivals_learn_a_smooth_function(rival: rivals.Rival) -> None:
     random = np.random.default_rng(0)
