@@ -19,7 +19,7 @@ SLAB_MEMORY = 1500
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
 
 
-#: Slabs of a study whose first axis is open, at most and by default: `choice.choose` gives that axis as many levels.
+#: Slabs of a study whose first axis is open, at most and if it does not say: `choice.choose` gives it as many levels.
 MOST_SLABS, USUAL_SLABS = 8, 4
 
 

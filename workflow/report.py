@@ -15,6 +15,7 @@ from surrogate import load
 from surrogate.netcdf import read_whole
 from workflow import whatif
 from workflow.study import CHECK_GROUPS, Study
+from workflow.timing import by_quantity
 from workflow.verdict import findings
 
 _INTERVALS = ("coverage", "worst_decile_coverage", "crps", "raw_coverage", "raw_worst_decile_coverage", "raw_crps")
@@ -58,6 +59,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         "levels": None,
         "validation": None,
         "timing": None,
+        "times": [],
         "designs": [],
         "whatif": None,
         "effects": list(study.effects.vary) if study.effects else [],
@@ -67,7 +69,8 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         content["dataset"] = _dataset(folder)
         content["levels"] = _levels(folder / "levels.nc") if (folder / "levels.nc").exists() else None
         content["validation"] = _validation(folder)
-        content["timing"] = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
+        content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
+        content["times"] = by_quantity(study, times)
         answers = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
         content["designs"] = [_design(answer) for answer in answers]
         quantities = read_whole(folder / "quantities.nc")

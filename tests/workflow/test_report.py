@@ -110,7 +110,7 @@ def test_every_figure_is_drawn(ran: Project, tmp_path: Path, width: int) -> None
     seen = opened(page(ran), tmp_path, width)
     images = seen["images"]
     assert isinstance(images, list)
-    assert len(images) == 9  # fields, decay, errors, parity, intervals, two designs, two effects
+    assert len(images) == 13  # fields, decay, errors, parity, intervals, sensitivity, main effects, designs, effects
     for image in images:
         assert image["complete"]
         assert image["width"] > 100
