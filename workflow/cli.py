@@ -107,6 +107,7 @@ def _parser() -> _Parser:
     command.add_argument("study", help="name of a study in config/")
     command.add_argument("--cores", default="all", help="cores of this machine to use at most")
     command.add_argument("--profile", default="default", metavar="NAME", help="a folder of profiles/, such as slurm")
+    command.add_argument("-n", "--dry-run", action="store_true", help="only say what would be done")
     command.set_defaults(run=_run)
     return parser
 
@@ -258,16 +259,18 @@ def _run(options: argparse.Namespace) -> int:
         f"profiles/{options.profile}",
         *where,
     ]
-    if study.open:  # what no budget reaches is bad input, and is told before anything else is done
+    if (
+        study.open and not options.dry_run
+    ):  # what no budget reaches is bad input, and is told before anything else is done
         chosen = [*snakemake, "--quiet", "all", "--", f"results/{options.study}/levels.nc"]
         told = subprocess.run(chosen, check=False, stderr=subprocess.PIPE, text=True)
         for line in told.stderr.splitlines():
             kind, colon, reason = line.partition(": ")
             if told.returncode and colon and kind in ("UnreachableError", "InputError"):
                 raise InputError(f"{studies.FOLDER / options.study}.yaml: {reason}")
-    command = [*snakemake, "--quiet", "rules", "host", "reason", "--", report, *others]
-    status = subprocess.run(command, check=False).returncode
-    if status == 0:
+    quiet = ["--dry-run", "--quiet", "host"] if options.dry_run else ["--quiet", "rules", "host", "reason"]
+    status = subprocess.run([*snakemake, *quiet, "--", report, *others], check=False).returncode
+    if status == 0 and not options.dry_run:
         print(f"report: {report}")
     return status
 
