@@ -44,13 +44,13 @@ def count(question: Question, factors: Mapping[bool, Factors], sets: Mapping[boo
     return np.stack(out, -1)
 
 
-def excesses(question: Question, x: Array, source: Source) -> Array:
-    """Relative excess of every limit at a design, over the scenarios of the verdict; (k,)."""
-    factors = {drawn: question.factors(x[None], chosen) for drawn, chosen in question.judged.items()}
-    values = count(question, factors, question.judged, source)[0]
+def excesses(question: Question, x: Array, source: Source, sets: Mapping[bool, Scenarios]) -> Array:
+    """Relative excess of every limit at a design over some scenarios; (k,)."""
+    factors = {drawn: question.factors(x[None], chosen) for drawn, chosen in sets.items()}
+    values = count(question, factors, sets, source)[0]
     return np.array(
-        [term.oriented(value) for term, value in zip(question.terms, values, strict=True) if term.limited]
-    ).reshape(-1)
+        [float(term.oriented(value)) for term, value in zip(question.terms, values, strict=True) if term.limited]
+    )
 
 
 def doubts(question: Question, x: Array, source: Predicted) -> Array:

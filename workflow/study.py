@@ -164,10 +164,11 @@ class Study(Strict):
         for label, target in self.design.items():
             if not label.isidentifier():
                 raise ValueError(f"design: {label!r} must be letters, digits and underscores")
-            self._check_target(f"design: {label}", target)
+            self.check_target(f"design: {label}", target)
         return self
 
-    def _check_target(self, where: str, target: Target) -> None:
+    def check_target(self, where: str, target: Target) -> None:
+        """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs."""
         given = [*target.over, *target.at, *target.worst_case, *target.uncertain]
         for name in given:
             if name not in self.factors:
