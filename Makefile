@@ -1,12 +1,13 @@
 # The two commands that everything hangs on: `make run` and `make test`. Both need only Python >= 3.11 with venv, and make.
 STUDY  ?= quickstart
 CORES  ?= all
+PROFILE ?= default
 PYTHON ?= python3
 BIN    := .venv/bin
 export PYTHONDONTWRITEBYTECODE :=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: run test lint bench lock schema clean help
+.PHONY: run test soak slurm lint bench lock schema clean help
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -14,11 +15,17 @@ help:  ## list the targets
 
 # a verification compares with methods that live in the tests, and needs what these need
 run: .venv/$(if $(shell grep -s '^verification:' "config/$(STUDY).yaml"),dev,run).stamp  ## run one study to its report: make run [STUDY=quickstart] [CORES=all]
-	@$(BIN)/meecontact run "$(STUDY)" --cores "$(CORES)"
+	@$(BIN)/meecontact run "$(STUDY)" --cores "$(CORES)" --profile "$(PROFILE)"
 
 test: .venv/dev.stamp  ## linters, types, import contract and every test
 	@$(MAKE) --no-print-directory lint
 	$(BIN)/python -m pytest -n auto
+
+soak: .venv/dev.stamp  ## a hundred kills and ten thousand hostile files; takes about an hour
+	MEECONTACT_SOAK=1 $(BIN)/python -m pytest -n auto -m "soak or soakable" tests/faults
+
+slurm: .venv/dev.stamp  ## the quickstart through a Slurm on this machine, compared byte for byte with a local run
+	$(BIN)/python -m pytest -m slurm tests/slurm
 
 lint: .venv/dev.stamp  ## ruff, mypy --strict and the import contract
 	$(BIN)/ruff check .
@@ -30,7 +37,9 @@ lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without dow
 	$(BIN)/uv pip compile -q --upgrade --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	  --custom-compile-command "make lock" --extra build pyproject.toml -o requirements/run.txt
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
-	  --custom-compile-command "make lock" --extra build --extra dev -c requirements/run.txt pyproject.toml -o requirements/dev.txt
+	  --custom-compile-command "make lock" --extra build --extra slurm -c requirements/run.txt pyproject.toml -o requirements/slurm.txt
+	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+	  --custom-compile-command "make lock" --extra build --extra slurm --extra docs --extra dev -c requirements/run.txt pyproject.toml -o requirements/dev.txt
 
 schema: .venv/run.stamp  ## write the JSON schema and the documented default of a study from the model
 	$(BIN)/python -m workflow.schema

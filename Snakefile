@@ -26,6 +26,18 @@ include: "workflow/rules/effects.smk"
 include: "workflow/rules/verification.smk"
 include: "workflow/rules/report.smk"
 
+# seconds each: not worth a job on a cluster
+localrules: all, design, figure_fields, figure_errors, figure_design, figure_effect, provenance, report
+
+onstart:
+    # one run a study at a time; `nolock` in the profile leaves this to us
+    try:
+        running.claim(STUDIES)
+    except running.BusyError as error:
+        raise WorkflowError(str(error))
+    running.sweep(STUDIES)
+
+
 rule all:
     default_target: True
     input:

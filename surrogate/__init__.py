@@ -3,10 +3,10 @@
 from surrogate.gridgp import GridGP
 from surrogate.inputs import Input, chebyshev_levels
 from surrogate.model import GaussianProcess
-from surrogate.netcdf import FormatError
 from surrogate.persistence import load
 from surrogate.points import OutOfBoxError
 from surrogate.scattergp import ScatterGP
+from surrogate.sealed import FormatError
 
 __all__ = [
     "FormatError",

@@ -1,17 +1,12 @@
 """netCDF-4 files that appear whole or not at all, and are verified when read.
 
 A killed netCDF-4 writer leaves a file that opens. Therefore a file is written under a temporary name in the same
-folder, sealed as the very last step, flushed to disk and only then renamed. The seal is the length and SHA-256 of the
-file, in 48 bytes behind its end, where every netCDF reader ignores them; it is verified before the HDF5 library sees
-the file, since single flipped bytes were measured to crash that library (2 in 1,000).
+folder, sealed as the very last step, flushed to disk and only then renamed (`surrogate.sealed`).
 """
 
 import hashlib
 import json
-import os
-import secrets
-import struct
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
@@ -21,14 +16,14 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
+from surrogate.sealed import FormatError, appearing, check_seal
+
 CHECKSUM = "checksum"
 # Arrays below this size gain nothing from compression.
 COMPRESS_FROM = 4096
 MAX_BYTES = 16 * 2**30
 # What one string of a variable-length array takes in memory, at least.
 STRING_BYTES = 64
-SEAL = struct.Struct("<8sQ32s")
-MAGIC = b"\x89whole\r\n"
 FAILURES = (
     OSError,
     RuntimeError,
@@ -40,13 +35,6 @@ FAILURES = (
     OverflowError,
     MemoryError,
 )
-
-
-class FormatError(ValueError):
-    """A file is not what it should be: incomplete, altered, too large, or of an unknown kind or version."""
-
-    def __init__(self, path: str | PathLike[str], reason: str) -> None:
-        super().__init__(f"{os.fspath(path)}: {' '.join(reason.split())}")
 
 
 def write_whole(
@@ -72,10 +60,9 @@ def write_whole(
         The folder does not exist.
     TypeError
         A variable or attribute of a kind that the file cannot hold.
+    OSError
+        No room or no permission, in the system's words, with the file.
     """
-    path = Path(path)
-    if not path.parent.is_dir():
-        raise FileNotFoundError(f"{path}: the folder {path.parent} does not exist")
     plain = dataset.drop_encoding()
     plain.attrs.pop(CHECKSUM, None)
     plain.attrs.setdefault("Conventions", "CF-1.11")
@@ -83,21 +70,19 @@ def write_whole(
     settings = {name: _encoding(variable) for name, variable in plain.variables.items()}
     for name, extra in (encoding or {}).items():
         settings[name] |= extra
-    partial = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(4)}.partial")
-    try:
+    with appearing(Path(path)) as partial:
         plain.to_netcdf(partial, mode="w", format="NETCDF4", engine="netcdf4", encoding=settings)
         with netCDF4.Dataset(partial, "a") as file:
             file.setncattr(CHECKSUM, mark)
-        seal(partial)
-        _flush(partial)
-        partial.replace(path)
-        _flush(path.parent)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
-def read_whole(path: str | PathLike[str], lazy: bool = False, max_bytes: int = MAX_BYTES) -> xr.Dataset:
-    """Read a file of `write_whole`.
+def read_whole(
+    path: str | PathLike[str],
+    lazy: bool = False,
+    max_bytes: int = MAX_BYTES,
+    names: Collection[str] | None = None,
+) -> xr.Dataset:
+    """Read a file of `write_whole` or `write_blocks`.
 
     Parameters
     ----------
@@ -108,6 +93,8 @@ def read_whole(path: str | PathLike[str], lazy: bool = False, max_bytes: int = M
         set after use. By default everything is loaded and verified.
     max_bytes : int
         Refuse a file that is, or unpacks to, more than this.
+    names : collection of str, optional
+        Load these variables (and the coordinates) only, from a file whose bytes are verified.
 
     Raises
     ------
@@ -119,12 +106,15 @@ def read_whole(path: str | PathLike[str], lazy: bool = False, max_bytes: int = M
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file")
-    _check_seal(path, lazy, max_bytes)
+    check_seal(path, max_bytes, digest=not lazy)
     mark = _inspect(path, max_bytes)
     with _reported(path):
         dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False)
     if lazy:
         return dataset
+    if names is not None:
+        with dataset, _reported(path):
+            return dataset[[name for name in dataset.data_vars if name in names]].load()
     with dataset, _reported(path):
         loaded = dataset.load()
         found = checksum(loaded)
@@ -135,54 +125,42 @@ def read_whole(path: str | PathLike[str], lazy: bool = False, max_bytes: int = M
 
 def checksum(dataset: xr.Dataset) -> str:
     """Return the SHA-256 over the names, dimensions, attributes and bytes of all variables, in hexadecimal."""
-    digest = hashlib.sha256(_attributes({k: v for k, v in dataset.attrs.items() if k != CHECKSUM}))
-    for name in sorted(dataset.variables, key=str):
-        variable = dataset.variables[name]
-        head = [str(name), [str(dim) for dim in variable.dims], list(variable.shape)]
-        digest.update(json.dumps(head).encode())
-        digest.update(_attributes(variable.attrs))
-        values = variable.to_numpy()
-        if values.dtype.kind in "biuf":
-            little = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
-            digest.update(little.dtype.str.encode())
-            digest.update(little.data)
-        elif all(isinstance(one, str) for one in values.astype(object).flat):
-            digest.update(json.dumps([str(one) for one in values.flat]).encode())
-        else:
-            raise TypeError(
-                f"variable {name!r}: cannot store {values.dtype} values; numbers, booleans and strings only"
-            )
+    digests = {}
+    for name, variable in dataset.variables.items():
+        digest = started(variable.dims, variable.shape, variable.dtype)
+        try:
+            digest.update(contents(variable.to_numpy()))
+        except TypeError as error:
+            raise TypeError(f"variable {name!r}: {error}") from None
+        digests[str(name)] = finished(digest, variable.attrs)
+    return combined(digests, dataset.attrs)
+
+
+def started(dims: Iterable[Hashable], shape: Iterable[int], dtype: np.dtype[Any]) -> "hashlib._Hash":
+    """Digest of a variable's shape, to be fed with its contents, in pieces where it is large."""
+    kind = dtype.newbyteorder("<").str if dtype.kind in "biuf" else "text"
+    return hashlib.sha256(json.dumps([[str(dim) for dim in dims], list(shape), kind]).encode())
+
+
+def contents(values: np.ndarray[Any, Any]) -> memoryview | bytes:
+    """The bytes of numbers or strings that a digest is fed with."""
+    if values.dtype.kind in "biuf":
+        return np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).data
+    if all(isinstance(one, str) for one in values.astype(object).flat):
+        return json.dumps([str(one) for one in values.flat]).encode()
+    raise TypeError(f"cannot store {values.dtype} values; numbers, booleans and strings only")
+
+
+def finished(digest: "hashlib._Hash", attrs: Mapping[Any, Any]) -> str:
+    """Digest of a variable with its attributes."""
+    digest.update(_attributes(attrs))
     return digest.hexdigest()
 
 
-def seal(path: Path) -> None:
-    """Mark a file as complete: append its length and digest."""
-    length = path.stat().st_size
-    with path.open("ab") as file:
-        file.write(SEAL.pack(MAGIC, length, _digest(path, length)))
-
-
-def _check_seal(path: Path, lazy: bool, max_bytes: int) -> None:
-    size = path.stat().st_size
-    if size > max_bytes:
-        raise FormatError(path, f"too large: {size} bytes, at most {max_bytes} are read")
-    with path.open("rb") as file:
-        file.seek(max(0, size - SEAL.size))
-        end = file.read()
-    magic, length, digest = SEAL.unpack(end) if len(end) == SEAL.size else (b"", 0, b"")
-    if magic != MAGIC or length != size - SEAL.size:
-        raise FormatError(path, "incomplete: it has no seal at its end, so it is truncated or not of this program")
-    if not lazy and digest != _digest(path, length):
-        raise FormatError(path, "altered: its bytes do not match its seal")
-
-
-def _digest(path: Path, length: int) -> bytes:
-    digest = hashlib.sha256()
-    with path.open("rb") as file:
-        while length > 0 and (part := file.read(min(length, 2**20))):
-            digest.update(part)
-            length -= len(part)
-    return digest.digest()
+def combined(digests: Mapping[str, str], attrs: Mapping[Any, Any]) -> str:
+    """Digest of a whole data set from those of its variables."""
+    own = {key: value for key, value in attrs.items() if key != CHECKSUM}
+    return hashlib.sha256(json.dumps(sorted(digests.items())).encode() + _attributes(own)).hexdigest()
 
 
 def _attributes(attrs: Mapping[Any, Any]) -> bytes:
@@ -235,11 +213,3 @@ def _reported(path: Path) -> Iterator[None]:
         raise
     except FAILURES as error:
         raise FormatError(path, f"no readable netCDF-4 file ({error})") from error
-
-
-def _flush(path: Path) -> None:
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

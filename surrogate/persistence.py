@@ -11,12 +11,13 @@ from surrogate.conformal import Calibration
 from surrogate.gridgp import GridGP
 from surrogate.inputs import Input
 from surrogate.model import GaussianProcess
-from surrogate.netcdf import FAILURES, FormatError, read_whole, write_whole
+from surrogate.netcdf import FAILURES, read_whole, write_whole
 from surrogate.scattergp import ScatterGP
+from surrogate.sealed import FormatError
 
 FORMAT = "surrogate"
 VERSION = 1
-MAX_BYTES = 2 * 2**30
+MAX_BYTES = 2**28  # unpacked; a model is a few MB at most, and a hostile file must not fill the memory
 ENGINES: dict[str, type[GridGP | ScatterGP]] = {GridGP.engine: GridGP, ScatterGP.engine: ScatterGP}
 PROBES = 8
 PROBE_TOLERANCE = 1e-7

@@ -3,9 +3,10 @@
 import argparse
 import csv
 import io
+import os
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
@@ -13,15 +14,17 @@ from typing import Any, NoReturn
 import numpy as np
 import xarray as xr
 
-from solver import FactorError, Material, MaterialError, find, solve
+from solver import FactorError, Material, MaterialError, find, limiting_speed, solve, solve_interior
 from solver.halfplane import HalfPlane
 from solver.material import UNITS
+from solver.names import QUANTITIES
 from surrogate import FormatError, OutOfBoxError, load
 from surrogate.netcdf import write_whole
 from workflow import adhoc
 from workflow import study as studies
 from workflow.files import write_text
-from workflow.inputs import InputError, read_cases, read_material
+from workflow.inputs import InputError, one_line, read_cases, read_material
+from workflow.tables import Cell, solved
 from workflow.targets import nearest
 
 
@@ -29,7 +32,7 @@ class _Parser(argparse.ArgumentParser):
     """Complains in one line."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}\n")
+        self.exit(2, f"{self.prog}: {one_line(message)}\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -49,11 +52,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return int(options.run(options) or 0)
     except (InputError, FactorError, MaterialError, OutOfBoxError, FormatError) as error:
-        print(f"meecontact: {error}", file=sys.stderr)
+        print(f"meecontact: {one_line(str(error))}", file=sys.stderr)
         return 2
+    except np.linalg.LinAlgError as error:
+        print(f"meecontact: constants beyond what double precision can solve ({error})", file=sys.stderr)
+        return 2
+    except BrokenPipeError:  # who reads has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nor is there anything left to flush
+        return 0
     except OSError as error:
         reason = f"{error.filename}: {error.strerror}" if error.filename else str(error)
-        print(f"meecontact: {reason}", file=sys.stderr)
+        print(f"meecontact: {one_line(reason)}", file=sys.stderr)
         return 2
 
 
@@ -62,13 +71,19 @@ def _parser() -> _Parser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     command = commands.add_parser("solve", help="exact quantities (and surface fields) of a table of cases")
-    command.add_argument("cases", type=Path, metavar="CASES.csv", help="one row a case, columns are factors")
-    command.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.nc")
+    _add_cases(command)
     command.add_argument("--positions", metavar="X1,X2,...", help="surface positions X = (x - c)/h, any but -1 and 1")
     command.add_argument(
-        "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"
+        "--peaks", action="store_true", help="also the largest stresses of the body (milliseconds each)"
     )
     command.set_defaults(run=_solve)
+
+    command = commands.add_parser("interior", help="exact fields inside the body of a table of cases, on a grid")
+    _add_cases(command)
+    command.add_argument("--x", required=True, metavar="X1,X2,...", help="(x - c)/h")
+    command.add_argument("--y", required=True, metavar="Y1,Y2,...", help="y/h <= 0")
+    command.add_argument("--fields", metavar="NAME,...", help="these fields only; strains and potentials by name too")
+    command.set_defaults(run=_interior)
 
     command = commands.add_parser("query", help="mean and standard deviation from a trained surrogate")
     command.add_argument("surrogate", type=Path, metavar="surrogate.nc")
@@ -99,21 +114,46 @@ def _parser() -> _Parser:
 
     command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
     command.add_argument("study", help="name of a study in config/")
-    command.add_argument("--cores", default="all")
+    command.add_argument("--cores", default="all", help="cores of this machine to use at most")
+    command.add_argument("--profile", default="default", metavar="NAME", help="a folder of profiles/, such as slurm")
     command.set_defaults(run=_run)
     return parser
 
 
+def _add_cases(command: argparse.ArgumentParser) -> None:
+    command.add_argument("cases", type=Path, metavar="CASES.csv", help="one row a case, columns are factors")
+    command.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.nc")
+    command.add_argument(
+        "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"
+    )
+
+
 def _solve(options: argparse.Namespace) -> None:
+    positions = None if options.positions is None else _numbers("--positions", options.positions)
+    out = _solved(options, lambda factors, own: solve(factors, positions, materials=own, peaks=options.peaks))
+    missing = [name for name in QUANTITIES if name not in out]
+    if missing:
+        print(f"left out, as some case has no such quantity: {', '.join(missing)}", file=sys.stderr)
+    write_whole(out, options.output)
+
+
+def _interior(options: argparse.Namespace) -> None:
+    x, y = _numbers("--x", options.x), _numbers("--y", options.y)
+    fields = [name.strip() for name in options.fields.split(",")] if options.fields else None
+    out = _solved(options, lambda factors, own: solve_interior(factors, x, y, fields=fields, materials=own))
+    write_whole(out, options.output)
+
+
+def _solved(
+    options: argparse.Namespace, answer: Callable[[xr.Dataset, Mapping[str, Material]], xr.Dataset]
+) -> xr.Dataset:
+    """The answer to a table of cases."""
     columns = read_cases(options.cases)
     own = dict(read_material(path) for path in options.materials)
-    positions = None if options.positions is None else _numbers("--positions", options.positions)
-    factors = xr.Dataset({name: ("case", np.asarray(values)) for name, values in columns.items()})
     try:
-        out = solve(factors, positions, materials=own)
+        return solved(columns, lambda factors: answer(factors, own))
     except (FactorError, MaterialError) as error:
         raise InputError(f"{options.cases}: {error}") from None
-    write_whole(out, options.output)
 
 
 def _query(options: argparse.Namespace) -> None:
@@ -124,7 +164,7 @@ def _query(options: argparse.Namespace) -> None:
         raise InputError("query: a table needs -o OUT.csv")
     if options.at is not None:
         where = "--at"
-        points: dict[str, list[float | str]] = {name: [value] for name, value in _pairs(options.at).items()}
+        points: dict[str, list[Cell]] = {name: [value] for name, value in _pairs(options.at).items()}
     else:
         where, points = str(options.table), read_cases(options.table)
     for name in points:
@@ -133,6 +173,8 @@ def _query(options: argparse.Namespace) -> None:
     for name in model.box:
         if name not in points:
             raise InputError(f"{where}: {name}: missing; the surrogate needs {', '.join(model.box)}")
+        if None in points[name]:
+            raise InputError(f"{where}: case {points[name].index(None) + 1}: {name}: empty; must be a number")
     named = {name: xr.DataArray(np.asarray(values, dtype=np.float64), dims="point") for name, values in points.items()}
     try:
         answer = model.predict(named, extrapolate=options.extrapolate)
@@ -167,17 +209,23 @@ def _write_answer(path: Path, points: dict[str, list[Any]], answer: xr.Dataset) 
 def _material(options: argparse.Namespace) -> None:
     path = Path(options.material)
     material = read_material(path)[1] if path.suffix in (".yaml", ".yml") or path.exists() else find(options.material)
-    print(_described(material))
+    with np.errstate(all="ignore"):  # what is not finite is named below
+        half = HalfPlane(material)
+        if not (np.isfinite(half.compliance).all() and np.isfinite(half.friction_coupling).all()):
+            raise MaterialError(f"{material.name}: constants beyond what double precision can solve")
+        print(_described(material, half))
 
 
-def _described(material: Material) -> str:
-    half = HalfPlane(material)
+def _described(material: Material, half: HalfPlane) -> str:
     lines = [f"{material.name}: admissible"]
     lines += [f"{label}: {text}" for label, text in (("source", material.source), ("note", material.note)) if text]
     lines.append("constants")
     lines += [f"  {name:6s} {float(getattr(material, name)):< 14.6g} {unit}" for name, unit in UNITS.items()]
     lines.append("Stroh roots")
     lines += [f"  {p.real:+.6f} {p.imag:+.6f}i" for p in half.roots]
+    if not np.isnan(material.rho):
+        speed = float(limiting_speed(material))
+        lines.append(f"limiting speed of a conducting punch: {speed:.6g} m/s")
     lines.append("compliance N of (u_y, phi, psi) to (sigma_yy, D_y, B_y), SI")
     lines += ["  " + "  ".join(f"{value: .6e}" for value in row) for row in half.compliance]
     lines.append("friction coupling k of (u_y, phi, psi), SI")
@@ -197,7 +245,12 @@ def _run(options: argparse.Namespace) -> int:
             f"study: {options.study!r} needs {', '.join(absent)} of requirements/dev.txt; `make run` installs them"
         )
     report, *others = [f"results/{options.study}/{file}" for file in study.targets]
-    command = ["--cores", options.cores, "--quiet", "rules", "host", "reason", "--", report, *others]
+    profiles = sorted(file.parent.name for file in Path("profiles").glob("*/config.yaml"))
+    if options.profile not in profiles:
+        raise InputError(f"--profile: {options.profile!r} is unknown; {nearest(options.profile, profiles)}")
+    where = ["--cores", options.cores] if options.profile == "default" else []  # a cluster's profile counts jobs
+    command = ["--workflow-profile", f"profiles/{options.profile}", *where]
+    command += ["--quiet", "rules", "host", "reason", "--", report, *others]
     status = subprocess.run([Path(sys.executable).with_name("snakemake"), *command], check=False).returncode
     if status == 0:
         print(f"report: {report}")

@@ -8,7 +8,7 @@ import xarray as xr
 from tqdm import tqdm
 
 from solver import solve
-from solver.names import FACTORS, FIELDS, QUANTITIES
+from solver.names import EVERY_QUANTITY, FACTORS, FIELDS
 from surrogate import Input, chebyshev_levels
 from workflow.joblog import log
 from workflow.study import Study
@@ -59,8 +59,8 @@ def slab(study: Study, index: int) -> xr.Dataset:
 
 def gather(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
     """Quantities of the whole factorial from its slabs."""
-    first = next(str(dim) for dim in slabs[0][next(iter(QUANTITIES))].dims)
-    return xr.concat([part[list(QUANTITIES)] for part in slabs], dim=first)
+    names = [name for name in EVERY_QUANTITY if name in slabs[0]]
+    return xr.concat([part[names] for part in slabs], dim=str(slabs[0][names[0]].dims[0]))
 
 
 def cases(study: Study, name: str) -> xr.Dataset:
@@ -83,9 +83,20 @@ def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
     return exact(study, axes)
 
 
-def exact(study: Study, axes: dict[str, Any], positions: Iterable[float] | None = None) -> xr.Dataset:
-    """The exact solver at some values of the factorial's factors, the study's fixed factors beside them."""
-    return solve({**study.fixed, **axes}, positions, materials=study.own_materials, phases=study.phases)
+def exact(
+    study: Study, axes: dict[str, Any], positions: Iterable[float] | None = None, *, peaks: bool | None = None
+) -> xr.Dataset:
+    """The exact solver at some values of the factorial's factors, the study's fixed factors beside them.
+
+    With the largest stresses of the body where ``peaks``, by default where the data set has them.
+    """
+    return solve(
+        {**study.fixed, **axes},
+        positions,
+        materials=study.own_materials,
+        phases=study.phases,
+        peaks=study.dataset.peaks if peaks is None else peaks,
+    )
 
 
 def _progress(part: np.ndarray[Any, np.dtype[np.float64]], per_level: int, name: str) -> Iterator[float]:

@@ -2,9 +2,10 @@
 
 from typing import Annotated
 
+import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from solver.names import CHOICES, FACTORS, QUANTITIES
+from solver.names import CHOICES, EVERY_QUANTITY, FACTORS, INTERIOR, INTERIOR_ON_REQUEST
 from workflow.grammar import nearest
 
 
@@ -26,5 +27,7 @@ def _one_of(names: list[str], kind: str) -> AfterValidator:
 Number = Annotated[float, Field(allow_inf_nan=False)]
 FactorName = Annotated[str, _one_of(list(FACTORS), "factor")]
 InputName = Annotated[str, _one_of(["material", *CHOICES, *FACTORS], "factor")]
-QuantityName = Annotated[str, _one_of(list(QUANTITIES), "quantity")]
+QuantityName = Annotated[str, _one_of(list(EVERY_QUANTITY), "quantity")]
+FieldName = Annotated[str, _one_of([*INTERIOR, *INTERIOR_ON_REQUEST], "field of the interior")]
+Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
 Interval = Annotated[list[Number], Field(min_length=2, max_length=2)]

@@ -1,5 +1,6 @@
 """Figures of the report, one function each; SVG without date, so that equal data give equal bytes."""
 
+import io
 from itertools import cycle
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.names import FACTORS
+from workflow.files import write_bytes
 
 #: Style of every figure of the report.
 STYLE: dict[Any, Any] = {
@@ -46,11 +48,11 @@ SHOWN = {
 
 def save(figure: Figure, path: Path) -> None:
     """Write a figure as SVG, whole or not at all."""
-    temporary = path.with_name(f".{path.name}")
+    drawn = io.BytesIO()
     with mpl.rc_context(STYLE):  # the salt of the ids acts while saving
-        figure.savefig(temporary, format="svg", metadata={"Date": None, "Creator": "meecontact"})
+        figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": "meecontact"})
     plt.close(figure)
-    temporary.replace(path)
+    write_bytes(path, drawn.getvalue())
 
 
 @styled
@@ -71,6 +73,54 @@ def effect(data: xr.Dataset) -> Figure:
     """Effect of one factor on the six surface fields of the paper's parametric study."""
     varied = next(str(dim) for dim in data["contact_pressure"].dims if dim != "position")
     return _field_panels(data, varied)
+
+
+#: How the interior's fields are scaled and named; the others are shown in their own units.
+_INSIDE = {
+    "von_mises": (1e-6, "von Mises stress [MPa]"),
+    "principal_tension": (1e-6, "largest principal stress [MPa]"),
+    "stress_xx": (1e-6, "$\\sigma_{xx}$ [MPa]"),
+    "stress_yy": (1e-6, "$\\sigma_{yy}$ [MPa]"),
+    "stress_xy": (1e-6, "$\\sigma_{xy}$ [MPa]"),
+    "electric_displacement_x": (1e3, "$D_x$ [mC/m²]"),
+    "electric_displacement_y": (1e3, "$D_y$ [mC/m²]"),
+    "magnetic_induction_x": (1e3, "$B_x$ [mT]"),
+    "magnetic_induction_y": (1e3, "$B_y$ [mT]"),
+}
+
+
+@styled
+def interior(data: xr.Dataset) -> Figure:
+    """Contours below the punch: a row for each field, on one scale, a column for each value of the factor."""
+    varied = next(str(dim) for dim in data.dims if dim not in ("x", "y"))
+    names, values = data.attrs["fields"].split(), data[varied].values
+    size = (3.3 * len(values) + 1.0, 0.4 + 2.0 * len(names))
+    figure, axes = plt.subplots(len(names), len(values), figsize=size, squeeze=False, sharex=True, sharey=True)
+    unit = FACTORS[varied].units if varied in FACTORS else "1"
+    for row, name in zip(axes, names, strict=True):
+        scale, label = _INSIDE.get(name, (1.0, f"{name.replace('_', ' ')} [{data[name].attrs['units']}]"))
+        shown = data[name].transpose(varied, "y", "x").values * scale
+        # the edges of a conducting punch are singular: the scale leaves out the topmost percent
+        low, high = np.quantile(shown, [0.005, 0.99])
+        signed = low < -0.02 * high
+        bound = max(abs(low), abs(high)) or 1.0
+        levels = np.linspace(-bound if signed else 0.0, bound, 15)
+        for ax, field in zip(row, shown, strict=True):
+            filled = ax.contourf(
+                data["x"], data["y"], field, levels, cmap="RdBu_r" if signed else "viridis", extend="both"
+            )
+            filled.set_rasterized(True)  # a tenth of the bytes of the outlines
+            ax.plot([-1, 1], [0, 0], color="black", lw=2.5, solid_capstyle="butt", clip_on=False)
+            ax.set_aspect("equal")
+            ax.grid(visible=False)
+        figure.colorbar(filled, ax=list(row), label=label, format="%.3g", pad=0.01, shrink=0.9)
+        row[0].set_ylabel("y/h")
+    for ax, value in zip(axes[0], values, strict=True):
+        text = f"{value:g}" if np.issubdtype(values.dtype, np.number) else str(value)
+        ax.set_title(f"{varied.replace('_', ' ')} = {text}" + (f" {unit}" if unit != "1" else ""))
+    for ax in axes[-1]:
+        ax.set_xlabel("(x - c)/h")
+    return figure
 
 
 def _field_panels(data: xr.Dataset, varied: str) -> Figure:

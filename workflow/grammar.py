@@ -12,7 +12,7 @@ import re
 from difflib import get_close_matches
 from math import isfinite
 
-from solver.names import FACTORS, QUANTITIES
+from solver.names import EVERY_QUANTITY, FACTORS
 from workflow.expressions import Call, Expression, Name, Number, Operation, Power
 
 FUNCTIONS = {"abs": 1, "sqrt": 1, "log": 1, "exp": 1, "min": 2, "max": 2}  # number of arguments; min and max: or more
@@ -113,7 +113,7 @@ class _Parser:
         if kind == "name" and self._take("("):
             return self._call(token, depth)
         if kind == "name":
-            known = [*QUANTITIES, *FACTORS]
+            known = [*EVERY_QUANTITY, *FACTORS]
             if token not in known:
                 raise ValueError(f"{token!r} is not a quantity; {nearest(token, known)}")
             return Name(token)

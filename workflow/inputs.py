@@ -14,6 +14,9 @@ from workflow.targets import nearest
 
 _LARGEST = 1 << 20  # bytes; a study or a material is a few kB
 _LARGEST_TABLE = 1 << 28
+_DEEPEST = (
+    40  # brackets or indents within each other; a study needs five, and the reader's time grows with their square
+)
 
 #: Factors whose values are names.
 TEXT_FACTORS = ("material", *CHOICES)
@@ -24,7 +27,25 @@ class InputError(ValueError):
     """Bad input, in one line that names file, key, value and what is allowed."""
 
 
+def one_line(message: str) -> str:
+    """A message as one line of at most 1000 characters; what came from a hostile file cannot command the terminal."""
+    shown = "".join(one if one.isprintable() else one.encode("unicode_escape").decode("ascii") for one in message)
+    return shown if len(shown) <= 1000 else f"{shown[:600]} ... {shown[-300:]}"
+
+
 class _Loader(yaml.SafeLoader):
+    def fetch_flow_collection_start(self, kind: type[yaml.Token]) -> None:
+        self._check_depth(self.flow_level)
+        super().fetch_flow_collection_start(kind)
+
+    def add_indent(self, column: int) -> bool:
+        self._check_depth(len(self.indents))
+        return super().add_indent(column)
+
+    def _check_depth(self, depth: int) -> None:
+        if depth > _DEEPEST:
+            raise yaml.scanner.ScannerError(None, None, "nested too deeply", self.get_mark())
+
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
         seen: set[Any] = set()
         for key_node, _ in node.value:
@@ -93,8 +114,8 @@ def read_material(path: Path) -> tuple[str, Material]:
     return material.name, material
 
 
-def read_cases(path: Path) -> dict[str, list[float | str]]:
-    """Columns of a table of cases (CSV with a header of factor names), one row a case.
+def read_cases(path: Path) -> dict[str, list[float | str | None]]:
+    """Columns of a table of cases (CSV with a header of factor names), one row a case; an empty cell is None.
 
     Raises
     ------
@@ -119,7 +140,7 @@ def read_cases(path: Path) -> dict[str, list[float | str]]:
             raise InputError(f"{path}: column {name!r}: unknown factor; {nearest(name, list(_COLUMNS))}")
         if header.count(name) > 1:
             raise InputError(f"{path}: column {name!r}: given twice")
-    columns: dict[str, list[float | str]] = {name: [] for name in header}
+    columns: dict[str, list[float | str | None]] = {name: [] for name in header}
     for line, row in enumerate(rows[1:], 2):
         if len(row) != len(header):
             raise InputError(f"{path}: case {line - 1}: {len(row)} cells, the header has {len(header)}")
@@ -128,7 +149,9 @@ def read_cases(path: Path) -> dict[str, list[float | str]]:
     return columns
 
 
-def _cell(where: str, name: str, text: str) -> float | str:
+def _cell(where: str, name: str, text: str) -> float | str | None:
+    if not text:
+        return None
     if name in TEXT_FACTORS:
         return text
     try:

@@ -12,6 +12,7 @@ def start(path: str) -> None:
     """Log to a file; an exception goes there in full and to the terminal in one line."""
     Path(path).parent.mkdir(parents=True, exist_ok=True)
     logging.captureWarnings(capture=True)
+    logging.raiseExceptions = False  # a log that cannot be written (disk full) must not hide the job's own error
     logging.basicConfig(
         filename=path, filemode="w", force=True, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s"
     )

@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from solver.names import FACTORS, QUANTITIES
+from solver.names import EVERY_QUANTITY, FACTORS
 from workflow import factorial
 from workflow.question import Question
 from workflow.scenarios import Scenarios
@@ -85,7 +85,7 @@ def _deciding(
 
 
 def _quantities(term: Term) -> list[str]:
-    return [name for name in term.expression.names() if name in QUANTITIES]
+    return [name for name in term.expression.names() if name in EVERY_QUANTITY]
 
 
 def _carried(question: Question, factors: Factors, term: Term, source: Source, sizes: Mapping[str, Array]) -> Array:
@@ -119,7 +119,7 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
     signs = np.array([term.sign for term in question_terms])
     margin = signs * (limits - solved) / scales
     half = _NORMAL * guessed.stds + _tolerances(question, x, source)
-    corner = exact.values(factors[False], list(QUANTITIES))
+    corner = exact.values(factors[False], exact.quantities)
     worst = [_case(question, factors[t.drawn], s) for t, s in zip(question_terms, guessed.scenarios, strict=True)]
     out = xr.Dataset(
         {
@@ -134,8 +134,8 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
             "margin": ("term", margin),
             "units": ("term", [term.units for term in question_terms]),
             "worst": (("term", "factor"), np.array([list(case.values()) for case in worst])),
-            "exact_low": ("quantity", [float(corner[name].min()) for name in QUANTITIES]),
-            "exact_high": ("quantity", [float(corner[name].max()) for name in QUANTITIES]),
+            "exact_low": ("quantity", [float(corner[name].min()) for name in exact.quantities]),
+            "exact_high": ("quantity", [float(corner[name].max()) for name in exact.quantities]),
             "feasible": bool(np.all(margin[~np.isnan(margin)] >= 0)),
             "status": _status(question, x, margin),
             "flags": "; ".join(_flags(corner, worst[0].get("radius", np.nan))),
@@ -143,7 +143,7 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
         coords={
             "factor": list(worst[0]),
             "term": [term.label for term in question_terms],
-            "quantity": list(QUANTITIES),
+            "quantity": exact.quantities,
         },
     )
     return out.merge(_sensitivities(question, x, exact, list(worst[0])))

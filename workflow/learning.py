@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 import xarray as xr
 
-from solver.names import QUANTITIES
+from solver.names import EVERY_QUANTITY
 from surrogate import GaussianProcess, GridGP, metrics
 from workflow import factorial
 from workflow.study import Study
@@ -45,7 +45,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     }
     out = table.assign({name: (("output", "case"), array.values) for name, array in stacked.items()})
     out = out.assign_coords({name: ("case", array.values, array.attrs) for name, array in points.items()})
-    out = out.assign_coords(units=("output", [QUANTITIES[name].units for name in names]))
+    out = out.assign_coords(units=("output", [EVERY_QUANTITY[name].units for name in names]))
     return out.assign_attrs(tolerance=study.validation.tolerance)
 
 

@@ -9,6 +9,8 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
+from workflow.files import write_text
+
 ROOT = Path(__file__).resolve().parent.parent
 ROOMS = ("solver", "surrogate", "workflow")
 TRACED = (*ROOMS, "tests")  # the checks of a verification live in tests
@@ -54,6 +56,11 @@ def _hash(files: list[Path]) -> str:
     return digest.hexdigest()[:16]
 
 
+def _file_hash(file: Path) -> str:
+    with file.open("rb") as content:
+        return hashlib.file_digest(content, "sha256").hexdigest()
+
+
 def versions() -> dict[str, str]:
     """Versions of Python and of the named packages."""
     return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
@@ -67,9 +74,9 @@ def write(path: Path, study_digest: str, seed: int, results: list[Path]) -> None
         "sources_sha256": _hash([file for room in ROOMS for file in _room(room)]),
         "versions": versions(),
         "platform": platform.platform(),
-        "results_sha256": {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in results},
+        "results_sha256": {file.name: _file_hash(file) for file in results},
     }
-    path.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+    write_text(path, json.dumps(content, indent=2) + "\n")
 
 
 def _room(room: str) -> list[Path]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from solver.names import FACTORS, QUANTITIES
+from solver.names import EVERY_QUANTITY, FACTORS
 from surrogate import Input
 from surrogate.optimise import Problem
 from workflow import factorial, scenarios
@@ -111,7 +111,7 @@ class Question:
     def known(self, source: Source, factors: Factors, expressions: Sequence[Expression]) -> dict[str, Array]:
         """Values of all names in some expressions, over (points, scenarios) or an axis of length one."""
         names = list(dict.fromkeys(name for one in expressions for name in one.names()))
-        learned = [name for name in names if name in QUANTITIES]
+        learned = [name for name in names if name in EVERY_QUANTITY]
         known = source.values(factors, learned) if learned else {}
         for name in set(names) - set(learned):
             known[name] = factors[name] if name in factors else np.full((1, 1), self._fixed(name))
@@ -169,7 +169,7 @@ class Question:
         factors = self.factors(x[None], chosen)
         known = {name: array[0] for name, array in self.known(source, factors, [t.expression for t in terms]).items()}
         over = list(self.inputs)
-        learned = [name for name in known if name in QUANTITIES]
+        learned = [name for name in known if name in EVERY_QUANTITY]
         slopes = source.slopes(factors, learned, over)
         physical = self.physical(x[None])
         chain = np.array([1 / one.unit_slope(physical[name][0]) for name, one in self.inputs.items()])

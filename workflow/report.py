@@ -10,7 +10,7 @@ import xarray as xr
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from solver.names import CHOICES, FACTORS, QUANTITIES
+from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
 from surrogate import load
 from surrogate.netcdf import read_whole
 from workflow import whatif
@@ -52,7 +52,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         "figures": {path.stem: _figure(path) for path in figures},
         "provenance": json.loads(provenance.read_text(encoding="utf-8")),
         "factors": FACTORS,
-        "quantities": QUANTITIES,
+        "quantities": EVERY_QUANTITY,
         "choices": CHOICES,
         "dataset": None,
         "validation": None,
@@ -99,8 +99,8 @@ def _dataset(folder: Path) -> dict[str, Any]:
     rows = [
         {
             "name": str(name),
-            "units": QUANTITIES[str(name)].units,
-            "long_name": QUANTITIES[str(name)].long_name,
+            "units": EVERY_QUANTITY[str(name)].units,
+            "long_name": EVERY_QUANTITY[str(name)].long_name,
             "low": float(array.min()),
             "high": float(array.max()),
         }

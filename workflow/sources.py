@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from solver.names import PEAKS
 from surrogate import GaussianProcess
 from workflow import factorial
 from workflow.study import Study
@@ -42,9 +43,15 @@ class Exact:
     def __init__(self, study: Study) -> None:
         self._study = study
 
+    @property
+    def quantities(self) -> list[str]:
+        """Every quantity that the study's cases have."""
+        return self._study.quantities
+
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Quantities by name; factors that share a dimension are evaluated together."""
-        solved = factorial.exact(self._study, {name: _labelled(one) for name, one in factors.items()})
+        axes = {name: _labelled(one) for name, one in factors.items()}
+        solved = factorial.exact(self._study, axes, peaks=not PEAKS.keys().isdisjoint(names))
         whole = {"point": 1, "scenario": 1} | dict(solved.sizes)
         arrays = {name: solved[name].expand_dims([dim for dim in whole if dim not in solved.dims]) for name in names}
         return {name: one.transpose("point", "scenario").values for name, one in arrays.items()}

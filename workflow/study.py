@@ -10,9 +10,9 @@ import numpy as np
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from solver import FactorError, Material, MaterialError, solve
-from solver.names import QUANTITIES
+from solver.names import EVERY_QUANTITY, PEAKS, PROFILES, QUANTITIES
 from workflow import targets
-from workflow.fields import FactorName, InputName, Number, QuantityName, Strict
+from workflow.fields import FactorName, FieldName, InputName, Number, QuantityName, Strict, Vector
 from workflow.inputs import InputError, read_material, read_yaml
 from workflow.problems import first_problem
 from workflow.target import Target
@@ -49,7 +49,7 @@ class Positions(Strict):
     outside: int = Field(24, ge=0, le=10_000, description="positions beside it, dense near the edges; even")
     reach: Number = Field(4.0, gt=1, le=1e3, description="largest |X|")
 
-    def values(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    def values(self) -> Vector:
         """The positions, ascending; none is -1 or 1."""
         within = -np.cos(np.pi * (np.arange(self.inside) + 0.5) / self.inside)
         side = self.outside // 2
@@ -63,6 +63,9 @@ class DataSet(Strict):
     positions: Positions = Field(default_factory=Positions, description="positions of the surface fields")
     slabs: int = Field(4, ge=1, le=4096, description="files, and jobs, that the factorial is split into")
     precision: Literal["float32", "float64"] = Field("float64", description="stored precision of the surface fields")
+    peaks: bool = Field(
+        False, description="also the largest stresses of the body: milliseconds a case, not microseconds"
+    )
 
 
 class Surrogate(Strict):
@@ -83,6 +86,24 @@ class Validation(Strict):
     tolerance: Number = Field(1e-6, gt=0, description="largest error over range that every quantity should keep")
 
 
+class Interior(Strict):
+    """Grid below the punch, in half-widths of the contact, and the fields shown on it."""
+
+    reach: Number = Field(2.5, gt=0, le=1e3, description="largest |x - c|/h")
+    depth: Number = Field(2.5, gt=0, le=1e3, description="largest depth over h")
+    across: int = Field(161, ge=2, le=2000, description="points across")
+    down: int = Field(81, ge=2, le=2000, description="points down, dense near the surface")
+    fields: list[FieldName] = Field(
+        default_factory=lambda: ["von_mises", "electric_displacement_y", "magnetic_induction_y"],
+        min_length=1, description="fields shown as contours",
+    )  # fmt: skip
+
+    def grid(self) -> tuple[Vector, Vector]:
+        """(x - c)/h and y/h < 0."""
+        down = (np.arange(1, self.down + 1) / self.down) ** 1.5
+        return np.linspace(-self.reach, self.reach, self.across), -self.depth * down
+
+
 class Effects(Strict):
     """One factor at a time about a baseline, on the exact solver."""
 
@@ -91,16 +112,20 @@ class Effects(Strict):
     positions: Positions = Field(
         default_factory=lambda: Positions(inside=200, outside=200), description="positions of the curves"
     )
+    interior: Interior | None = Field(None, description="grid of contour plots below the punch")
 
     def case(self, factor: str) -> dict[str, Any]:
-        """Factors of one effect; a material and a composite replace each other."""
+        """Factors of one effect: a material and a composite replace each other, and a profile takes what is its own."""
         case: dict[str, Any] = {**self.baseline, factor: self.vary[factor]}
+        profiles = case.get("profile", "cylinder")
+        taken = {name for kind in np.atleast_1d(profiles) for names in PROFILES.get(str(kind), ()) for name in names}
+        of_others = {name for names in PROFILES.values() for name in (*names[0], *names[1])} - taken - {factor}
         other = {
             "material": ("composite", "volume_fraction"),
             "composite": ("material",),
             "volume_fraction": ("material",),
         }
-        return {name: value for name, value in case.items() if name not in other.get(factor, ())}
+        return {name: value for name, value in case.items() if name not in (*other.get(factor, ()), *of_others)}
 
 
 class Verification(Strict):
@@ -131,6 +156,7 @@ class Study(Strict):
     verification: Verification | None = Field(None, description="checks of the solver against independent methods")
 
     _own: dict[str, Material] = PrivateAttr(default_factory=dict)
+    _absent: set[str] = PrivateAttr(default_factory=set)
 
     @property
     def own_materials(self) -> dict[str, Material]:
@@ -148,9 +174,15 @@ class Study(Strict):
         return ["report.html", "verdict.txt"] if self.verification else ["report.html"]
 
     @property
+    def quantities(self) -> list[str]:
+        """Quantities of the data set: those that its cases have, the peaks where they are asked for."""
+        without = self._absent | (set() if self.dataset.peaks else set(PEAKS))
+        return [name for name in EVERY_QUANTITY if name not in without]
+
+    @property
     def outputs(self) -> list[str]:
         """Quantities that the surrogate learns."""
-        return self.surrogate.outputs or list(QUANTITIES)
+        return self.surrogate.outputs or self.quantities
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -161,11 +193,21 @@ class Study(Strict):
         for name in self.factors:
             if name in self.fixed:
                 raise ValueError(f"fixed: {name}: is one of the factors already")
-        for label, target in self.design.items():
+        for label in self.design:
             if not label.isidentifier():
                 raise ValueError(f"design: {label!r} must be letters, digits and underscores")
-            self.check_target(f"design: {label}", target)
+        self._check_quantities()
         return self
+
+    def _check_quantities(self) -> None:
+        """Whether the data set holds what the surrogate and the designs ask for."""
+        for name in self.surrogate.outputs:
+            if name in PEAKS and not self.dataset.peaks:
+                raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
+            if name in self._absent:
+                raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
+        for label, target in self.design.items():
+            self.check_target(f"design: {label}", target)
 
     def check_target(self, where: str, target: Target) -> None:
         """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs."""
@@ -184,7 +226,7 @@ class Study(Strict):
                 if not axis.low <= value <= axis.high:
                     raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
         for name in target.names():
-            if name in QUANTITIES and name not in self.outputs:
+            if name in EVERY_QUANTITY and name not in self.outputs:
                 raise ValueError(f"{where}: {name!r} is not one of surrogate.outputs")
 
     def corners(self) -> dict[str, Any]:
@@ -231,10 +273,12 @@ def load(path: str | Path) -> Study:
     study._own.update(read_material(path.parent / name) for name in study.materials)
     try:
         if study.factors:
-            solve(study.corners(), materials=study.own_materials, phases=study.phases)
+            known = solve(study.corners(), materials=study.own_materials, phases=study.phases)
+            study._absent.update(set(QUANTITIES) - set(known.data_vars))
+            study._check_quantities()
         if study.effects is not None:
             for factor in study.effects.vary:
                 solve(study.effects.case(factor), materials=study.own_materials, phases=study.phases)
-    except (FactorError, MaterialError) as error:
+    except (FactorError, MaterialError, ValueError) as error:
         raise InputError(f"{path}: {error}") from None
     return study

@@ -95,3 +95,29 @@ def test_pmn_pt_has_the_figures_of_its_abstract() -> None:
     assert d[2] == pytest.approx(2800e-12, rel=0.15)  # half a GPa of c13, where it is rounded, moves d33 by 12 %
     assert d[2] / np.sqrt(s[2, 2] * free) == pytest.approx(0.94, abs=0.03)
     assert float(np.sqrt((m.c11 - m.c12) / 2 / m.rho)) == pytest.approx(880, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("name", "coupling", "compliances", "strains"),
+    [
+        ("Terfenol-D", "f", {"s11": 44e-12, "s33": 38e-12, "s13": -16.5e-12}, {"31": -4.3e-9, "33": 8.5e-9}),
+        (
+            "P(VDF-TrFE) 75:25",
+            "e",
+            {"s11": 333e-12, "s33": 300e-12, "s13": -87.5e-12},
+            {"31": 10.4e-12, "33": -33.5e-12},
+        ),
+    ],
+)
+def test_compliances_and_strain_constants_of_the_source_come_back(
+    name: str, coupling: str, compliances: dict[str, float], strains: dict[str, float]
+) -> None:
+    m = solver.find(name)
+    stiffness = np.array([[m.c11, m.c12, m.c13], [m.c12, m.c11, m.c13], [m.c13, m.c13, m.c33]], dtype=float)
+    s = np.linalg.inv(stiffness)
+    axial, along = float(getattr(m, f"{coupling}31")), float(getattr(m, f"{coupling}33"))
+    d = s @ np.array([axial, axial, along])
+    found = {"s11": s[0, 0], "s33": s[2, 2], "s13": s[0, 2]}
+    for key, value in compliances.items():
+        assert found[key] == pytest.approx(value, rel=3e-3)
+    assert d[[0, 2]] == pytest.approx([strains["31"], strains["33"]], rel=5e-3)

@@ -14,7 +14,8 @@ import pytest
 import xarray as xr
 
 from surrogate import FormatError
-from surrogate.netcdf import read_whole, seal, write_whole
+from surrogate.netcdf import read_whole, write_whole
+from surrogate.sealed import seal
 
 
 def sample() -> xr.Dataset:

@@ -11,7 +11,8 @@ import pytest
 import xarray as xr
 
 from surrogate import FormatError, GridGP, ScatterGP, load
-from surrogate.netcdf import read_whole, seal, write_whole
+from surrogate.netcdf import read_whole, write_whole
+from surrogate.sealed import seal
 from tests.surrogate import functions
 
 

@@ -40,6 +40,7 @@ effects:
   baseline: {volume_fraction: 0.5, radius: 0.05, load: 1e5, friction: 0.3}
   vary: {friction: [0.0, 0.3], material: [BaTiO3, PZT-4]}
   positions: {inside: 30, outside: 30}
+  interior: {across: 21, down: 11}
 """
 
 

@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import solver
 import surrogate
 from solver import solve
-from solver.names import FIELDS, QUANTITIES
+from solver.names import FIELDS, INTERIOR, QUANTITIES
 from surrogate.netcdf import read_whole
 from tests.workflow.conftest import Project
 from workflow import cli
@@ -223,3 +224,80 @@ def test_the_installed_command_exits_with_the_status(copy: Callable[[str], Proje
     assert done.returncode == 2
     assert done.stderr.startswith("meecontact: material: 'stel' is unknown; did you mean 'steel'?")
     assert project.run("meecontact", "--help").stdout.startswith("usage: meecontact")
+
+
+# --- every profile and conduction, and the interior ---
+
+MIXED = """\
+profile,radius,width,slope,material,volume_fraction,load,friction,charge,magnetic,speed,corner,moment
+cylinder,0.05,,,BaTiO3,,1e5,0.3,1e-6,conducting,,,
+flat,,0.01,,,0.4,1e5,0.2,,insulating,,,
+wedge,,,0.02,PZT-4,,2e4,0.1,,,,leading,
+half_cylinder,0.1,,,,0.5,1e5,0.3,,,800,trailing,
+flat,,0.01,,CoFe2O4,,1e5,0.2,,,,,-20
+"""
+
+
+def test_a_table_of_every_kind_of_punch(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table, out = tmp_path / "cases.csv", tmp_path / "out.nc"
+    table.write_text(MIXED, encoding="utf-8")
+    assert cli.main(["solve", str(table), "-o", str(out), "--positions=-2,0,0.5", "--peaks"]) == 0
+    assert "left out, as some case has no such quantity: peak_pressure, magnetic_potential" in capsys.readouterr().err
+    found = read_whole(out)
+    alone = [
+        {"radius": 0.05, "material": "BaTiO3", "load": 1e5, "friction": 0.3, "charge": 1e-6},
+        {"profile": "flat", "width": 0.01, "volume_fraction": 0.4, "load": 1e5, "friction": 0.2,
+         "magnetic": "insulating"},
+        {"profile": "wedge", "slope": 0.02, "material": "PZT-4", "load": 2e4, "friction": 0.1},
+        {"profile": "half_cylinder", "radius": 0.1, "volume_fraction": 0.5, "load": 1e5, "friction": 0.3,
+         "speed": 800.0, "corner": "trailing"},
+        {"profile": "flat", "width": 0.01, "material": "CoFe2O4", "load": 1e5, "friction": 0.2, "moment": -20.0},
+    ]  # fmt: skip
+    names = ["depth", "voltage", "contact_trailing", "peak_von_mises", "peak_principal_tension", "stress_xx"]
+    for row, factors in enumerate(alone):
+        expected = solver.solve(factors, [-2.0, 0.0, 0.5], peaks=True)
+        for name in names:
+            np.testing.assert_allclose(found[name].isel(case=row), expected[name], rtol=1e-9, err_msg=f"{name}, {row}")
+    assert list(found["profile"].values) == ["cylinder", "flat", "wedge", "half_cylinder", "flat"]
+
+
+def test_the_interior_of_a_table_of_cases(tmp_path: Path) -> None:
+    table, out = tmp_path / "cases.csv", tmp_path / "out.nc"
+    table.write_text(MIXED, encoding="utf-8")
+    assert cli.main(["interior", str(table), "-o", str(out), "--x=-1.2,0,2", "--y=-0.5,0"]) == 0
+    found = read_whole(out)
+    assert set(found.data_vars) == set(INTERIOR)
+    assert found["von_mises"].dims == ("case", "y", "x")
+    expected = solver.solve_interior(
+        {"profile": "wedge", "slope": 0.02, "material": "PZT-4", "load": 2e4, "friction": 0.1}, [-1.2, 0, 2], [-0.5, 0]
+    )
+    for name in INTERIOR:
+        scale = float(np.abs(expected[name]).max())
+        np.testing.assert_allclose(found[name].isel(case=2), expected[name], rtol=1e-9, atol=1e-12 * scale)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--x=-1,0", "--y=0"], "x: the fields have no value on an edge"),
+        (["--x=0", "--y=0.5"], "y: 0.5 is above the surface; y/h must be <= 0"),
+        (["--x=0,a", "--y=-1"], "--x: 'a' is not a number"),
+        (["--x=0", "--y=-1", "--fields=von_mise"], "fields: 'von_mise' is not one of"),
+    ],
+)
+def test_bad_grids_of_the_interior(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], words: str
+) -> None:
+    table, out = tmp_path / "cases.csv", tmp_path / "out.nc"
+    table.write_text("radius,material,load\n0.05,BaTiO3,1e5\n", encoding="utf-8")
+    assert cli.main(["interior", str(table), "-o", str(out), *options]) == 2
+    message = capsys.readouterr().err
+    assert words in message
+    assert message.count("\n") == 1
+    assert not out.exists()
+
+
+def test_a_material_shows_its_limiting_speed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["material", "PZT-4"]) == 0
+    speed = float(solver.limiting_speed(solver.find("PZT-4")))
+    assert f"limiting speed of a conducting punch: {speed:.6g} m/s" in capsys.readouterr().out

@@ -9,6 +9,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from solver.names import PEAKS
 from workflow import schema
 from workflow.inputs import InputError, read_yaml
 from workflow.study import Study, load
@@ -192,3 +193,33 @@ def test_documented_default_holds_every_default() -> None:
     plain = {name: field.get_default(call_default_factory=True) for name, field in fields.items()}
     expected = {name: v.model_dump() if hasattr(v, "model_dump") else v for name, v in plain.items()}
     assert documented == {"title": "t", **expected}
+
+
+def test_a_study_has_the_quantities_that_its_cases_have(tmp_path: Path) -> None:
+    path = tmp_path / "kinds.yaml"
+    text = """\
+title: An insulating half cylinder
+fixed: {profile: half_cylinder, electric: insulating, radius: 0.05, load: 1.0e+5}
+factors: {volume_fraction: {low: 0.2, high: 0.8, levels: 4}, friction: {low: 0.0, high: 0.5, levels: 4}}
+"""
+    path.write_text(text, encoding="utf-8")
+    found = load(path).outputs
+    assert {"magnetic_potential", "trailing_tension", "depth"} <= set(found)
+    assert not {"voltage", "peak_pressure", "leading_compression", "peak_von_mises"} & set(found)
+    path.write_text(text + "dataset: {peaks: true}\n", encoding="utf-8")
+    assert load(path).outputs == [*found, *PEAKS]
+    for extra, expected in (
+        ("surrogate: {outputs: [voltage]}", "surrogate: outputs: some of these cases have no 'voltage'"),
+        ("surrogate: {outputs: [peak_von_mises]}", "surrogate: outputs: 'peak_von_mises' needs dataset: peaks: true"),
+    ):
+        path.write_text(f"{text}{extra}\n", encoding="utf-8")
+        with pytest.raises(InputError, match=expected):
+            load(path)
+
+
+def test_an_effect_of_the_profile_takes_what_each_profile_needs() -> None:
+    study = load(Path("config/parametric.yaml"))
+    assert study.effects is not None
+    case = study.effects.case("profile")
+    assert {"radius", "width"} <= set(case)
+    assert "width" not in study.effects.case("friction")

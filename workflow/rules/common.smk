@@ -2,9 +2,11 @@
 
 from functools import cache
 
-from workflow import factorial, provenance
+from workflow import factorial, provenance, running
 from workflow import study as studies
 from workflow.study import CHECK_GROUPS, CONVERGING
+
+STUDIES = set()  # those that this run needs
 
 
 @cache
@@ -17,6 +19,7 @@ def study_named(name):
 
 
 def study_of(wildcards):
+    STUDIES.add(wildcards.study)
     return study_named(wildcards.study)
 
 
@@ -33,11 +36,18 @@ def targets_of(name):
     return [f"results/{name}/{file}" for file in study_named(name).targets]
 
 
+def effects_of(study):
+    if not study.effects:
+        return []
+    kinds = ["effect", "interior"] if study.effects.interior else ["effect"]
+    return [f"{kind}_{name}" for name in study.effects.vary for kind in kinds]
+
+
 def figures_of(wildcards):
     study = study_of(wildcards)
     names = ["fields", "errors", "parity", "intervals"] if study.factors else []
     names += [f"design_{name}" for name, target in study.design.items() if len(target.over) > 1]
-    names += [f"effect_{name}" for name in (study.effects.vary if study.effects else [])]
+    names += effects_of(study)
     names += [f"convergence_{group}" for group in CONVERGING if study.verification]
     return expand("results/{study}/figures/{figure}.svg", study=wildcards.study, figure=names)
 
@@ -46,7 +56,7 @@ def results_of(wildcards):
     study = study_of(wildcards)
     names = ["quantities.nc", "surrogate.nc", "validation.nc", "timing.json"] if study.factors else []
     names += ["design.nc", "design.csv"] if study.design else []
-    names += [f"fields/effect_{name}.nc" for name in (study.effects.vary if study.effects else [])]
+    names += [f"fields/{name}.nc" for name in effects_of(study)]
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]
     return expand("results/{study}/{file}", study=wildcards.study, file=names)
 

@@ -1,4 +1,4 @@
-# The parametric study: exact surface fields while one factor varies.
+# The parametric study: exact fields along the surface and below the punch while one factor varies.
 
 
 rule effect:
@@ -13,3 +13,17 @@ rule effect:
         "logs/{study}/effect/{name}.tsv"
     script:
         "../scripts/effect.py"
+
+
+rule interior:
+    output:
+        "results/{study}/fields/interior_{name}.nc",
+    params:
+        study=sections("phases", "materials", "effects"),
+        code=provenance.code("workflow/scripts/interior.py"),
+    log:
+        "logs/{study}/interior/{name}.log",
+    benchmark:
+        "logs/{study}/interior/{name}.tsv"
+    script:
+        "../scripts/interior.py"

@@ -85,6 +85,24 @@ rule figure_effect:
         "../scripts/figure_effect.py"
 
 
+rule figure_interior:
+    input:
+        "results/{study}/fields/interior_{name}.nc",
+    output:
+        report(
+            "results/{study}/figures/interior_{name}.svg",
+            caption="../captions/interior.rst",
+            category="Effects",
+            labels={"figure": "below the punch", "factor": "{name}"},
+        ),
+    params:
+        code=provenance.code("workflow/scripts/figure_interior.py"),
+    log:
+        "logs/{study}/figure_interior/{name}.log",
+    script:
+        "../scripts/figure_interior.py"
+
+
 rule provenance:
     input:
         results_of,
@@ -112,7 +130,7 @@ rule report:
     params:
         code=provenance.code(
             "workflow/scripts/report.py",
-            *captions_of("fields", "errors", "parity", "intervals", "design", "effect", "convergence"),
+            *captions_of("fields", "errors", "parity", "intervals", "design", "effect", "interior", "convergence"),
         ),
     log:
         "logs/{study}/report.log",

@@ -1,0 +1,119 @@
+"""Disks that fill and folders that cannot be written: one clear error, nothing half-written, and a rerun completes."""
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.faults.conftest import RESULTS, contents
+from tests.faults.processes import wait_for_orphans
+from tests.workflow.conftest import Project
+
+Maker = Callable[[str], Project]
+
+# root may write everywhere, unless it gives up the right to
+PLAIN_USER = [] if os.geteuid() else ["setpriv", "--bounding-set=-dac_override", "--inh-caps=-dac_override"]
+
+
+@contextmanager
+def small_disk(folder: Path, kilobytes: int) -> Iterator[Callable[[], None]]:
+    """Mount a small file system at a folder; yields what makes it large."""
+    folder.mkdir(exist_ok=True)
+    command = ["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        pytest.skip(f"a small disk cannot be mounted here: {done.stderr.strip()}")
+
+    def enlarge() -> None:
+        subprocess.run(["mount", "-o", "remount,size=100m", str(folder)], check=True)
+
+    try:
+        yield enlarge
+    finally:
+        subprocess.run(["umount", "--lazy", str(folder)], check=True)
+
+
+def as_plain_user(project: Project, *command: str) -> subprocess.CompletedProcess[str]:
+    """Run a command that permissions bind."""
+    program = str(Path(sys.executable).with_name(command[0]))
+    environment = {**os.environ, "PYTHONPATH": str(project.folder), "PYTHONDONTWRITEBYTECODE": "1"}
+    return subprocess.run(
+        [*PLAIN_USER, program, *command[1:]],
+        cwd=project.folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def completes_after(full: subprocess.CompletedProcess[str], project: Project, expected: dict[str, bytes]) -> None:
+    """The run failed for want of room and left only whole files; the next one completes."""
+    assert full.returncode == 1
+    assert "[Errno 28] No space left on device: 'results/tiny/" in full.stderr
+    wait_for_orphans(project)
+    left = contents(project)
+    assert len(left) > 0
+    assert all(content == expected[name] for name, content in left.items())
+    assert len(left) < len(expected)
+
+
+def test_a_full_disk_stops_the_run_and_a_rerun_completes(tiny: Maker, undisturbed: Project, tmp_path: Path) -> None:
+    source, expected = tiny("source"), contents(undisturbed)
+    project = Project(tmp_path / "disk")
+    used = sum(file.stat().st_size // 1024 + 4 for file in source.folder.rglob("*"))
+    with small_disk(project.folder, used + 600) as enlarge:
+        shutil.copytree(source.folder, project.folder, dirs_exist_ok=True)
+        completes_after(as_plain_user(project, "meecontact", "run", "tiny", "--cores", "2"), project, expected)
+        enlarge()
+        project.run("meecontact", "run", "tiny", "--cores", "2")
+        assert contents(project) == expected
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("kilobytes", range(50, 1500, 100))
+def test_a_full_disk_for_results_at_any_step(kilobytes: int, tiny: Maker, undisturbed: Project) -> None:
+    project, expected = tiny(f"disk{kilobytes}"), contents(undisturbed)
+    with small_disk(project.folder / "results", kilobytes) as enlarge:
+        completes_after(as_plain_user(project, "meecontact", "run", "tiny", "--cores", "2"), project, expected)
+        enlarge()
+        project.run("meecontact", "run", "tiny", "--cores", "2")
+        assert contents(project) == expected
+
+
+def test_an_unwritable_folder_is_named_and_a_rerun_completes(tiny: Maker, undisturbed: Project) -> None:
+    project = tiny("unwritable")
+    results = project.folder / "results"
+    for folder in (results, results / "tiny"):
+        folder.mkdir(exist_ok=True)
+        folder.chmod(0o555)
+        done = as_plain_user(project, "meecontact", "run", "tiny", "--cores", "2")
+        folder.chmod(0o755)
+        assert done.returncode == 1
+        assert f"Permission denied: '{folder.relative_to(project.folder)}/" in done.stderr
+        assert not [file for file in results.rglob("*") if file.is_file()]
+    project.run("meecontact", "run", "tiny", "--cores", "2")
+    assert contents(project) == contents(undisturbed)
+
+
+@pytest.mark.parametrize("command", ["solve", "query"])
+def test_an_unwritable_output_of_a_command_is_one_line(command: str, undisturbed: Project, tmp_path: Path) -> None:
+    table = tmp_path / "table.csv"
+    closed = tmp_path / "closed"
+    closed.mkdir()
+    row = "0.5,0.2,10000,0.05"
+    table.write_text(f"volume_fraction,friction,load,radius\n{row}\n", encoding="utf-8")
+    closed.chmod(0o555)
+    words = {
+        "solve": ["solve", str(table), "-o", str(closed / "out.nc")],
+        "query": ["query", str(RESULTS / "surrogate.nc"), str(table), "-o", str(closed / "out.csv")],
+    }[command]
+    done = as_plain_user(undisturbed, "meecontact", *words)
+    assert done.returncode == 2
+    assert done.stderr == f"meecontact: {words[-1]}: Permission denied\n"
+    assert not list(closed.iterdir())

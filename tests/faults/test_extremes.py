@@ -1,0 +1,76 @@
+"""Numerical extremes: every case is finite or a named error, and no file ever holds a NaN or an infinity."""
+
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import FactorError, Material, MaterialError, find, solve
+from solver.material import UNITS
+from solver.names import FIELDS, QUANTITIES
+from surrogate.netcdf import read_whole
+from workflow.cli import main
+
+FRICTIONS = [0.0, 1e-12, 1e-6, 1e-2, 1.0, 10.0]
+RADII = [1e-9, 1e-6, 1e-3, 1.0, 1e3]
+LOADS = [1e-3, 1.0, 1e3, 1e6, 1e9]
+FRACTIONS = [0.0, 1e-15, 0.5, 1 - 1e-15, 1.0]
+POSITIONS = [-1e6, -1 - 1e-12, -1 + 1e-12, 0.0, 1 - 1e-12, 1 + 1e-12, 1e6]
+
+
+def finite_or_named(factors: dict[str, object]) -> bool:
+    """Solve one case; all of it finite, or an error in one line that names a factor or a quantity."""
+    try:
+        out = solve(factors, POSITIONS)
+    except (FactorError, MaterialError) as error:
+        said = str(error)
+        out = None
+    if out is None:
+        assert said.partition(":")[0] in {*QUANTITIES, *FIELDS, *factors}, said
+        assert "\n" not in said
+        return False
+    for variable, array in out.data_vars.items():
+        assert np.isfinite(array.values).all(), (variable, factors)
+    return True
+
+
+@pytest.mark.parametrize("composite", ["fibrous", "laminate"])
+def test_factors_over_twelve_decades(composite: str) -> None:
+    solved = [
+        finite_or_named({"friction": eta, "radius": R, "load": P, "volume_fraction": v, "composite": composite})
+        for eta, R, P, v in product(FRICTIONS, RADII, LOADS, FRACTIONS)
+    ]
+    assert np.mean(solved) > 0.9  # an error is the exception: a contact as wide as the datum
+
+
+@pytest.mark.parametrize("name", ["steel", "BaTiO3", "PZT-4"])
+@pytest.mark.parametrize("share", [0.0, 1e-15, 1e-12, 1e-8, 1e-4])
+def test_nearly_degenerate_materials(name: str, share: float) -> None:
+    material = find(name)
+    constants = {one: float(getattr(material, one)) for one in UNITS}
+    for moved in ("c11", "c44", "e15", "eps11", "mu33"):
+        near = Material.from_mapping(
+            {"name": "near", **constants, moved: constants[moved] * (1 + share) + (share if moved == "e15" else 0.0)}
+        )
+        for friction in (0.0, 1e-12, 0.3):
+            assert finite_or_named({"material": near, "friction": friction, "radius": 0.05, "load": 1e5})
+
+
+def test_no_file_holds_what_is_not_finite(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    written = 0
+    for number, (eta, R, P, charge) in enumerate(product([0.0, 10.0], [1e-300, 1e3], [1e-300, 1e300], [0.0, 1e300])):
+        table, file = tmp_path / f"{number}.csv", tmp_path / f"{number}.nc"
+        text = f"volume_fraction,friction,radius,load,charge\n0.5,{eta},{R},{P},{charge}\n"
+        table.write_text(text, encoding="utf-8")
+        status = main(["solve", str(table), "-o", str(file), "--positions=-1.5,0.5"])
+        said = capsys.readouterr().err
+        if status == 2:
+            assert said.startswith(f"meecontact: {table}: ")
+            assert said.count("\n") == 1
+            assert not file.exists()
+        else:
+            written += 1
+            data = read_whole(file)
+            assert all(np.isfinite(data[one].values).all() for one in data.data_vars)
+    assert written > 0

@@ -1,0 +1,197 @@
+"""Hostile studies, materials, tables and surrogates: exit status 2 or a good answer, in little time and memory."""
+
+import contextlib
+import io
+import os
+import random
+import resource
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+from surrogate.sealed import SEAL, seal
+from tests.faults import hostile
+from tests.faults.conftest import TINY
+from workflow import factorial, learning
+from workflow import study as studies
+from workflow.cli import main
+from workflow.inputs import InputError
+
+SECONDS = 20  # bounds, not speed: what a shared machine still keeps
+BYTES = 2 * 2**30
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """A surrogate's file."""
+    folder = tmp_path_factory.mktemp("model")
+    (folder / "tiny.yaml").write_text(TINY, encoding="utf-8")
+    study = studies.load(folder / "tiny.yaml")
+    learning.fit(study, factorial.exact(study, dict(factorial.levels(study)))).save(folder / "surrogate.nc")
+    return (folder / "surrogate.nc").read_bytes()
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: bytes) -> Path:
+    """An empty project with a surrogate, as the current folder."""
+    (tmp_path / "config").mkdir()
+    (tmp_path / "surrogate.nc").write_bytes(model)
+    (tmp_path / "points.csv").write_text(hostile.POINTS, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run(place: Path, *words: str) -> int:
+    """Run a command in this process under guard; one line at most on standard error, and bounds kept."""
+    before = set(place.rglob("*"))
+    out, said = io.StringIO(), io.StringIO()
+    start = time.monotonic()
+    with hostile.guarded(place), contextlib.redirect_stdout(out), contextlib.redirect_stderr(said):
+        try:
+            status = main(words)
+        except SystemExit as stop:
+            status = int(stop.code or 0)
+    assert time.monotonic() - start < SECONDS
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 < BYTES
+    assert status in (0, 2), said.getvalue()
+    made = set(place.rglob("*")) - before
+    assert made <= ({place / words[words.index("-o") + 1]} if status == 0 and "-o" in words else set())
+    if status == 2:
+        assert said.getvalue().count("\n") == 1
+        assert len(said.getvalue()) < 2000
+        assert said.getvalue().isprintable() or said.getvalue()[:-1].isprintable()
+    assert not (place / hostile.CANARY).exists()
+    for file in made:
+        file.unlink()
+    return status
+
+
+def few_and_many(few: int, many: int) -> Callable[[Callable[..., None]], Any]:
+    """The same property twice: a few examples in `make test`, the same ones always; many others in `make soak`."""
+    quiet = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow, HealthCheck.data_too_large]
+
+    def twice(property_: Callable[..., None]) -> Callable[..., None]:
+        return settings(
+            max_examples=many if os.environ.get("MEECONTACT_SOAK") else few,
+            derandomize=not os.environ.get("MEECONTACT_SOAK"),
+            deadline=None,
+            database=None,
+            phases=[Phase.generate],  # shrinking a slow example takes minutes
+            suppress_health_check=quiet,
+        )(property_)
+
+    return twice
+
+
+@pytest.mark.soakable
+@few_and_many(150, 3000)
+@given(content=hostile.spoilt(hostile.CASES))
+def test_tables_of_cases(content: bytes, place: Path) -> None:
+    (place / "cases.csv").write_bytes(content)
+    run(place, "solve", "cases.csv", "-o", "out.nc", "--positions=-0.5,2")
+    run(place, "query", "surrogate.nc", "cases.csv", "-o", "out.csv")
+
+
+@pytest.mark.soakable
+@few_and_many(100, 2000)
+@given(content=hostile.spoilt(hostile.MATERIAL))
+def test_materials(content: bytes, place: Path) -> None:
+    (place / "mine.yaml").write_bytes(content)
+    run(place, "material", "mine.yaml")
+
+
+@pytest.mark.soakable
+@few_and_many(150, 3000)
+@given(content=hostile.spoilt(hostile.STUDY))
+def test_studies(content: bytes, place: Path) -> None:
+    (place / "config/tiny.yaml").write_bytes(content)
+    with hostile.guarded(place), contextlib.suppress(InputError):
+        study = studies.named("tiny")
+        assert study.cases <= studies.MOST_CASES
+    assert not (place / hostile.CANARY).exists()
+
+
+@pytest.mark.soakable
+@few_and_many(50, 500)
+@given(name=st.one_of(st.text(max_size=30), st.sampled_from(hostile.PAYLOADS)))
+def test_names_of_studies(name: str, place: Path) -> None:
+    (place / "outside.yaml").write_text(hostile.STUDY, encoding="utf-8")
+    for word in (name, f"../{name}", "../outside", str(place / "outside"), "tiny/../../outside", f"{name}\0"):
+        if not word.startswith("-"):
+            assert run(place, "run", word) == 2
+
+
+@pytest.mark.soakable
+@few_and_many(150, 3000)
+@given(seed=st.integers(0, 2**64), flips=st.integers(1, 30), sealed=st.booleans(), tail=st.integers(0, 300))
+def test_bytes_of_surrogates(seed: int, flips: int, sealed: bool, tail: int, place: Path, model: bytes) -> None:
+    dice = random.Random(seed)
+    content = bytearray(model[: -SEAL.size])
+    for _ in range(flips):  # the headers stand in front
+        content[dice.randrange(min(len(content), dice.choice([8000, len(content)])))] = dice.choice([0, 255, 1, 128])
+    spoilt = place / "spoilt.nc"
+    spoilt.write_bytes(bytes(content[: len(content) - tail]))
+    if sealed:
+        seal(spoilt)
+    status = run(place, "query", "spoilt.nc", "points.csv", "-o", "out.csv")
+    assert sealed or status == 2
+
+
+@pytest.mark.soakable
+@few_and_many(100, 1500)
+@given(seed=st.integers(0, 2**64))
+def test_contents_of_surrogates(seed: int, place: Path, model: bytes) -> None:
+    dice = random.Random(seed)
+    spoilt = place / "spoilt.nc"
+    spoilt.write_bytes(model[: -SEAL.size])
+    with netCDF4.Dataset(spoilt, "a") as file:
+        for _ in range(dice.randint(1, 3)):
+            edit(file, dice)
+    seal(spoilt)
+    run(place, "query", "spoilt.nc", "points.csv", "-o", "out.csv")
+
+
+def edit(file: netCDF4.Dataset, dice: random.Random) -> None:
+    """Change one thing in a model's file: an attribute, values, or a variable more."""
+    name, text = dice.choice(sorted(file.variables)), dice.choice(hostile.PAYLOADS).replace("\0", "")
+    what = dice.choice(["attribute", "of_a_variable", "values", "variable"])
+    if what == "attribute":
+        file.setncattr(dice.choice([*file.ncattrs(), "new"]), dice.choice([text, 1, -1, 2**40, np.nan, np.arange(99)]))
+    elif what == "of_a_variable":
+        file[name].setncattr(dice.choice(["units", "scale_factor", "add_offset", "calendar"]), text)
+    elif what == "values" and file[name].dtype is str:
+        file[name][...] = np.full(file[name].shape, text, dtype=object)
+    elif what == "values":
+        value = dice.choice([0.0, np.nan, np.inf, -1.0, 1e308, 1e-308])
+        with contextlib.suppress(OverflowError, ValueError):
+            file[name][...] = value
+    else:
+        size = dice.choice([1, 2**20, 2**27, 2**40, 2**50])
+        file.createDimension(f"d{len(file.dimensions)}", size)
+        file.createVariable(
+            f"v{len(file.variables)}", "f8", (list(file.dimensions)[-1],), chunksizes=(min(size, 1024),)
+        )
+
+
+def test_a_valid_file_of_each_kind_is_accepted(place: Path) -> None:
+    (place / "cases.csv").write_text(hostile.CASES, encoding="utf-8")
+    (place / "mine.yaml").write_text(hostile.MATERIAL, encoding="utf-8")
+    (place / "config/tiny.yaml").write_text(hostile.STUDY, encoding="utf-8")
+    assert run(place, "solve", "cases.csv", "-o", "out.nc") == 0
+    assert run(place, "material", "mine.yaml") == 0
+    assert run(place, "query", "surrogate.nc", "points.csv", "-o", "out.csv") == 0
+    assert studies.named("tiny").cases == 320
+
+
+def test_the_guard_sees_what_it_should(place: Path) -> None:
+    with hostile.guarded(place), pytest.raises(AssertionError, match=r"led to os\.system"):
+        os.system("true")
+    with hostile.guarded(place), pytest.raises(AssertionError, match="led to a write"):
+        (place.parent / "elsewhere").write_text("", encoding="utf-8")

@@ -1,0 +1,54 @@
+"""A flipped bit or a missing tail in any netCDF file that a rule reads is found, named and not passed on."""
+
+import os
+import shutil
+from pathlib import Path
+
+from tests.faults.conftest import REPORT, RESULTS, contents
+from tests.workflow.conftest import Project
+
+
+def flip(content: bytes) -> bytes:
+    """One bit, in the middle."""
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+def cut(content: bytes) -> bytes:
+    """All but the last byte."""
+    return content[:-1]
+
+
+# tampered files, and what is made from each
+READ = [
+    {"fields/slab_1.nc": "quantities.nc", "fields/effect_friction.nc": "figures/effect_friction.svg"},
+    {"fields/slab_0.nc": "figures/fields.svg", "quantities.nc": "surrogate.nc"},
+    {"surrogate.nc": "validation.nc"},
+    {"validation.nc": "figures/errors.svg"},
+    {"validation.nc": "report.html"},
+]
+
+
+CASES = [(flip, "altered", pairs) for pairs in READ] + [(cut, "incomplete", READ[3])]
+
+
+def test_damage_is_named_and_not_passed_on(undisturbed: Project, tmp_path: Path) -> None:
+    project = Project(tmp_path / "tampered")
+    results = project.folder / RESULTS
+    for damage, says, pairs in CASES:
+        shutil.rmtree(project.folder, ignore_errors=True)
+        shutil.copytree(undisturbed.folder, project.folder)
+        for name, target in pairs.items():
+            written = (results / name).stat()
+            (results / name).write_bytes(damage((results / name).read_bytes()))
+            os.utime(results / name, ns=(written.st_atime_ns, written.st_mtime_ns))
+            (results / target).unlink()
+        done = project.snakemake("--keep-going", *(str(RESULTS / target) for target in pairs.values()), check=False)
+        assert done.returncode == 1
+        for name, target in pairs.items():
+            assert f"FormatError: {RESULTS / name}: {says}" in done.stderr
+            assert not (results / target).exists(), target
+            (results / name).unlink()  # what the troubleshooting page tells
+    (results / "report.html").unlink(missing_ok=True)
+    project.snakemake(REPORT)
+    assert contents(project) == contents(undisturbed)

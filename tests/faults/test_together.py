@@ -1,0 +1,52 @@
+"""Two runs at once, one core or two, few slabs or many: no interference, and the same bytes."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from tests.faults.conftest import REPORT, RESULTS, TINY, contents
+from tests.faults.processes import jobs, start
+from tests.workflow.conftest import Project
+
+Maker = Callable[[str], Project]
+
+
+def test_a_second_run_of_a_study_is_refused_and_the_first_is_not_disturbed(tiny: Maker, undisturbed: Project) -> None:
+    project = tiny("twice")
+    first = start(project, "tiny")
+    while first.poll() is None and not jobs(project):
+        pass
+    for command in (["meecontact", "run", "tiny"], ["snakemake", "--cores", "1", REPORT]):
+        second = project.run(*command, check=False)
+        assert second.returncode == 1
+        assert re.search(r"^study 'tiny' is already being run \(process \d+\): wait", second.stderr, re.MULTILINE)
+    assert first.wait() == 0
+    assert contents(project) == contents(undisturbed)
+    assert project.run("meecontact", "run", "tiny").returncode == 0
+
+
+def test_other_studies_run_beside_it(tiny: Maker, undisturbed: Project) -> None:
+    project = tiny("others")
+    (project.folder / "config/other.yaml").write_text(TINY, encoding="utf-8")
+    runs = [start(project, name) for name in ("tiny", "other")]
+    assert [run.wait() for run in runs] == [0, 0]
+    assert contents(project) == contents(undisturbed)
+    one, other = (project.folder / "results" / name / "surrogate.nc" for name in ("tiny", "other"))
+    assert one.read_bytes() == other.read_bytes()
+
+
+def test_cores_and_slabs_do_not_change_a_byte(tiny: Maker, undisturbed: Project) -> None:
+    expected = contents(undisturbed)
+    for slabs in (1, 5):
+        project = tiny(f"slabs{slabs}")
+        study = project.folder / "config/tiny.yaml"
+        study.write_text(TINY.replace("slabs: 3", f"slabs: {slabs}"), encoding="utf-8")
+        project.run("snakemake", "--cores", "1", str(RESULTS / "quantities.nc"))
+        assert (project.folder / RESULTS / "quantities.nc").read_bytes() == expected["quantities.nc"]
+        assert len(list((project.folder / RESULTS / "fields").glob("slab_*.nc"))) == slabs
+
+
+def test_provenance_names_what_the_results_came_from(undisturbed: Project) -> None:
+    text = Path(undisturbed.folder / RESULTS / "provenance.json").read_text(encoding="utf-8")
+    for word in ('"numpy"', '"snakemake"', '"sources_sha256"', '"study_sha256"', '"seed": 1', '"quantities.nc"'):
+        assert word in text

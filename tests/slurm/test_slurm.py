@@ -1,0 +1,37 @@
+"""The quickstart through a real Slurm: every data file has the bytes of a local run. `make slurm`."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.faults.conftest import NOT_COMPARED
+from tests.slurm.one_node import cluster, missing
+from tests.workflow.conftest import Project, copy
+
+__all__ = ["copy"]
+
+pytestmark = pytest.mark.slurm
+
+
+def data(project: Project) -> dict[str, bytes]:
+    """Bytes of the quickstart's files but for those that hold measured times."""
+    results = project.folder / "results/quickstart"
+    files = [file for file in results.rglob("*") if file.is_file() and file.name not in NOT_COMPARED]
+    return {str(file.relative_to(results)): file.read_bytes() for file in files}
+
+
+@pytest.mark.skipif(bool(missing()), reason=missing() or "Slurm can be started")
+def test_slurm_and_a_local_run_give_the_same_bytes(copy: Callable[[str], Project], tmp_path: Path) -> None:
+    local, remote = copy("local"), copy("remote")
+    local.run("meecontact", "run", "quickstart")
+    expected = data(local)
+    shutil.rmtree(local.folder)
+    with cluster(tmp_path / "slurm"):
+        done = remote.run("meecontact", "run", "quickstart", "--profile", "slurm")
+    assert "slurm jobid" in done.stderr.lower()  # it did go there
+    found = data(remote)
+    assert found.keys() == expected.keys()
+    assert len(found) > 12
+    assert all(content == expected[name] for name, content in found.items())

@@ -1,0 +1,14 @@
+"""Rule interior: exact fields below the punch while one factor varies."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from surrogate.netcdf import write_whole
+from workflow import effects, joblog, study
+
+snakemake: Snakemake
+
+joblog.start(snakemake.log[0])
+config = study.named(snakemake.wildcards.study)
+write_whole(effects.interior(config, snakemake.wildcards.name), Path(snakemake.output[0]))
