@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from surrogate import GaussianProcess
 from surrogate.optimise import Optimum, Problem, improve, maximise
 from surrogate.pareto import Front
-from workflow import front, judgement, landscape
+from workflow import contactfields, front, judgement, landscape
 from workflow.inputs import InputError
 from workflow.question import Question, ask
 from workflow.sources import Exact, Predicted, Source
@@ -58,6 +58,8 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> x
     parts = [judgement.judge(question, x, source, exact), landscape.landscape(question, x, source)]
     if best.front is not None:
         parts.append(front.solved(question, best.front, source, exact).reindex(factor=parts[0]["factor"]))
+    case = {str(name): float(parts[0]["worst"].sel(factor=name)[0]) for name in parts[0]["factor"].values}
+    parts.append(contactfields.fields(study, case))
     out = xr.merge(parts, compat="no_conflicts", join="outer")
     if not bool(out["inside"].all()) and not target.allow_outside_interval:
         raise InputError(f"design: {name}: {judgement.outside(out)}; allow_outside_interval: true would accept it")

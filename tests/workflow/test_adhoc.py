@@ -75,7 +75,7 @@ def test_uncertain_factors_choices_and_defaults(ran: Project) -> None:
     [
         (["--maximise", "depht", "--over", "radius", "--at", "load=1e4"], "design: 'depht': 'depht' is not a quant"),
         (["--maximise", "voltage", "--over", "radius", "--at", "load=1e4"], "design: 'volume_fraction' is missing; p"),
-        (["--maximise", "voltage", "--over", "radios", "--at", "load=1e4"], "design: over.radios: 'radios' is not a fac"),
+        (["--maximise", "voltage", "--over", "radios", "--at", "load=1e4"], "design: over.radios: 'radios' is not"),
         (["--maximise", "depth", "--over", "radius=1:0", "--at", "load=1e4"], "design: over.radius: low = 1 must"),
         (["--maximise", "depth", "--over", "radius=b", "--at", "load=1e4"], "--over: radius: 'b' is not a number"),
         (["--maximise", "depth", "--over", "radius", "--at", "load"], "--at: load: '' is not a number"),
