@@ -45,7 +45,7 @@ def _map(answer: xr.Dataset) -> Figure:
     """First objective over two design variables, the infeasible region hatched, the exact optimum marked."""
     x, y = answer["map_x"], answer["map_y"]
     names = [str(axis.attrs["factor"]) for axis in (x, y)]
-    figure, ax = plt.subplots(figsize=(7.2, 4.6))
+    figure, ax = plt.subplots(figsize=(5.6, 4.1))
     objective, excess = answer["map_objective"].values.T, answer["map_excess"].values.T
     size, label = _objective(answer)
     filled = ax.contourf(x, y, objective / size, 24, cmap="viridis")
@@ -68,7 +68,7 @@ def _map(answer: xr.Dataset) -> Figure:
 def _slices(answer: xr.Dataset) -> Figure:
     """The first objective along each variable through the design: as it counts, and its band over the scenarios."""
     names = [str(name) for name in answer["slice"].values]
-    figure, axes = plt.subplots(1, len(names), figsize=(4.6 * len(names) + 0.6, 3.2), squeeze=False, sharey=True)
+    figure, axes = plt.subplots(1, len(names), figsize=(2.6 * len(names) + 0.6, 3.0), squeeze=False, sharey=True)
     size, label = _objective(answer)
     lowest, highest = float(answer["slice_low"].min()) / size, float(answer["slice_high"].max()) / size
     pad = 0.05 * (highest - lowest)
@@ -87,7 +87,7 @@ def _slices(answer: xr.Dataset) -> Figure:
         ax.set_ylim(ends)
         _factor_axis(ax, "x", name, x)
     axes[0, 0].set_ylabel(label)
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=4)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=2)
     return figure
 
 
@@ -96,7 +96,7 @@ def _bars(answer: xr.Dataset) -> Figure:
     """Elasticities of objective and limits: percent for a percent, exact."""
     names = [str(name) for name in answer["factor"].values if np.isfinite(answer["elasticity"].sel(factor=name)).any()]
     terms = [str(term) for term in answer["term"].values]
-    figure, ax = plt.subplots(figsize=(8.4, 0.34 * len(terms) * max(len(names), 1) + 1.2))
+    figure, ax = plt.subplots(figsize=(5.8, 0.3 * len(terms) * max(len(names), 1) + 1.1))
     height = 0.8 / max(len(names), 1)
     for k, name in enumerate(names):
         values = answer["elasticity"].sel(factor=name).values
@@ -104,7 +104,7 @@ def _bars(answer: xr.Dataset) -> Figure:
         drawn = ax.barh(places, values, height * 0.9, color=plt.get_cmap("tab10")(k), label=name.replace("_", " "))
         ax.bar_label(drawn, [f"{value:.2g}" for value in values], padding=3, fontsize=7.5)
     ax.axvline(0, color=INK, lw=0.8)
-    ax.set_yticks(np.arange(len(terms)), [_short(term, 46) for term in terms])
+    ax.set_yticks(np.arange(len(terms)), [_short(term, 30) for term in terms])
     ax.invert_yaxis()
     ax.margins(x=0.12)
     ax.set_xlabel("change in % for 1 % more of a variable")
@@ -164,7 +164,7 @@ def _inside(figure: Figure, ax: Axes, field: xr.DataArray, title: str) -> None:
 def _front(answer: xr.Dataset) -> Figure:
     """The exact Pareto front: the first objective against each other one, the compromise marked."""
     names = [str(name) for name in answer["objective"].values]
-    figure, axes = plt.subplots(1, len(names) - 1, figsize=(6.4 * (len(names) - 1) ** 0.7, 4.2), squeeze=False)
+    figure, axes = plt.subplots(1, len(names) - 1, figsize=(5.8 * (len(names) - 1) ** 0.7, 4.0), squeeze=False)
     for ax, other in zip(axes.flat, names[1:], strict=True):
         labels, columns, best = [], [], []
         for name in (names[0], other):

@@ -25,3 +25,17 @@ def raised(units: str) -> str:
     if units == "1":
         return ""
     return re.sub(r"([A-Za-z])(-?[0-9/]+)", lambda match: match[1] + match[2].translate(_RAISED), units)
+
+
+def shown(value: float, units: str, digits: int = 5) -> str:
+    """A value with its prefix and unit, as 122.61 mm; a dash where there is none."""
+    if not np.isfinite(value):
+        return "–"
+    size, text = prefixed(value, units)
+    number = value / size
+    if number and not 1e-3 <= abs(number) < 1e5:
+        mantissa, _, power = f"{number:.{digits - 1}e}".partition("e")
+        plain = f"{float(mantissa):g}×10{str(int(power)).translate(_RAISED)}"
+    else:
+        plain = f"{number:.{digits}g}"
+    return f"{plain.replace('-', '−')} {text}".strip()

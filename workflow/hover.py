@@ -25,7 +25,7 @@ def attach_map(ax: Axes, x: Array, y: Array, values: Array, label: str) -> None:
         "x": _rounded(x[columns]),
         "y": _rounded(y[rows]),
         "values": _rounded(values[np.ix_(rows, columns)].ravel()),
-        "label": label,
+        "label": _plain(label),
     }
 
 
@@ -72,11 +72,12 @@ def _data(x: Any, y: Any) -> tuple[Array, Array]:
 
 
 def _scale(limits: tuple[float, float], kind: str, label: str) -> dict[str, Any]:
-    return {
-        "limits": _rounded(np.array(limits)),
-        "log": kind == "log",
-        "label": " ".join(label.replace("$", "").split()),
-    }
+    return {"limits": _rounded(np.array(limits)), "log": kind == "log", "label": _plain(label)}
+
+
+def _plain(label: str) -> str:
+    """A label on one line, without the marks of formulas."""
+    return " ".join(label.replace("$", "").replace("\\sigma_{xx}", "σxx").split())
 
 
 def _rounded(values: Array) -> list[float]:

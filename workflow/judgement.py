@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from solver.names import EVERY_QUANTITY, FACTORS
+from solver.names import EVERY_QUANTITY, FACTORS, PEAKS
 from workflow import factorial
 from workflow.question import Question
 from workflow.scenarios import Scenarios
@@ -225,7 +225,8 @@ def _sensitivities(question: Question, x: Array, exact: Exact, factors: list[str
     for k, name in enumerate(names):
         mine = slice(1 + 4 * k, 5 + 4 * k)
         varied[name][mine] = np.clip(design[name] * shares[mine], *_physical_range(name))
-    sets = question.searched
+    costly = any(name in PEAKS for term in question.terms for name in term.expression.names())
+    sets = question.searched if costly else question.judged
     values = count(question, {drawn: question.at(varied, chosen) for drawn, chosen in sets.items()}, sets, exact)
     here, around = values[0], values[1:].reshape(len(names), 4, len(question.terms))
     elasticity, cost, left = (np.full((len(factors), *rest), np.nan) for rest in ((len(question.terms),), (), ()))

@@ -13,6 +13,7 @@ from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
 from surrogate import load
 from surrogate.netcdf import read_whole
 from workflow import designfigures, whatif
+from workflow.engineering import shown
 from workflow.inline import inlined
 from workflow.study import CHECK_GROUPS, Study
 from workflow.verdict import findings
@@ -46,7 +47,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         lstrip_blocks=True,
     )
     environment.globals |= {"kinds": designfigures.kinds}
-    environment.filters |= {"number": _number, "seconds": _seconds, "words": _words}
+    environment.filters |= {"number": _number, "seconds": _seconds, "words": _words, "si": shown}
     content: dict[str, Any] = {
         "study": study,
         "name": name,
@@ -139,7 +140,7 @@ def _design(data: xr.Dataset) -> dict[str, Any]:
         {
             "name": str(name),
             "inside": bool(one["inside"]),
-            **{key: float(one[key]) for key in ("predicted", "predicted_std", "exact", "limit", "margin")},
+            **{key: float(one[key]) for key in ("predicted", "half", "exact", "limit", "margin")},
             "units": str(one["units"].values),
             "error": abs(float(one["predicted"]) / float(one["exact"]) - 1) if float(one["exact"]) else np.nan,
         }
