@@ -21,6 +21,9 @@ from surrogate.sealed import FormatError, appearing, check_seal
 CHECKSUM = "checksum"
 # Arrays below this size gain nothing from compression.
 COMPRESS_FROM = 4096
+# netCDF4 ignores `shuffle` beside "zstd"; without it floating-point numbers hardly pack, hence Blosc's
+PACKED: dict[str, Any] = {"compression": "blosc_zstd", "complevel": 1, "blosc_shuffle": 1}
+PACKINGS: tuple[dict[str, Any], ...] = (PACKED, {})  # in the order in which they are tried
 MAX_BYTES = 16 * 2**30
 # What one string of a variable-length array takes in memory, at least.
 STRING_BYTES = 64
@@ -67,13 +70,28 @@ def write_whole(
     plain.attrs.pop(CHECKSUM, None)
     plain.attrs.setdefault("Conventions", "CF-1.11")
     mark = checksum(plain)
-    settings = {name: _encoding(variable) for name, variable in plain.variables.items()}
-    for name, extra in (encoding or {}).items():
-        settings[name] |= extra
-    with appearing(Path(path)) as partial:
-        plain.to_netcdf(partial, mode="w", format="NETCDF4", engine="netcdf4", encoding=settings)
-        with netCDF4.Dataset(partial, "a") as file:
-            file.setncattr(CHECKSUM, mark)
+    for packed in PACKINGS:
+        settings = {name: _encoding(variable, packed) for name, variable in plain.variables.items()}
+        for name, extra in (encoding or {}).items():
+            settings[name] |= extra
+        with incompressible_is_no_error(packed), appearing(Path(path)) as partial:
+            plain.to_netcdf(partial, mode="w", format="NETCDF4", engine="netcdf4", encoding=settings)
+            with netCDF4.Dataset(partial, "a") as file:
+                file.setncattr(CHECKSUM, mark)
+            return
+
+
+@contextmanager
+def incompressible_is_no_error(packed: Mapping[str, Any]) -> Iterator[None]:
+    """Let a write fail that was to be compressed, so that it is tried again as it is.
+
+    The Blosc filter fails on data that it cannot make smaller, and the library then says no more than "HDF error".
+    """
+    try:
+        yield
+    except RuntimeError:
+        if not packed:
+            raise
 
 
 def read_whole(
@@ -89,8 +107,8 @@ def read_whole(
     path : path-like
         The file.
     lazy : bool
-        Only check that the file is complete, not that it is unaltered, and leave the arrays on disk; close the data
-        set after use. By default everything is loaded and verified.
+        Verify the bytes of the file, but leave the arrays on disk; close the data set after use. By default
+        everything is loaded, and its contents are verified too.
     max_bytes : int
         Refuse a file that is, or unpacks to, more than this.
     names : collection of str, optional
@@ -106,7 +124,7 @@ def read_whole(
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file")
-    check_seal(path, max_bytes, digest=not lazy)
+    check_seal(path, max_bytes)
     mark = _inspect(path, max_bytes)
     with _reported(path):
         dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False)
@@ -125,6 +143,11 @@ def read_whole(
 
 def checksum(dataset: xr.Dataset) -> str:
     """Return the SHA-256 over the names, dimensions, attributes and bytes of all variables, in hexadecimal."""
+    return combined(checksum_parts(dataset), dataset.attrs)
+
+
+def checksum_parts(dataset: xr.Dataset) -> dict[str, str]:
+    """Digest of every variable."""
     digests = {}
     for name, variable in dataset.variables.items():
         digest = started(variable.dims, variable.shape, variable.dtype)
@@ -133,7 +156,7 @@ def checksum(dataset: xr.Dataset) -> str:
         except TypeError as error:
             raise TypeError(f"variable {name!r}: {error}") from None
         digests[str(name)] = finished(digest, variable.attrs)
-    return combined(digests, dataset.attrs)
+    return digests
 
 
 def started(dims: Iterable[Hashable], shape: Iterable[int], dtype: np.dtype[Any]) -> "hashlib._Hash":
@@ -171,11 +194,9 @@ def _attributes(attrs: Mapping[Any, Any]) -> bytes:
     return json.dumps({str(key): plain(attrs[key]) for key in sorted(attrs, key=str)}).encode()
 
 
-def _encoding(variable: xr.Variable) -> dict[str, Any]:
+def _encoding(variable: xr.Variable, packed: Mapping[str, Any]) -> dict[str, Any]:
     if variable.dtype.kind != "f":
         return {}
-    # netCDF4 ignores `shuffle` beside "zstd"; without it floating-point numbers hardly pack, hence Blosc's
-    packed = {"compression": "blosc_zstd", "complevel": 1, "blosc_shuffle": 1}
     return {"_FillValue": None, **(packed if variable.size >= COMPRESS_FROM else {})}
 
 

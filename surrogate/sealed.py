@@ -58,8 +58,14 @@ def seal(path: Path) -> None:
         file.write(mark)
 
 
-def check_seal(path: Path, max_bytes: int, *, digest: bool = True) -> None:
-    """Refuse a file that is too large, incomplete or (unless ``digest`` is false) altered, by :class:`FormatError`."""
+def check_seal(path: Path, max_bytes: int, *, digest: bool = True) -> str:
+    """Refuse a file that is too large, incomplete or (unless ``digest`` is false) altered, by :class:`FormatError`.
+
+    Returns
+    -------
+    str
+        The SHA-256 that the seal holds, in hexadecimal.
+    """
     size = path.stat().st_size
     if size > max_bytes:
         raise FormatError(path, f"too large: {size} bytes, at most {max_bytes} are read")
@@ -71,6 +77,7 @@ def check_seal(path: Path, max_bytes: int, *, digest: bool = True) -> None:
         raise FormatError(path, "incomplete: it has no seal at its end, so it is truncated or not of this program")
     if digest and stored != _digest(path, length):
         raise FormatError(path, "altered: its bytes do not match its seal")
+    return str(stored.hex())
 
 
 def _explained(error: OSError | RuntimeError, partial: Path, path: Path) -> OSError | RuntimeError:

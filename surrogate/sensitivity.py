@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from surrogate.gridgp import GridGP
+from surrogate.model import GaussianProcess
 
 Array = NDArray[np.float64]
 
@@ -26,13 +27,13 @@ POSITIONS = 41
 SAMPLE = 1024
 
 
-def sobol(model: GridGP) -> xr.Dataset:
+def sobol(model: GaussianProcess) -> xr.Dataset:
     """Return Sobol' indices and main effects of every output.
 
     Parameters
     ----------
-    model : GridGP
-        A fitted model; after `calibrate` the intervals rest on its calibrated standard deviation.
+    model : GaussianProcess
+        A fitted `GridGP`; after `calibrate` the intervals rest on its calibrated standard deviation.
 
     Returns
     -------

@@ -20,7 +20,8 @@ from solver.material import UNITS
 from solver.names import QUANTITIES
 from surrogate import FormatError, OutOfBoxError, load
 from surrogate.netcdf import write_whole
-from workflow import adhoc
+from surrogate.trial import try_to_read
+from workflow import adhoc, factorial
 from workflow import study as studies
 from workflow.files import write_text
 from workflow.inputs import InputError, one_line, read_cases, read_material
@@ -93,6 +94,9 @@ def _parser() -> _Parser:
     command.add_argument("--at", metavar="NAME=VALUE,...", help="one point, printed")
     command.add_argument("-o", "--output", type=Path, metavar="OUT.csv")
     command.add_argument("--extrapolate", action="store_true", help="answer outside the trained box too, flagged")
+    command.add_argument(
+        "--exact", metavar="STUDY", help="also the exact answers, by the formula: name of the study that it came from"
+    )
     command.set_defaults(run=_query)
 
     command = commands.add_parser("material", help="check a material; print roots, compliance and admissibility")
@@ -157,6 +161,8 @@ def _solved(
 
 
 def _query(options: argparse.Namespace) -> None:
+    if options.surrogate.is_file():
+        try_to_read(options.surrogate)  # it may come from anywhere
     model = load(options.surrogate)
     if (options.table is None) == (options.at is None):
         raise InputError("query: give either a table AT.csv or --at NAME=VALUE,...")
@@ -180,10 +186,24 @@ def _query(options: argparse.Namespace) -> None:
         answer = model.predict(named, extrapolate=options.extrapolate)
     except ValueError as error:
         raise InputError(f"{where}: {error}") from None
+    if options.exact is not None:
+        answer = _with_exact(answer, named, studies.named(options.exact), list(model.outputs_))
     if options.at is not None and options.output is None:
         _print_answer(answer, list(model.outputs_))
     else:
         _write_answer(options.output, points, answer)
+
+
+def _with_exact(
+    answer: xr.Dataset, points: dict[str, xr.DataArray], study: studies.Study, outputs: list[str]
+) -> xr.Dataset:
+    """The answer with ``<output>_exact`` beside every output."""
+    if set(points) != set(study.factors):
+        raise InputError(
+            f"--exact: the study's factors are {', '.join(study.factors)}; the surrogate's {', '.join(points)}"
+        )
+    exact = factorial.exact(study, dict(points))
+    return answer.assign({f"{name}_exact": exact[name] for name in outputs})
 
 
 def _print_answer(answer: xr.Dataset, outputs: list[str]) -> None:
@@ -191,7 +211,8 @@ def _print_answer(answer: xr.Dataset, outputs: list[str]) -> None:
         print("extrapolated: the point lies outside the trained box; its intervals are not to be trusted")
     for name in outputs:
         mean, std = (float(answer[key].values[0]) for key in (name, f"{name}_std"))
-        print(f"{name:34s} {mean: .10g}  +- {std:.2g}  {answer[name].attrs.get('units', '')}")
+        exact = f"  exact {float(answer[f'{name}_exact'].values[0]): .10g}" if f"{name}_exact" in answer else ""
+        print(f"{name:34s} {mean: .10g}  +- {std:.2g}{exact}  {answer[name].attrs.get('units', '')}")
 
 
 def _write_answer(path: Path, points: dict[str, list[Any]], answer: xr.Dataset) -> None:
@@ -249,9 +270,21 @@ def _run(options: argparse.Namespace) -> int:
     if options.profile not in profiles:
         raise InputError(f"--profile: {options.profile!r} is unknown; {nearest(options.profile, profiles)}")
     where = ["--cores", options.cores] if options.profile == "default" else []  # a cluster's profile counts jobs
-    command = ["--workflow-profile", f"profiles/{options.profile}", *where]
-    command += ["--quiet", "rules", "host", "reason", "--", report, *others]
-    status = subprocess.run([Path(sys.executable).with_name("snakemake"), *command], check=False).returncode
+    snakemake = [
+        Path(sys.executable).with_name("snakemake"),
+        "--workflow-profile",
+        f"profiles/{options.profile}",
+        *where,
+    ]
+    if study.open:  # what no budget reaches is bad input, and is told before anything else is done
+        chosen = [*snakemake, "--quiet", "all", "--", f"results/{options.study}/levels.nc"]
+        told = subprocess.run(chosen, check=False, stderr=subprocess.PIPE, text=True)
+        for line in told.stderr.splitlines():
+            kind, colon, reason = line.partition(": ")
+            if told.returncode and colon and kind in ("UnreachableError", "InputError"):
+                raise InputError(f"{studies.FOLDER / options.study}.yaml: {reason}")
+    command = [*snakemake, "--quiet", "rules", "host", "reason", "--", report, *others]
+    status = subprocess.run(command, check=False).returncode
     if status == 0:
         print(f"report: {report}")
     return status

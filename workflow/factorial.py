@@ -1,20 +1,26 @@
 """The factorial of a study: its axes, its slabs of exact cases, and random cases in the same box."""
 
-from collections.abc import Iterable, Iterator, Sequence
+import os
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from tqdm import tqdm
 
 from solver import solve
-from solver.names import EVERY_QUANTITY, FACTORS, FIELDS
+from solver.names import EVERY_QUANTITY, FACTORS
 from surrogate import Input, chebyshev_levels
-from workflow.joblog import log
 from workflow.study import Study
+
+#: What a job that solves a slab takes at most, whatever its size [MB].
+SLAB_MEMORY = 1500
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
+
+
+#: Slabs of a study whose first axis is open, at most and if it does not say: `choice.choose` gives it as many levels.
+MOST_SLABS, USUAL_SLABS = 8, 4
 
 
 def inputs(study: Study) -> list[Input]:
@@ -26,35 +32,27 @@ def inputs(study: Study) -> list[Input]:
 
 
 def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
-    """Levels of every axis."""
+    """Levels of every axis of a study without open ones."""
     return {
-        name: chebyshev_levels(axis.low, axis.high, axis.levels, axis.scale) for name, axis in study.factors.items()
+        name: chebyshev_levels(axis.low, axis.high, axis.levels or 0, axis.scale)
+        for name, axis in study.factors.items()
     }
 
 
 def slab_count(study: Study) -> int:
-    """Number of slabs: what the study asks for, at most one a level of the first axis."""
-    first = next(iter(study.factors.values()), None)
-    return min(study.dataset.slabs, first.levels) if first else 0
+    """Number of slabs: what the study asks for, or one for each job that cores and memory let run at once.
 
-
-def slab(study: Study, index: int) -> xr.Dataset:
-    """Exact quantities and fields of one slab of the factorial, split along the first axis.
-
-    Shows cases done of all and the time left on a terminal; computes one level of the axis at a time, so that memory
-    beyond the result stays small.
+    At most one a level of the first axis. The cores and the memory are this machine's (or what the process may use);
+    on a cluster the study should say it.
     """
-    axes = levels(study)
-    first = next(iter(axes))
-    part = np.array_split(axes[first], slab_count(study))[index]
-    per_level = study.cases // axes[first].size
-    name = f"slab {index + 1} of {slab_count(study)}"
-    pieces = []
-    for level in _progress(part, per_level, name):
-        piece = exact(study, {**axes, first: np.array([level])}, study.dataset.positions.values())
-        pieces.append(piece.assign({field: piece[field].astype(study.dataset.precision) for field in FIELDS}))
-    log.info("%s: %d cases of %d", name, part.size * per_level, study.cases)
-    return xr.concat(pieces, dim=first)
+    first = next(iter(study.factors.values()), None)
+    if first is None:
+        return 0
+    if first.levels is None:  # its levels follow from the slabs, and must not from the machine
+        return min(study.dataset.slabs or USUAL_SLABS, MOST_SLABS)
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2**20
+    at_once = min(len(os.sched_getaffinity(0)), memory // SLAB_MEMORY)
+    return min(study.dataset.slabs or max(1, at_once), first.levels)
 
 
 def gather(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
@@ -97,11 +95,3 @@ def exact(
         phases=study.phases,
         peaks=study.dataset.peaks if peaks is None else peaks,
     )
-
-
-def _progress(part: np.ndarray[Any, np.dtype[np.float64]], per_level: int, name: str) -> Iterator[float]:
-    """The levels of a slab, with a bar of cases on a terminal and nothing in a log file."""
-    with tqdm(total=part.size * per_level, desc=name, unit=" cases", disable=None, leave=False) as bar:
-        for level in part:
-            yield float(level)
-            bar.update(per_level)

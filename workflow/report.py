@@ -16,6 +16,7 @@ from workflow import designfigures, whatif
 from workflow.engineering import shown
 from workflow.inline import inlined
 from workflow.study import CHECK_GROUPS, Study
+from workflow.timing import by_quantity
 from workflow.verdict import findings
 
 _INTERVALS = ("coverage", "worst_decile_coverage", "crps", "raw_coverage", "raw_worst_decile_coverage", "raw_crps")
@@ -57,8 +58,10 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         "quantities": EVERY_QUANTITY,
         "choices": CHOICES,
         "dataset": None,
+        "levels": None,
         "validation": None,
         "timing": None,
+        "times": [],
         "designs": [],
         "whatif": None,
         "scripts": [_script(name) for name in ("hover.js", "surrogate.js", "whatif.js")],
@@ -67,8 +70,10 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
     }
     if study.factors:
         content["dataset"] = _dataset(folder)
+        content["levels"] = _levels(folder / "levels.nc") if (folder / "levels.nc").exists() else None
         content["validation"] = _validation(folder)
-        content["timing"] = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
+        content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
+        content["times"] = by_quantity(study, times)
         answers = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
         content["designs"] = [_design(answer) for answer in answers]
         quantities = read_whole(folder / "quantities.nc")
@@ -111,6 +116,24 @@ def _dataset(folder: Path) -> dict[str, Any]:
     return {"rows": rows, "slabs": len(slabs), "bytes": sum(slab.stat().st_size for slab in slabs)}
 
 
+def _levels(path: Path) -> dict[str, Any]:
+    """Why the factorial has the levels that it has: the pilots' evidence."""
+    data = read_whole(path)
+    errors = data["predicted_error"]
+    rows = [
+        {
+            "name": str(name),
+            **{key: int(one[key]) for key in ("levels", "pilot_levels", "given", "affine", "extrapolated")},
+            "rate": float(one["rate"].max()),
+            "error": float(one["interpolation_error"].max()),
+            "decider": str(one["output"].values[int(one["interpolation_error"].values.argmax())]),
+        }
+        for name in data["input"].values
+        for one in [data.sel(input=name)]
+    ]
+    return {"rows": rows, "predicted": float(errors.max()), **data.attrs}
+
+
 def _validation(folder: Path) -> dict[str, Any]:
     data = read_whole(folder / "validation.nc")
     tolerance = float(data.attrs["tolerance"])
@@ -127,7 +150,12 @@ def _validation(folder: Path) -> dict[str, Any]:
         for one in [data.sel(output=name)]
     ]
     worst = max(rows, key=lambda row: row["error"])
-    return {"rows": rows, "tolerance": tolerance, "worst": worst, "cases": data.sizes["case"]}
+    kinked = [
+        {"name": str(name), "along": [str(factor) for factor in data["input"].values[one.values > 0]]}
+        for name, one in zip(data["output"].values, data["kinked"], strict=True)
+        if (one.values > 0).any()
+    ]
+    return {"kinked": kinked, "rows": rows, "tolerance": tolerance, "worst": worst, "cases": data.sizes["case"]}
 
 
 def _script(name: str) -> Markup:

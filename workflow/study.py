@@ -30,7 +30,9 @@ class Axis(Strict):
 
     low: Number = Field(description="lower end of the range, in the factor's SI unit")
     high: Number = Field(description="upper end of the range")
-    levels: int = Field(ge=2, le=1000, description="number of Chebyshev-Gauss levels; 2 are enough where it is linear")
+    levels: int | None = Field(
+        None, ge=2, le=1000, description="number of Chebyshev-Gauss levels; null: as many as validation.tolerance needs"
+    )
     scale: Literal["linear", "log"] = Field("linear", description="coordinate in which the levels are spread")
 
     @model_validator(mode="after")
@@ -61,8 +63,11 @@ class DataSet(Strict):
     """What is stored of the factorial."""
 
     positions: Positions = Field(default_factory=Positions, description="positions of the surface fields")
-    slabs: int = Field(4, ge=1, le=4096, description="files, and jobs, that the factorial is split into")
+    slabs: int | None = Field(
+        None, ge=1, le=4096, description="files, and jobs, that the factorial is split into; null: one a core"
+    )
     precision: Literal["float32", "float64"] = Field("float64", description="stored precision of the surface fields")
+    budget: int = Field(500_000, ge=1, le=MOST_CASES, description="most cases where the pipeline chooses the levels")
     peaks: bool = Field(
         False, description="also the largest stresses of the body: milliseconds a case, not microseconds"
     )
@@ -165,8 +170,13 @@ class Study(Strict):
 
     @property
     def cases(self) -> int:
-        """Number of cases of the factorial."""
-        return prod(axis.levels for axis in self.factors.values()) if self.factors else 0
+        """Number of cases of the factorial; 0 while some of its levels are open."""
+        return prod(axis.levels or 0 for axis in self.factors.values()) if self.factors else 0
+
+    @property
+    def open(self) -> bool:
+        """Whether the pipeline is to choose some levels."""
+        return any(axis.levels is None for axis in self.factors.values())
 
     @property
     def targets(self) -> list[str]:
@@ -183,6 +193,12 @@ class Study(Strict):
     def outputs(self) -> list[str]:
         """Quantities that the surrogate learns."""
         return self.surrogate.outputs or self.quantities
+
+    @property
+    def of_interest(self) -> list[str]:
+        """Outputs that the designs ask for, or else every one."""
+        asked = dict.fromkeys(name for target in self.design.values() for name in target.names())
+        return [name for name in asked if name in self.outputs] or self.outputs
 
     @model_validator(mode="after")
     def _complete(self) -> Self:

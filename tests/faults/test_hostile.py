@@ -16,7 +16,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from surrogate.sealed import SEAL, seal
+from surrogate import trial
+from surrogate.sealed import SEAL, FormatError, seal
 from tests.faults import hostile
 from tests.faults.conftest import TINY
 from workflow import factorial, learning
@@ -96,6 +97,13 @@ def few_and_many(few: int, many: int) -> Callable[[Callable[..., None]], Any]:
 def test_tables_of_cases(content: bytes, place: Path) -> None:
     (place / "cases.csv").write_bytes(content)
     run(place, "solve", "cases.csv", "-o", "out.nc", "--positions=-0.5,2")
+
+
+@pytest.mark.soakable
+@few_and_many(30, 500)
+@given(content=hostile.spoilt(hostile.POINTS))
+def test_tables_of_points(content: bytes, place: Path) -> None:
+    (place / "cases.csv").write_bytes(content)
     run(place, "query", "surrogate.nc", "cases.csv", "-o", "out.csv")
 
 
@@ -129,7 +137,7 @@ def test_names_of_studies(name: str, place: Path) -> None:
 
 
 @pytest.mark.soakable
-@few_and_many(150, 3000)
+@few_and_many(40, 3000)
 @given(seed=st.integers(0, 2**64), flips=st.integers(1, 30), sealed=st.booleans(), tail=st.integers(0, 300))
 def test_bytes_of_surrogates(seed: int, flips: int, sealed: bool, tail: int, place: Path, model: bytes) -> None:
     dice = random.Random(seed)
@@ -145,7 +153,7 @@ def test_bytes_of_surrogates(seed: int, flips: int, sealed: bool, tail: int, pla
 
 
 @pytest.mark.soakable
-@few_and_many(100, 1500)
+@few_and_many(30, 1500)
 @given(seed=st.integers(0, 2**64))
 def test_contents_of_surrogates(seed: int, place: Path, model: bytes) -> None:
     dice = random.Random(seed)
@@ -188,6 +196,14 @@ def test_a_valid_file_of_each_kind_is_accepted(place: Path) -> None:
     assert run(place, "material", "mine.yaml") == 0
     assert run(place, "query", "surrogate.nc", "points.csv", "-o", "out.csv") == 0
     assert studies.named("tiny").cases == 320
+
+
+def test_a_file_that_never_ends_or_crashes_the_library_is_refused(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for child, says in (("while True: pass", "signal 9"), ("import os; os.abort()", "signal 6")):
+        limit = "import resource; resource.setrlimit(resource.RLIMIT_CPU, (1, 1))\n"
+        monkeypatch.setattr(trial, "CHILD", limit + child)
+        with pytest.raises(FormatError, match=rf"surrogate\.nc: no readable netCDF-4 file .*{says}"):
+            trial.try_to_read(place / "surrogate.nc")
 
 
 def test_the_guard_sees_what_it_should(place: Path) -> None:

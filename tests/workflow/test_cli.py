@@ -172,6 +172,24 @@ def test_query_prints_and_writes_what_the_surrogate_says(
     assert [row["radius"] for row in rows] == ["0.1", "0.02"]
 
 
+def test_query_gives_the_exact_answer_beside_its_own(
+    ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ran.folder)
+    path, out = "results/small/surrogate.nc", tmp_path / "out.csv"
+    point = {"load": 1e4, "volume_fraction": 0.5, "friction": 0.2, "radius": 0.05}
+    at = ",".join(f"{k}={v}" for k, v in point.items())
+    assert cli.main(["query", path, "--at", at, "--exact", "small", "-o", str(out)]) == 0
+    row = next(csv.DictReader(out.open(encoding="utf-8")))
+    exact = solve(point)
+    for name in ("voltage_sensitivity", "peak_pressure"):
+        assert float(row[f"{name}_exact"]) == pytest.approx(float(exact[name]), rel=1e-13)
+    assert cli.main(["query", path, "--at", at, "--exact", "small"]) == 0
+    assert f"exact {float(exact['peak_pressure']): .10g}" in capsys.readouterr().out
+    assert "the study's factors are" in complaint(capsys, "query", path, "--at", at, "--exact", "parametric")
+    assert "study: 'smal' is unknown" in complaint(capsys, "query", path, "--at", at, "--exact", "smal")
+
+
 def test_query_outside_the_box_is_refused_or_flagged(
     ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

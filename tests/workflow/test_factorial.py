@@ -6,6 +6,7 @@ import struct
 import sys
 import termios
 from fcntl import ioctl
+from pathlib import Path
 from subprocess import PIPE, Popen
 
 import numpy as np
@@ -13,11 +14,16 @@ import pytest
 import xarray as xr
 
 from solver.names import QUANTITIES
-from workflow import factorial
+from surrogate.netcdf import read_whole
+from workflow import dataset, factorial
 from workflow.provenance import ROOT
 from workflow.study import Study, load
 
-CODE = "from workflow import factorial, study; factorial.slab(study.load('config/quickstart.yaml'), 0)"
+CODE = """
+from pathlib import Path
+from workflow import dataset, study
+dataset.write_slab(study.load('config/quickstart.yaml'), 0, Path({path!r}))
+"""
 
 
 @pytest.fixture(scope="module")
@@ -26,13 +32,15 @@ def study() -> Study:
 
 
 @pytest.mark.parametrize("count", [1, 3, 26, 100])
-def test_slabs_make_up_the_factorial(study: Study, count: int) -> None:
+def test_slabs_make_up_the_factorial(study: Study, count: int, tmp_path: Path) -> None:
     small = study.model_copy(update={"dataset": study.dataset.model_copy(update={"slabs": count})})
     axes = dict(factorial.levels(small))
     assert factorial.slab_count(small) == min(count, 26)
     if count > 3:
         return
-    gathered = factorial.gather([factorial.slab(small, index) for index in range(count)])
+    for index in range(count):
+        dataset.write_slab(small, index, tmp_path / f"{index}.nc")
+    gathered = factorial.gather([read_whole(tmp_path / f"{index}.nc") for index in range(count)])
     xr.testing.assert_allclose(gathered, factorial.exact(small, axes)[list(QUANTITIES)], rtol=1e-13)
 
 
@@ -48,12 +56,13 @@ def test_samples_are_in_the_box_and_follow_the_seed(study: Study) -> None:
         assert abs(np.mean(values < middle) - 0.5) < 0.1  # uniform in the axis's own scale
 
 
-def test_progress_shows_on_a_terminal_and_stays_out_of_a_log() -> None:
-    quiet = Popen([sys.executable, "-c", CODE], cwd=ROOT, stderr=PIPE)
+def test_progress_shows_on_a_terminal_and_stays_out_of_a_log(tmp_path: Path) -> None:
+    code = CODE.format(path=str(tmp_path / "slab.nc"))
+    quiet = Popen([sys.executable, "-c", code], cwd=ROOT, stderr=PIPE)
     assert quiet.communicate()[1] == b""
     ours, theirs = pty.openpty()
     ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 100, 0, 0))
-    shown = Popen([sys.executable, "-c", CODE], cwd=ROOT, stderr=theirs)
+    shown = Popen([sys.executable, "-c", code], cwd=ROOT, stderr=theirs)
     os.close(theirs)
     text = b""
     while True:

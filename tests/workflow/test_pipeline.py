@@ -20,8 +20,9 @@ REPORT = "results/small/report.html"
 def test_makes_every_promised_file(ran: Project) -> None:
     results = ran.folder / "results" / "small"
     for name in (
-        "quantities.nc", "surrogate.nc", "validation.nc", "design.nc", "design.csv", "report.html", "provenance.json",
-        "fields/slab_0.nc", "fields/slab_1.nc", "fields/effect_friction.nc", "fields/effect_material.nc",
+        "quantities.nc", "surrogate.nc", "validation.nc", "sensitivity.nc", "design.nc", "design.csv", "report.html",
+        "provenance.json", "fields/slab_0.nc", "fields/slab_1.nc", "fields/effect_friction.nc",
+        "fields/effect_material.nc",
     ):  # fmt: skip
         assert (results / name).is_file(), name
 
@@ -115,7 +116,8 @@ def test_edits_rerun_exactly_what_depends_on_them(copy: Callable[[str], Project]
     project = copy("edits")
     project.snakemake(REPORT)
     everything_after_the_surrogate = {
-        "surrogate", "validation", "target", "design", "figure_errors", "figure_design", "provenance", "report",
+        "surrogate", "validation", "target", "design", "figure_errors", "sensitivity",
+        "figure_sensitivity", "figure_design", "provenance", "report",
     }  # fmt: skip
     study = project.folder / "config/small.yaml"
     original = study.read_text(encoding="utf-8")

@@ -130,7 +130,8 @@ def test_every_figure_is_drawn(ran: Project, tmp_path: Path, width: int) -> None
     shown = ("map", "slices", "bars", "contact")
     design = [f"figure-{kind}_{name}" for name in ("sensor", "impossible") for kind in shown]
     effects = [f"figure-{kind}_{name}" for name in ("friction", "material") for kind in ("effect", "interior")]
-    assert kinds == [*(f"figure-{name}" for name in ("fields", "errors", "parity", "intervals")), *design, *effects]
+    learning = ("fields", "decay", "errors", "parity", "intervals", "sensitivity", "main_effects")
+    assert kinds == [*(f"figure-{name}" for name in learning), *design, *effects]
     assert seen["images"] == 0
     for figure in seen["figures"]:
         assert figure["shown"] > 100

@@ -53,7 +53,7 @@ def test_quickstart_is_the_factorial_of_the_documentation() -> None:
         ("levels: 5", "levels: 1", "factors.friction.levels: 1: input should be greater than or equal to 2"),
         ("levels: 5", "levels: '5'", "factors.friction.levels: '5': input should be a valid integer"),
         ("levels: 5", "levels: true", "factors.friction.levels: True: input should be a valid integer"),
-        (", levels: 5", "", "factors.friction.levels: missing"),
+        (", high: 0.6", "", "factors.friction.high: missing"),
         ("high: 0.6", "high: .nan", "factors.friction.high: nan: input should be a finite number"),
         ("high: 0.2,", "high: .inf,", "factors.radius.high: inf: input should be a finite number"),
         ("low: 0.0, high: 0.6", "low: 0.7, high: 0.6", "factors.friction: low = 0.7 must be below high = 0.6"),

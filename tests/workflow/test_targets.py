@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solver.names import FACTORS, QUANTITIES
+from solver.names import EVERY_QUANTITY, FACTORS
 from workflow import grammar, targets, units
 from workflow.expressions import UNITS
 
@@ -169,7 +169,7 @@ def test_statistics_of_the_objective() -> None:
 
 
 def test_every_unit_of_the_interface_is_known() -> None:
-    assert set(UNITS) == {*QUANTITIES, *FACTORS}
+    assert set(UNITS) == {*EVERY_QUANTITY, *FACTORS}
     for text in UNITS.values():
         assert units.parse(text).factor == 1.0
 

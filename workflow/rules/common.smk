@@ -43,9 +43,14 @@ def effects_of(study):
     return [f"{kind}_{name}" for name in study.effects.vary for kind in kinds]
 
 
+def levels_of(wildcards):
+    """The file of the chosen levels, where the study leaves some open."""
+    return [f"results/{wildcards.study}/levels.nc"] if study_of(wildcards).open else []
+
+
 def figures_of(wildcards):
     study = study_of(wildcards)
-    names = ["fields", "errors", "parity", "intervals"] if study.factors else []
+    names = ["fields", "decay", "errors", "parity", "intervals", "sensitivity", "main_effects"] if study.factors else []
     names += effects_of(study)
     names += [f"convergence_{group}" for group in CONVERGING if study.verification]
     return expand("results/{study}/figures/{figure}.svg", study=wildcards.study, figure=names)
@@ -53,7 +58,8 @@ def figures_of(wildcards):
 
 def results_of(wildcards):
     study = study_of(wildcards)
-    names = ["quantities.nc", "surrogate.nc", "validation.nc", "timing.json"] if study.factors else []
+    names = ["quantities.nc", "datacard.json", "surrogate.nc", "validation.nc", "sensitivity.nc", "timing.json"]
+    names = names if study.factors else []
     names += ["design.nc", "design.csv"] if study.design else []
     names += [f"fields/{name}.nc" for name in effects_of(study)]
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]

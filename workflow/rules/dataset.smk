@@ -1,9 +1,32 @@
-# Exact cases: slabs of the factorial, and every quantity of the whole of it.
+# Exact cases: slabs of the factorial, every quantity of the whole of it, and the card that describes them; first the
+# levels, where they are open.
+
+
+def slabs_of(wildcards, file):
+    return expand(file, study=wildcards.study, slab=range(factorial.slab_count(study_of(wildcards))))
+
+
+rule levels:
+    output:
+        "results/{study}/levels.nc",
+    params:
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation"),
+        code=provenance.code("workflow/scripts/levels.py"),
+    log:
+        "logs/{study}/levels.log",
+    benchmark:
+        "logs/{study}/levels.tsv"
+    script:
+        "../scripts/levels.py"
 
 
 rule slab:
+    input:
+        levels=levels_of,
     output:
         "results/{study}/fields/slab_{slab}.nc",
+    resources:
+        mem_mb=factorial.SLAB_MEMORY,
     params:
         study=sections(*PHYSICS, "dataset"),
         code=provenance.code("workflow/scripts/slab.py"),
@@ -17,11 +40,7 @@ rule slab:
 
 rule quantities:
     input:
-        lambda wildcards: expand(
-            "results/{study}/fields/slab_{slab}.nc",
-            study=wildcards.study,
-            slab=range(factorial.slab_count(study_of(wildcards))),
-        ),
+        lambda wildcards: slabs_of(wildcards, "results/{study}/fields/slab_{slab}.nc"),
     output:
         "results/{study}/quantities.nc",
     params:
@@ -32,3 +51,20 @@ rule quantities:
         "logs/{study}/quantities.tsv"
     script:
         "../scripts/quantities.py"
+
+
+rule card:
+    input:
+        slabs=lambda wildcards: slabs_of(wildcards, "results/{study}/fields/slab_{slab}.nc"),
+        levels=levels_of,
+    output:
+        json="results/{study}/datacard.json",
+        markdown="results/{study}/datacard.md",
+    params:
+        study=sections("title", *PHYSICS, "dataset"),
+        code=provenance.code("workflow/scripts/card.py"),
+        benchmarks=lambda wildcards: slabs_of(wildcards, "logs/{study}/slab/{slab}.tsv"),
+    log:
+        "logs/{study}/card.log",
+    script:
+        "../scripts/card.py"

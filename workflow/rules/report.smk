@@ -23,6 +23,12 @@ rule figure_errors:
     input:
         "results/{study}/validation.nc",
     output:
+        decay=report(
+            "results/{study}/figures/decay.svg",
+            caption="../captions/decay.rst",
+            category="Surrogate",
+            labels={"figure": "decay of the coefficients"},
+        ),
         errors=report(
             "results/{study}/figures/errors.svg",
             caption="../captions/errors.rst",
@@ -47,6 +53,31 @@ rule figure_errors:
         "logs/{study}/figure_errors.log",
     script:
         "../scripts/figure_errors.py"
+
+
+rule figure_sensitivity:
+    input:
+        "results/{study}/sensitivity.nc",
+    output:
+        indices=report(
+            "results/{study}/figures/sensitivity.svg",
+            caption="../captions/sensitivity.rst",
+            category="Surrogate",
+            labels={"figure": "Sobol' indices"},
+        ),
+        effects=report(
+            "results/{study}/figures/main_effects.svg",
+            caption="../captions/main.rst",
+            category="Surrogate",
+            labels={"figure": "main effects"},
+        ),
+    params:
+        shown=lambda wildcards: study_of(wildcards).of_interest,
+        code=provenance.code("workflow/scripts/figure_sensitivity.py"),
+    log:
+        "logs/{study}/figure_sensitivity.log",
+    script:
+        "../scripts/figure_sensitivity.py"
 
 
 rule figure_design:
@@ -122,6 +153,7 @@ rule provenance:
 rule report:
     input:
         results=results_of,
+        levels=levels_of,
         designs=lambda wildcards: expand(
             "results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design
         ),
@@ -135,7 +167,10 @@ rule report:
     params:
         code=provenance.code(
             "workflow/scripts/report.py",
-            *captions_of("fields", "errors", "parity", "intervals", "map", "slices", "bars", "contact", "front", "effect", "interior", "convergence"),
+            *captions_of(
+                "fields", "decay", "errors", "parity", "intervals", "sensitivity", "main", "map", "slices", "bars",
+                "contact", "front", "effect", "interior", "convergence",
+            ),
         ),
     log:
         "logs/{study}/report.log",

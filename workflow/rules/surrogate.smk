@@ -39,6 +39,7 @@ rule validation:
         quantities="results/{study}/quantities.nc",
         cases="results/{study}/cases/validation.nc",
         surrogate="results/{study}/surrogate.nc",
+        levels=levels_of,
     output:
         validation="results/{study}/validation.nc",
         timing="results/{study}/timing.json",
@@ -51,3 +52,18 @@ rule validation:
         "logs/{study}/validation.tsv"
     script:
         "../scripts/validation.py"
+
+
+rule sensitivity:
+    input:
+        "results/{study}/surrogate.nc",
+    output:
+        "results/{study}/sensitivity.nc",
+    params:
+        code=provenance.code("workflow/scripts/sensitivity.py"),
+    log:
+        "logs/{study}/sensitivity.log",
+    benchmark:
+        "logs/{study}/sensitivity.tsv"
+    script:
+        "../scripts/sensitivity.py"

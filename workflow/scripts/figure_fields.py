@@ -10,4 +10,5 @@ from workflow import figures, joblog
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-figures.save(figures.fields(read_whole(Path(snakemake.input[0]))), Path(snakemake.output[0]))
+with read_whole(Path(snakemake.input[0]), lazy=True) as slab:
+    figures.save(figures.fields(slab), Path(snakemake.output[0]))

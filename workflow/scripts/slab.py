@@ -4,11 +4,10 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from surrogate.netcdf import write_whole
-from workflow import factorial, joblog, study
+from workflow import choice, dataset, joblog, study
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-config = study.named(snakemake.wildcards.study)
-write_whole(factorial.slab(config, int(snakemake.wildcards.slab)), Path(snakemake.output[0]))
+config = choice.resolved(study.named(snakemake.wildcards.study), snakemake.input.levels)
+dataset.write_slab(config, int(snakemake.wildcards.slab), Path(snakemake.output[0]))

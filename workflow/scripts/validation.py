@@ -7,16 +7,16 @@ from snakemake.iocontainers import Snakemake
 
 from surrogate import load
 from surrogate.netcdf import read_whole, write_whole
-from workflow import joblog, learning, study
+from workflow import choice, joblog, learning, study, timing
 from workflow.files import write_text
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-config = study.named(snakemake.wildcards.study)
+config = choice.resolved(study.named(snakemake.wildcards.study), snakemake.input.levels)
 quantities = read_whole(Path(snakemake.input.quantities))
 model = load(snakemake.input.surrogate)
 cases = read_whole(Path(snakemake.input.cases))
 write_whole(learning.validate(config, quantities, cases, model), Path(snakemake.output.validation))
-timing = learning.timing(config, quantities, model)
-write_text(Path(snakemake.output.timing), json.dumps(timing, indent=2) + "\n")
+times = timing.timing(config, quantities, cases, model)
+write_text(Path(snakemake.output.timing), json.dumps(times, indent=2) + "\n")

@@ -1,0 +1,72 @@
+"""Level counts that a study leaves open: chosen from pilots for its tolerance, and put into it."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from surrogate.netcdf import read_whole
+from surrogate.pilot import explore
+from workflow import factorial
+from workflow.inputs import InputError
+from workflow.joblog import log
+from workflow.study import Axis, Study
+
+
+def choose(study: Study) -> xr.Dataset:
+    """Level counts for ``validation.tolerance`` within ``dataset.budget``, and the evidence for them.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``levels``, ``pilot_levels``, ``given``, ``affine`` and ``extrapolated`` over ``input``; ``predicted_error``
+        over ``output``; ``coefficient``, ``rate``, ``interpolation_error`` and ``kinked`` as
+        ``surrogate.levels.evidence`` gives them.
+
+    Raises
+    ------
+    surrogate.levels.UnreachableError
+        The budget cannot reach the tolerance; says what would.
+    InputError
+        An output that the study asks for by name is kinked: no tolerance can be promised for it.
+    """
+    given = {name: axis.levels for name, axis in study.factors.items() if axis.levels is not None}
+
+    def solve(axes: dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]) -> xr.Dataset:
+        log.info("pilot of %s", " x ".join(f"{axis.size} {name}" for name, axis in axes.items()))
+        return factorial.exact(study, axes)[study.outputs]
+
+    tolerance, budget = study.validation.tolerance, study.dataset.budget
+    pilot = explore(solve, factorial.inputs(study), tolerance, budget, study.outputs, given)
+    choice = pilot.choice
+    for name, where in choice.kinked.items():
+        log.warning("%s is kinked along %s: no tolerance is claimed for it", name, ", ".join(where))
+        if name in study.surrogate.outputs:
+            raise InputError(
+                f"surrogate: outputs: {name!r} is kinked along {', '.join(where)} (its Chebyshev coefficients fall "
+                f"like a power): tolerance {tolerance:g} cannot be promised; leave it out or give every factor levels"
+            )
+    names = list(study.factors)
+    counts = dict(choice.counts)
+    # every slab needs a level of the first axis
+    counts[names[0]] = max(counts[names[0]], factorial.slab_count(study))
+    return choice.decay.assign(
+        levels=("input", [counts[name] for name in names]),
+        pilot_levels=("input", [pilot.levels[name] for name in names]),
+        given=("input", [int(name in given) for name in names]),
+        affine=("input", [int(name in choice.affine) for name in names]),
+        extrapolated=("input", [int(name in choice.extrapolated) for name in names]),
+        predicted_error=("output", list(choice.error.values())),
+    ).assign_attrs(tolerance=tolerance, budget=budget, pilot_cases=pilot.cases)
+
+
+def resolved(study: Study, files: Sequence[str | Path]) -> Study:
+    """The study with the chosen level counts in place; ``files`` holds ``levels.nc``, nothing where none are open."""
+    if not files:
+        return study
+    chosen = read_whole(Path(files[0]))["levels"]
+    axes: dict[str, Axis] = {
+        name: axis.model_copy(update={"levels": int(chosen.sel(input=name))}) for name, axis in study.factors.items()
+    }
+    return study.model_copy(update={"factors": axes})

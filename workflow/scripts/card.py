@@ -1,0 +1,19 @@
+"""Rule card: what the data set holds, for programs and for people."""
+
+import json
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from workflow import choice, datacard, joblog, study
+from workflow.files import write_text
+
+snakemake: Snakemake
+
+joblog.start(snakemake.log[0])
+name = snakemake.wildcards.study
+config = choice.resolved(study.named(name), snakemake.input.levels)
+slabs = [Path(slab) for slab in snakemake.input.slabs]
+card = datacard.card(config, name, slabs, [Path(file) for file in snakemake.params.benchmarks])
+write_text(Path(snakemake.output.json), json.dumps(card, indent=1) + "\n")
+write_text(Path(snakemake.output.markdown), datacard.markdown(card))
