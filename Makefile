@@ -33,6 +33,9 @@ lint: .venv/dev.stamp  ## ruff, mypy --strict and the import contract
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+bench: .venv/run.stamp  ## measure side by side: results/benchmarks.json and results/benchmarks.html
+	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks $(BENCH)
+
 lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without download addresses
 	$(BIN)/uv pip compile -q --upgrade --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	  --custom-compile-command "make lock" --extra build pyproject.toml -o requirements/run.txt

@@ -21,7 +21,7 @@ from solver.names import QUANTITIES
 from surrogate import FormatError, OutOfBoxError, load
 from surrogate.netcdf import write_whole
 from surrogate.trial import try_to_read
-from workflow import factorial
+from workflow import adhoc, factorial
 from workflow import study as studies
 from workflow.files import write_text
 from workflow.inputs import InputError, one_line, read_cases, read_material
@@ -102,6 +102,19 @@ def _parser() -> _Parser:
     command = commands.add_parser("material", help="check a material; print roots, compliance and admissibility")
     command.add_argument("material", metavar="FILE.yaml", help="a material's file, or the name of a built-in one")
     command.set_defaults(run=_material)
+
+    command = commands.add_parser("design", help="answer a design question from a trained surrogate, in seconds")
+    command.add_argument("results", type=Path, metavar="results/STUDY")
+    command.add_argument("--maximise", action="append", metavar="EXPRESSION", help="twice: a Pareto front")
+    command.add_argument("--minimise", action="append", metavar="EXPRESSION")
+    command.add_argument("--over", action="append", required=True, metavar="NAME[=LOW:HIGH | =A|B|C],...")
+    command.add_argument("--at", action="append", metavar="NAME=VALUE,...", help="what is not named takes its default")
+    command.add_argument("--worst-case", action="append", metavar="NAME=LOW:HIGH,...")
+    command.add_argument("--uncertain", action="append", metavar="NAME=normal(MEAN,STD),...")
+    command.add_argument("--robust", nargs=1, metavar="'mean - 2 std'", help="default: 'worst case'")
+    command.add_argument("--limit", action="append", metavar="'trailing_tension <= 50 MPa'")
+    command.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    command.set_defaults(run=_design)
 
     command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
     command.add_argument("study", help="name of a study in config/")
@@ -240,6 +253,11 @@ def _described(material: Material, half: HalfPlane) -> str:
     lines.append("friction coupling k of (u_y, phi, psi), SI")
     lines.append("  " + "  ".join(f"{value: .6e}" for value in half.friction_coupling))
     return "\n".join(lines)
+
+
+def _design(options: argparse.Namespace) -> None:
+    answer = adhoc.ask(options.results, vars(options))
+    print(adhoc.as_json(answer) if options.json else adhoc.as_text(answer))
 
 
 def _run(options: argparse.Namespace) -> int:

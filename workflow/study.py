@@ -223,9 +223,10 @@ class Study(Strict):
             if name in self._absent:
                 raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
         for label, target in self.design.items():
-            self._check_target(f"design: {label}", target)
+            self.check_target(f"design: {label}", target)
 
-    def _check_target(self, where: str, target: Target) -> None:
+    def check_target(self, where: str, target: Target) -> None:
+        """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs."""
         given = [*target.over, *target.at, *target.worst_case, *target.uncertain]
         for name in given:
             if name not in self.factors:

@@ -51,7 +51,6 @@ def levels_of(wildcards):
 def figures_of(wildcards):
     study = study_of(wildcards)
     names = ["fields", "decay", "errors", "parity", "intervals", "sensitivity", "main_effects"] if study.factors else []
-    names += [f"design_{name}" for name, target in study.design.items() if len(target.over) > 1]
     names += effects_of(study)
     names += [f"convergence_{group}" for group in CONVERGING if study.verification]
     return expand("results/{study}/figures/{figure}.svg", study=wildcards.study, figure=names)

@@ -1,0 +1,47 @@
+"""Write results/benchmarks.json and results/benchmarks.html: ``python -m benchmarks [NAME ...]``.
+
+A measurement is a module of this folder with a function ``measure``; what that gives is kept under the module's name.
+"""
+
+import json
+import platform
+import sys
+from importlib import import_module
+from pathlib import Path
+from time import perf_counter
+
+from benchmarks import page
+from workflow.files import write_text
+from workflow.provenance import ROOT, versions
+
+FOLDER = ROOT / "results"
+MEASUREMENTS = [
+    file.stem
+    for file in sorted(Path(__file__).parent.glob("*.py"))
+    if "\ndef measure(" in file.read_text(encoding="utf-8")
+]
+
+
+def main(names: list[str]) -> int:
+    """Run all measurements, or those named, and keep the others as they were."""
+    unknown = [name for name in names if name not in MEASUREMENTS]
+    if unknown:
+        print(f"benchmarks: {unknown[0]!r} is none of {', '.join(MEASUREMENTS)}", file=sys.stderr)
+        return 2
+    FOLDER.mkdir(exist_ok=True)
+    path = FOLDER / "benchmarks.json"
+    found = json.loads(path.read_text(encoding="utf-8")) if names and path.exists() else {}
+    for name in names or MEASUREMENTS:
+        print(f"{name} ...", flush=True)
+        start = perf_counter()
+        found[name] = import_module(f"benchmarks.{name}").measure()
+        print(f"{name}: {perf_counter() - start:.0f} s", flush=True)
+    found |= {"machine": platform.platform(), "processor": platform.machine(), "versions": versions()}
+    write_text(path, json.dumps(found, indent=2) + "\n")
+    write_text(FOLDER / "benchmarks.html", page.page(found))
+    print(f"{path.relative_to(ROOT)}, {(FOLDER / 'benchmarks.html').relative_to(ROOT)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

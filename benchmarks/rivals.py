@@ -1,0 +1,107 @@
+"""Other regressors behind one face: fit to scattered cases, answer mean and standard deviation where they have one."""
+
+from collections.abc import Callable
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import RBFInterpolator
+from sklearn.gaussian_process import GaussianProcessRegressor
+from sklearn.gaussian_process.kernels import RBF, ConstantKernel
+
+Array = NDArray[np.float64]
+#: From scaled inputs (n, d) and standardised outputs (n, p) to a function of scaled inputs.
+Fit = Callable[[Array, Array], Callable[[Array], object]]
+
+
+def scikit_learn(t: Array, y: Array) -> Callable[[Array], Array]:
+    """One Gaussian process an output, RBF kernel with a length scale an input, marginal likelihood."""
+    models = [
+        GaussianProcessRegressor(
+            ConstantKernel(1.0, (1e-4, 1e5)) * RBF(np.ones(t.shape[1]), (1e-2, 1e3)), alpha=1e-10, random_state=0
+        ).fit(t, column)
+        for column in y.T
+    ]
+    return lambda at: np.stack([model.predict(at, return_std=True)[0] for model in models], axis=1)
+
+
+def rbf_interpolator(t: Array, y: Array) -> Callable[[Array], Array]:
+    """Scipy's interpolator, quintic, all cases at once; it has no standard deviation."""
+    model = RBFInterpolator(t, y, kernel="quintic")
+    return lambda at: np.asarray(model(at))
+
+
+def smt(t: Array, y: Array) -> Callable[[Array], Array]:
+    """Kriging of the Surrogate Modeling Toolbox, one model an output, one start of its search."""
+    from smt.surrogate_models import KRG
+
+    models = []
+    for column in y.T:
+        model = KRG(theta0=[1e-1] * t.shape[1], print_global=False, n_start=1)
+        model.set_training_values(t, column)
+        model.train()
+        models.append(model)
+
+    def predict(at: Array) -> Array:
+        for model in models:
+            model.predict_variances(at)
+        return np.concatenate([model.predict_values(at) for model in models], axis=1)
+
+    return predict
+
+
+def gpytorch(t: Array, y: Array) -> Callable[[Array], Array]:
+    """Exact batch of independent Gaussian processes in double precision, 100 steps of Adam."""
+    import gpytorch as gp
+    import torch
+
+    x, targets = torch.tensor(t), torch.tensor(np.ascontiguousarray(y.T))
+    batch = torch.Size([targets.shape[0]])
+
+    class Model(gp.models.ExactGP):  # type: ignore[misc]  # untyped
+        def __init__(self, likelihood: Any) -> None:
+            super().__init__(x.expand(*batch, *x.shape), targets, likelihood)
+            self.mean = gp.means.ConstantMean(batch_shape=batch)
+            base = gp.kernels.RBFKernel(ard_num_dims=t.shape[1], batch_shape=batch)
+            self.kernel = gp.kernels.ScaleKernel(base, batch_shape=batch)
+
+        def forward(self, inputs: Any) -> Any:
+            return gp.distributions.MultivariateNormal(self.mean(inputs), self.kernel(inputs))
+
+    noise = gp.constraints.GreaterThan(1e-8)
+    likelihood = gp.likelihoods.GaussianLikelihood(batch_shape=batch, noise_constraint=noise)
+    likelihood.noise = 1e-6
+    model = Model(likelihood).double()
+    model.train()
+    optimiser = torch.optim.Adam(model.parameters(), lr=0.1)
+    loss = gp.mlls.ExactMarginalLogLikelihood(likelihood, model)
+    for _ in range(100):
+        optimiser.zero_grad()
+        value = -loss(model(x.expand(*batch, *x.shape)), targets).sum()
+        value.backward()
+        optimiser.step()
+    model.eval()
+    likelihood.eval()
+
+    def predict(at: Array) -> Array:
+        with torch.no_grad(), gp.settings.fast_pred_var():
+            answer = model(torch.tensor(at).expand(*batch, *at.shape))
+            return np.asarray(answer.mean.numpy().T + 0 * answer.variance.numpy().T)
+
+    return predict
+
+
+#: Name, the package that it needs, whether it gives a standard deviation, how to fit, and the numbers of cases.
+RIVALS: list[tuple[str, str, bool, Fit, tuple[int, ...]]] = [
+    ("scikit-learn GP (RBF)", "sklearn", True, scikit_learn, (256, 1024)),
+    ("scipy RBFInterpolator", "scipy", False, rbf_interpolator, (256, 1024, 4096)),
+    ("SMT Kriging", "smt", True, smt, (128, 256)),
+    ("GPyTorch exact GP", "gpytorch", True, gpytorch, (256, 1024)),
+]
+
+
+def installed() -> tuple[list[tuple[str, str, bool, Fit, tuple[int, ...]]], list[str]]:
+    """Return the rivals that can run here, and the names of those left out."""
+    here = [one for one in RIVALS if find_spec(one[1])]
+    return here, [one[0] for one in RIVALS if one not in here]
