@@ -59,6 +59,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         "choices": CHOICES,
         "dataset": None,
         "levels": None,
+        "surface": None,
         "validation": None,
         "timing": None,
         "times": [],
@@ -70,6 +71,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
     }
     if study.factors:
         content["dataset"] = _dataset(folder)
+        content["surface"] = _surface(folder / "surface_validation.nc") if study.surrogate.fields else None
         content["levels"] = _levels(folder / "levels.nc") if (folder / "levels.nc").exists() else None
         content["validation"] = _validation(folder)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
@@ -114,6 +116,16 @@ def _dataset(folder: Path) -> dict[str, Any]:
         for name, array in data.data_vars.items()
     ]
     return {"rows": rows, "slabs": len(slabs), "bytes": sum(slab.stat().st_size for slab in slabs)}
+
+
+def _surface(path: Path) -> list[dict[str, Any]]:
+    data = read_whole(path)
+    keys = ("max_error", "rmse", *_INTERVALS)
+    return [
+        {"name": str(name), **{key: float(one[key]) for key in keys}}
+        for name in data["output"].values
+        for one in [data.sel(output=name)]
+    ]
 
 
 def _levels(path: Path) -> dict[str, Any]:

@@ -17,8 +17,8 @@ from workflow.inputs import InputError, read_material, read_yaml
 from workflow.problems import first_problem
 from workflow.target import Target
 
-MOST_CASES = 20_000_000
-FOLDER = Path("config")
+MOST_CASES, FOLDER = 20_000_000, Path("config")
+_SMOOTH = {"profile": "cylinder", "electric": "conducting", "magnetic": "conducting"}
 #: Groups of checks in tests/verification, in the order of the page.
 CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "digits")
 #: Those with convergence curves.
@@ -31,7 +31,7 @@ class Axis(Strict):
     low: Number = Field(description="lower end of the range, in the factor's SI unit")
     high: Number = Field(description="upper end of the range")
     levels: int | None = Field(
-        None, ge=2, le=1000, description="number of Chebyshev-Gauss levels; null: as many as validation.tolerance needs"
+        None, ge=2, le=1000, description="Chebyshev-Gauss levels; null: what the tolerance needs"
     )
     scale: Literal["linear", "log"] = Field("linear", description="coordinate in which the levels are spread")
 
@@ -78,15 +78,14 @@ class Surrogate(Strict):
 
     kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
     outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
+    fields: int = Field(0, ge=0, le=200, description="angles at which the fields under a cylinder are learned; 0: none")
 
 
 class Validation(Strict):
     """Exact cases that the surrogate never saw."""
 
     cases: int = Field(2000, ge=20, le=1_000_000, description="random cases in the box, to measure errors")
-    calibration: int = Field(
-        3000, ge=40, le=1_000_000, description="further random cases, by which the intervals are calibrated"
-    )
+    calibration: int = Field(3000, ge=40, le=1_000_000, description="further random cases, to calibrate the intervals")
     seed: int = Field(1, ge=0, description="seed of both samples")
     tolerance: Number = Field(1e-6, gt=0, description="largest error over range that every quantity should keep")
 
@@ -197,8 +196,8 @@ class Study(Strict):
     @property
     def of_interest(self) -> list[str]:
         """Outputs that the designs ask for, or else every one."""
-        asked = dict.fromkeys(name for target in self.design.values() for name in target.names())
-        return [name for name in asked if name in self.outputs] or self.outputs
+        asked = [name for target in self.design.values() for name in target.names()]
+        return [name for name in dict.fromkeys(asked) if name in self.outputs] or self.outputs
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -222,6 +221,8 @@ class Study(Strict):
                 raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
             if name in self._absent:
                 raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
+        if self.surrogate.fields and any(self.fixed.get(name, usual) != usual for name, usual in _SMOOTH.items()):
+            raise ValueError("surrogate: fields: only those under a cylinder that conducts in both fields are learned")
         for label, target in self.design.items():
             self.check_target(f"design: {label}", target)
 

@@ -60,6 +60,7 @@ def results_of(wildcards):
     study = study_of(wildcards)
     names = ["quantities.nc", "datacard.json", "surrogate.nc", "validation.nc", "sensitivity.nc", "timing.json"]
     names = names if study.factors else []
+    names += ["surface.nc", "surface_validation.nc"] if study.factors and study.surrogate.fields else []
     names += ["design.nc", "design.csv"] if study.design else []
     names += [f"fields/{name}.nc" for name in effects_of(study)]
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]
