@@ -65,6 +65,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         "times": [],
         "designs": [],
         "whatif": None,
+        "readouts": [],
         "scripts": [_script(name) for name in ("hover.js", "surrogate.js", "whatif.js")],
         "effects": list(study.effects.vary) if study.effects else [],
         "verification": _verification(folder) if study.verification else None,
@@ -78,6 +79,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         content["times"] = by_quantity(study, times)
         answers = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
         content["designs"] = [_design(answer) for answer in answers]
+        content["readouts"] = [_readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")
         content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers)
         content["whatif_json"] = whatif.as_json(content["whatif"])
@@ -168,6 +170,16 @@ def _validation(folder: Path) -> dict[str, Any]:
         if (one.values > 0).any()
     ]
     return {"kinked": kinked, "rows": rows, "tolerance": tolerance, "worst": worst, "cases": data.sizes["case"]}
+
+
+def _readout(name: str, path: Path) -> dict[str, Any]:
+    data = read_whole(path)
+    rows = [
+        {"name": str(factor), "coverage": float(one["coverage"]), "width": float(one["width"])}
+        for factor in data["factor"].values
+        for one in [data.sel(factor=factor)]
+    ]
+    return {"name": name, "rows": rows, "cases": data.sizes["case"]}
 
 
 def _script(name: str) -> Markup:
