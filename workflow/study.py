@@ -212,9 +212,8 @@ class Study(Strict):
                 raise ValueError(f"fixed: {name}: is one of the factors already")
         for label in (*self.design, *self.readout):
             if not label.isidentifier():
-                raise ValueError(
-                    f"{'design' if label in self.design else 'readout'}: {label!r} must be letters, digits and underscores"
-                )
+                where = "design" if label in self.design else "readout"
+                raise ValueError(f"{where}: {label!r} must be letters, digits and underscores")
         self._check_quantities()
         return self
 
