@@ -7,7 +7,7 @@ BIN    := .venv/bin
 export PYTHONDONTWRITEBYTECODE :=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: run test soak slurm lint bench lock schema clean help
+.PHONY: run test soak slurm lint docs bench lock schema clean help
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -43,6 +43,11 @@ lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without dow
 	  --custom-compile-command "make lock" --extra build --extra slurm -c requirements/run.txt pyproject.toml -o requirements/slurm.txt
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	  --custom-compile-command "make lock" --extra build --extra slurm --extra docs --extra dev -c requirements/run.txt pyproject.toml -o requirements/dev.txt
+
+docs: .venv/dev.stamp  ## draw the picture of the pipeline and build the documentation into build/docs
+	$(BIN)/python docs/picture.py
+	$(BIN)/python -m mkdocs build --strict --quiet --site-dir build/docs
+	@echo "documentation: build/docs/index.html"
 
 schema: .venv/run.stamp  ## write the JSON schema and the documented default of a study from the model
 	$(BIN)/python -m workflow.schema

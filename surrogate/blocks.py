@@ -29,6 +29,8 @@ from surrogate.netcdf import (
 )
 from surrogate.sealed import appearing
 
+_PORTION = 2**15  # numbers that are summed up at a time, while they are near the processor
+
 #: A region of an array: along every axis from where to where.
 Region = tuple[slice, ...]
 
@@ -45,18 +47,20 @@ class Moments:
 
     def add(self, values: NDArray[Any]) -> None:
         """Take further numbers in; ValueError if one is not finite."""
-        low, high = float(values.min()), float(values.max())
-        if not (np.isfinite(low) and np.isfinite(high)):
-            raise ValueError(f"not finite in {values.dtype}")
-        mean = float(values.mean(dtype=np.float64))
-        off = values.ravel() - values.dtype.type(mean)
-        # the second term mends what rounding the mean to the values' precision leaves
-        squares = float(np.dot(off, off)) - float(off.sum(dtype=np.float64)) ** 2 / off.size
-        total, step = self.count + values.size, mean - self.mean
-        self.squares += squares + step**2 * self.count * values.size / total
-        self.mean += step * values.size / total
-        self.low, self.high = min(self.low, low), max(self.high, high)
-        self.count = total
+        flat = values.ravel()
+        for begin in range(0, flat.size, _PORTION):
+            part = flat[begin : begin + _PORTION]
+            low, high = float(part.min()), float(part.max())
+            if not (np.isfinite(low) and np.isfinite(high)):
+                raise ValueError(f"not finite in {values.dtype}")
+            exact = part.astype(np.float64)
+            mean = float(exact.sum()) / part.size
+            exact -= mean
+            total, step = self.count + part.size, mean - self.mean
+            self.squares += float(np.dot(exact, exact)) + step**2 * self.count * part.size / total
+            self.mean += step * part.size / total
+            self.low, self.high = min(self.low, low), max(self.high, high)
+            self.count = total
 
     @property
     def attrs(self) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from solver.names import QUANTITIES
 from surrogate import FormatError, OutOfBoxError, load
 from surrogate.netcdf import write_whole
 from surrogate.trial import try_to_read
-from workflow import factorial
+from workflow import adhoc, factorial
 from workflow import study as studies
 from workflow.files import write_text
 from workflow.inputs import InputError, one_line, read_cases, read_material
@@ -103,10 +103,24 @@ def _parser() -> _Parser:
     command.add_argument("material", metavar="FILE.yaml", help="a material's file, or the name of a built-in one")
     command.set_defaults(run=_material)
 
+    command = commands.add_parser("design", help="answer a design question from a trained surrogate, in seconds")
+    command.add_argument("results", type=Path, metavar="results/STUDY")
+    command.add_argument("--maximise", action="append", metavar="EXPRESSION", help="twice: a Pareto front")
+    command.add_argument("--minimise", action="append", metavar="EXPRESSION")
+    command.add_argument("--over", action="append", required=True, metavar="NAME[=LOW:HIGH | =A|B|C],...")
+    command.add_argument("--at", action="append", metavar="NAME=VALUE,...", help="what is not named takes its default")
+    command.add_argument("--worst-case", action="append", metavar="NAME=LOW:HIGH,...")
+    command.add_argument("--uncertain", action="append", metavar="NAME=normal(MEAN,STD),...")
+    command.add_argument("--robust", nargs=1, metavar="'mean - 2 std'", help="default: 'worst case'")
+    command.add_argument("--limit", action="append", metavar="'trailing_tension <= 50 MPa'")
+    command.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    command.set_defaults(run=_design)
+
     command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
     command.add_argument("study", help="name of a study in config/")
     command.add_argument("--cores", default="all", help="cores of this machine to use at most")
     command.add_argument("--profile", default="default", metavar="NAME", help="a folder of profiles/, such as slurm")
+    command.add_argument("-n", "--dry-run", action="store_true", help="only say what would be done")
     command.set_defaults(run=_run)
     return parser
 
@@ -241,6 +255,11 @@ def _described(material: Material, half: HalfPlane) -> str:
     return "\n".join(lines)
 
 
+def _design(options: argparse.Namespace) -> None:
+    answer = adhoc.ask(options.results, vars(options))
+    print(adhoc.as_json(answer) if options.json else adhoc.as_text(answer))
+
+
 def _run(options: argparse.Namespace) -> int:
     study = studies.named(options.study)
     if study.verification and (absent := [name for name in ("mpmath", "skfem") if not find_spec(name)]):
@@ -258,16 +277,18 @@ def _run(options: argparse.Namespace) -> int:
         f"profiles/{options.profile}",
         *where,
     ]
-    if study.open:  # what no budget reaches is bad input, and is told before anything else is done
+    if (
+        study.open and not options.dry_run
+    ):  # what no budget reaches is bad input, and is told before anything else is done
         chosen = [*snakemake, "--quiet", "all", "--", f"results/{options.study}/levels.nc"]
         told = subprocess.run(chosen, check=False, stderr=subprocess.PIPE, text=True)
         for line in told.stderr.splitlines():
             kind, colon, reason = line.partition(": ")
             if told.returncode and colon and kind in ("UnreachableError", "InputError"):
                 raise InputError(f"{studies.FOLDER / options.study}.yaml: {reason}")
-    command = [*snakemake, "--quiet", "rules", "host", "reason", "--", report, *others]
-    status = subprocess.run(command, check=False).returncode
-    if status == 0:
+    quiet = ["--dry-run", "--quiet", "host"] if options.dry_run else ["--quiet", "rules", "host", "reason"]
+    status = subprocess.run([*snakemake, *quiet, "--", report, *others], check=False).returncode
+    if status == 0 and not options.dry_run:
         print(f"report: {report}")
     return status
 

@@ -1,5 +1,6 @@
 """Design: the best factors under limits, found on the surrogate, polished and judged on the exact solver."""
 
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -7,18 +8,20 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate import GaussianProcess
-from surrogate.optimise import Optimum, improve, maximise
-from workflow import judgement, landscape
+from surrogate.optimise import Optimum, Problem, improve, maximise
+from surrogate.pareto import Front
+from workflow import contactfields, front, judgement, landscape
 from workflow.inputs import InputError
 from workflow.question import Question, ask
-from workflow.sources import Exact, Predicted
+from workflow.sources import Exact, Predicted, Source
 from workflow.study import Study
 from workflow.target import Target
 
 Array = NDArray[np.float64]
 
-_ROUNDS = 6  # polishes, each with limits tightened by what many more scenarios found beyond them
+_ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios say
 _AWAY = 1e-10  # relative distance kept from a limit, beyond rounding
+_NEAR = 1e-6  # relative distance at which a limit binds
 _SCANNED = 1 << 17  # most evaluations of the surrogate in one scan
 
 
@@ -49,22 +52,42 @@ def solve_target(study: Study, name: str, model: GaussianProcess) -> xr.Dataset:
 def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> xr.Dataset:
     """Answer any target on the study's factors; see `solve_target`."""
     source, exact = Predicted(model), Exact(study)
-    found = [_search(ask(study, name, target, source, chosen), source, exact) for chosen in choices(target)]
-    question, best = max(found, key=lambda pair: _rank(pair[1]))
-    out = xr.merge(
-        [judgement.judge(question, best.x, source, exact), landscape.landscape(question, best.x, source)],
-        compat="no_conflicts",
-    )
+    found = [_search(ask(study, name, target, source, chosen), source) for chosen in choices(target)]
+    best = _polish(max(found, key=lambda one: _rank(one.best)), exact)
+    question, x = best.question, best.best.x
+    parts = [judgement.judge(question, x, source, exact), landscape.landscape(question, x, source)]
+    if best.front is not None:
+        parts.append(front.solved(question, best.front, source, exact).reindex(factor=parts[0]["factor"]))
+    case = {str(name): float(parts[0]["worst"].sel(factor=name)[0]) for name in parts[0]["factor"].values}
+    parts.append(contactfields.fields(study, case))
+    out = xr.merge(parts, compat="no_conflicts", join="outer")
     if not bool(out["inside"].all()) and not target.allow_outside_interval:
         raise InputError(f"design: {name}: {judgement.outside(out)}; allow_outside_interval: true would accept it")
-    objective = target.objectives[0]
+    goals = [f"{'maximise' if one.maximise else 'minimise'} {one}" for one in target.objectives]
     out.attrs = {
         "title": f"design target {name}",
-        "goal": f"{'maximise' if objective.maximise else 'minimise'} {objective}",
-        "objective": str(objective),
+        "goal": " and ".join(goals),
+        "objective": str(target.objectives[0]),
         "statistic": str(target.statistic),
     }
     return out.assign_coords(target=name)
+
+
+_NOTHING = Optimum(np.empty(0), -np.inf, np.empty(0), False)
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What a search ended with."""
+
+    question: Question
+    best: Optimum
+    front: Front | None = None
+
+    def problem(self, source: Source, slack: Array | None = None) -> Problem:
+        """The question for the optimiser; several objectives as the compromise that the front measures."""
+        problem = self.question.problem(source, slack)
+        return problem if self.front is None else front.compromise(problem, self.question, self.front)
 
 
 def choices(target: Target) -> list[dict[str, float]]:
@@ -78,28 +101,39 @@ def _rank(best: Optimum) -> tuple[bool, float]:
     return best.feasible, best.objective if best.feasible else -float(best.excess.max(initial=-np.inf))
 
 
-def _search(question: Question, source: Predicted, exact: Exact) -> tuple[Question, Optimum]:
-    """Optimum on the surrogate, then on the exact solver until many more scenarios find no excess."""
+def _search(question: Question, source: Predicted) -> _Found:
+    """Optimum on the surrogate, at a distance from the limits that its uncertainty asks for."""
     if not question.inputs:
-        return question, _only(question, exact)
+        return _Found(question, _only(question, source))
     size = sum(one.count for one in question.searched.values())
     scan = 1 << int(np.clip(np.log2(_SCANNED / size), 7, 12))
-    first = maximise(question.problem(source), scan=scan)
-    scale = abs(first.objective) or 1.0
-    # the surrogate may be wrong by this much, so the limits keep that distance from it
+    traced = front.trace(question, source, scan) if len(question.target.objectives) > 1 else None
+    found = _Found(question, _NOTHING, traced)
+    if traced is not None:
+        first = front.best_of(traced, found.problem(source))
+    else:
+        first = maximise(found.problem(source), scan=scan)
     doubt = judgement.doubts(question, first.x, source)
-    best = improve(question.problem(source, doubt), first.x, scale)
+    return replace(found, best=improve(found.problem(source, doubt), first.x, abs(first.objective) or 1.0))
+
+
+def _polish(found: _Found, exact: Exact) -> _Found:
+    """The same on the exact solver, until many more scenarios say what the few of the search say."""
+    question, best = found.question, found.best
     slack = np.full(len(question.target.limits), _AWAY)
-    for _ in range(_ROUNDS):
-        best = improve(question.problem(exact, slack), best.x, scale)
-        excess = judgement.excesses(question, best.x, exact)
-        if not best.feasible or np.all(excess <= 0):
+    for _ in range(_ROUNDS if question.inputs else 0):
+        best = improve(found.problem(exact, slack), best.x, abs(best.objective) or 1.0)
+        searched = judgement.excesses(question, best.x, exact, question.searched)
+        judged = judgement.excesses(question, best.x, exact, question.judged)
+        bound = searched + slack > -_NEAR
+        if not best.feasible or np.all((judged <= 0) & ((judged > -_NEAR) | ~bound)):
             break
-        slack += np.where(excess > 0, 1.02 * excess + 1e-12, 0.0)
-    return question, best
+        # what a few scenarios make of a limit differs from what many do: shift it by that
+        slack = judged - searched + _AWAY
+    return replace(found, best=best)
 
 
-def _only(question: Question, exact: Exact) -> Optimum:
+def _only(question: Question, source: Source) -> Optimum:
     """The one design of a question without continuous variables."""
-    objective, excess = (one[0] for one in question.problem(exact).value(np.empty((1, 0))))
+    objective, excess = (one[0] for one in question.problem(source).value(np.empty((1, 0))))
     return Optimum(np.empty(0), float(objective.min()), excess, bool(np.all(excess <= 0)))

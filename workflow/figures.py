@@ -1,6 +1,7 @@
 """Figures of the report, one function each; SVG without date, so that equal data give equal bytes."""
 
 import io
+import re
 from itertools import cycle
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.names import FACTORS
+from workflow import hover
 from workflow.files import write_bytes
+from workflow.inline import INK, PAPER
 
 #: Style of every figure of the report.
 STYLE: dict[Any, Any] = {
@@ -30,7 +33,12 @@ STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "legend.fontsize": 8,
     "svg.hashsalt": "meecontact",
+    **dict.fromkeys(("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color"), INK),
+    "hatch.color": INK,
+    "hatch.linewidth": 0.5,
+    **dict.fromkeys(("figure.facecolor", "axes.facecolor", "savefig.facecolor"), PAPER),
 }
+_OUTLINE, _DECIMALS = re.compile(rb'\sd="[^"]*"'), re.compile(rb"(\.\d\d)\d+")
 styled = mpl.rc_context(STYLE)
 _NEAR = 0.02  # distance in X from an edge within which a singular field is cut
 BLUE, ORANGE, GREY = "#2166ac", "#d95f02", "#8a8a8a"
@@ -47,12 +55,14 @@ SHOWN = {
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure as SVG, whole or not at all."""
+    """Write a figure as SVG, with what a pointer over it can say; whole or not at all."""
     drawn = io.BytesIO()
     with mpl.rc_context(STYLE):  # the salt of the ids acts while saving
+        said = f'<metadata class="hover">{hover.metadata(figure)}</metadata>\n</svg>'.encode()
         figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": "meecontact"})
     plt.close(figure)
-    write_bytes(path, drawn.getvalue())
+    outlines = _OUTLINE.sub(lambda one: _DECIMALS.sub(rb"\1", one[0]), drawn.getvalue())  # half of the bytes
+    write_bytes(path, said.join(outlines.rsplit(b"</svg>", 1)))
 
 
 @styled
@@ -110,7 +120,7 @@ def interior(data: xr.Dataset) -> Figure:
                 data["x"], data["y"], field, levels, cmap="RdBu_r" if signed else "viridis", extend="both"
             )
             filled.set_rasterized(True)  # a tenth of the bytes of the outlines
-            ax.plot([-1, 1], [0, 0], color="black", lw=2.5, solid_capstyle="butt", clip_on=False)
+            ax.plot([-1, 1], [0, 0], color=INK, lw=2.5, solid_capstyle="butt", clip_on=False)
             ax.set_aspect("equal")
             ax.grid(visible=False)
         figure.colorbar(filled, ax=list(row), label=label, format="%.3g", pad=0.01, shrink=0.9)
@@ -177,7 +187,7 @@ def parity(validation: xr.Dataset) -> Figure:
         some = slice(None, None, max(1, exact.size // 400))
         ends = [float(exact.min()), float(exact.max())]
         ax.plot(ends, ends, color=GREY, lw=0.8)
-        ax.plot(exact[some], predicted[some], ".", ms=2.5, color=BLUE, rasterized=False)
+        ax.plot(exact[some], predicted[some], ".", ms=2.5, color=BLUE, rasterized=True)
         ax.set_title(
             name.replace("_", " ").replace("electric edge", "el. edge").replace("magnetic", "magn."), fontsize=7.5
         )
@@ -244,28 +254,4 @@ def convergence(curves: list[dict[str, Any]]) -> Figure:
         ax.set_title(title)
         ax.legend()
     axes[0, 0].set_ylabel("error against the closed form")
-    return figure
-
-
-@styled
-def design_map(answer: xr.Dataset) -> Figure:
-    """Worst-case objective over two design variables, the infeasible region hatched, the exact optimum marked."""
-    x, y = answer["map_x"], answer["map_y"]
-    names = [str(axis.attrs["factor"]) for axis in (x, y)]
-    figure, ax = plt.subplots(figsize=(7.2, 4.6))
-    objective, excess = answer["map_objective"].values.T, answer["map_excess"].values.T
-    filled = ax.contourf(x, y, objective, 24, cmap="viridis")
-    ax.contourf(x, y, excess, [0.0, max(float(excess.max()), 1e-9)], colors="none", hatches=["////"])
-    ax.contour(x, y, excess, [0.0], colors="white", linewidths=1.6)
-    best = [float(answer["value"].sel(factor=name)) for name in names]
-    ax.plot(*best, "*", ms=15, mfc=ORANGE, mec="white")
-    for name, axis, setter in zip(names, (x, y), (ax.set_xscale, ax.set_yscale), strict=True):
-        if axis.values[0] > 0 and not np.allclose(np.diff(axis.values), np.diff(axis.values)[0]):
-            setter("log")
-        label = FACTORS[name].long_name + (f" [{FACTORS[name].units}]" if FACTORS[name].units != "1" else "")
-        (ax.set_xlabel if axis is x else ax.set_ylabel)(label)
-    unit = str(answer["units"].values[0])
-    label = f"{answer.attrs['statistic']} {answer.attrs['objective']} [{unit}]"
-    figure.colorbar(filled, ax=ax, label=label, format="%.3g")
-    ax.grid(visible=False)
     return figure

@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from solver.names import EVERY_QUANTITY, FACTORS
+from solver.names import EVERY_QUANTITY, FACTORS, PEAKS
 from workflow import factorial
 from workflow.question import Question
 from workflow.scenarios import Scenarios
@@ -44,13 +44,13 @@ def count(question: Question, factors: Mapping[bool, Factors], sets: Mapping[boo
     return np.stack(out, -1)
 
 
-def excesses(question: Question, x: Array, source: Source) -> Array:
-    """Relative excess of every limit at a design, over the scenarios of the verdict; (k,)."""
-    factors = {drawn: question.factors(x[None], chosen) for drawn, chosen in question.judged.items()}
-    values = count(question, factors, question.judged, source)[0]
+def excesses(question: Question, x: Array, source: Source, sets: Mapping[bool, Scenarios]) -> Array:
+    """Relative excess of every limit at a design over some scenarios; (k,)."""
+    factors = {drawn: question.factors(x[None], chosen) for drawn, chosen in sets.items()}
+    values = count(question, factors, sets, source)[0]
     return np.array(
-        [term.oriented(value) for term, value in zip(question.terms, values, strict=True) if term.limited]
-    ).reshape(-1)
+        [float(term.oriented(value)) for term, value in zip(question.terms, values, strict=True) if term.limited]
+    )
 
 
 def doubts(question: Question, x: Array, source: Predicted) -> Array:
@@ -225,7 +225,8 @@ def _sensitivities(question: Question, x: Array, exact: Exact, factors: list[str
     for k, name in enumerate(names):
         mine = slice(1 + 4 * k, 5 + 4 * k)
         varied[name][mine] = np.clip(design[name] * shares[mine], *_physical_range(name))
-    sets = question.searched
+    costly = any(name in PEAKS for term in question.terms for name in term.expression.names())
+    sets = question.searched if costly else question.judged
     values = count(question, {drawn: question.at(varied, chosen) for drawn, chosen in sets.items()}, sets, exact)
     here, around = values[0], values[1:].reshape(len(names), 4, len(question.terms))
     elasticity, cost, left = (np.full((len(factors), *rest), np.nan) for rest in ((len(question.terms),), (), ()))

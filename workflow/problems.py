@@ -8,12 +8,16 @@ from pydantic import BaseModel, ValidationError
 
 from workflow.targets import nearest
 
+_KINDS = ("list_type", "dict_type", "string_type")
+
 
 def first_problem(error: ValidationError, model: type[BaseModel], content: Mapping[str, Any]) -> str:
     """The first finding of pydantic as ``key: value: what is allowed``."""
     findings = error.errors()
     # an unknown key is named before what is missing for it
-    found = next((one for one in findings if one["type"] == "extra_forbidden"), findings[0])
+    found = next((one for one in findings if one["type"] == "extra_forbidden"), None)
+    # of a list or a mapping, what is wrong within it says more than that it is not the other
+    found = found or next((one for one in findings if one["type"] not in _KINDS), findings[0])
     place = _written(found["loc"], content)
     where = ".".join(place)
     message = found["msg"].removeprefix("Value error, ")

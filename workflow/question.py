@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from workflow.terms import Term, limited, wanted
 Array = NDArray[np.float64]
 
 _PILOT = 512  # points that tell a constant, unbounded or undefined term
+_ENDS = 8  # variables of which every combination of ends is among them
 _CONSTANT = 1e-9  # relative variation that counts as none
 
 
@@ -205,7 +207,10 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
     corner = question.searched[False]
     if not question.inputs:
         return question
-    x = 2 * qmc.Sobol(len(question.inputs), rng=0).random(_PILOT) - 1
+    d = len(question.inputs)
+    ends = np.array(list(product([-1.0, 1.0], repeat=min(d, _ENDS))))
+    inside = 2 * qmc.Sobol(d, rng=0).random(_PILOT) - 1
+    x = np.concatenate([inside, np.pad(ends, ((0, 0), (0, d - ends.shape[1])))])
     factors = question.factors(x, corner)
     scales: dict[str, float] = {}
     for term in question.terms:

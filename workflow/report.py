@@ -1,6 +1,5 @@
 """The report: one self-contained HTML page from the files of a study."""
 
-import base64
 import json
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,9 @@ from markupsafe import Markup
 from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
 from surrogate import load
 from surrogate.netcdf import read_whole
-from workflow import whatif
+from workflow import designfigures, whatif
+from workflow.engineering import shown
+from workflow.inline import inlined
 from workflow.study import CHECK_GROUPS, Study
 from workflow.timing import by_quantity
 from workflow.verdict import findings
@@ -46,7 +47,8 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"number": _number, "seconds": _seconds, "words": _words}
+    environment.globals |= {"kinds": designfigures.kinds}
+    environment.filters |= {"number": _number, "seconds": _seconds, "words": _words, "si": shown}
     content: dict[str, Any] = {
         "study": study,
         "name": name,
@@ -63,6 +65,8 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         "times": [],
         "designs": [],
         "whatif": None,
+        "readouts": [],
+        "scripts": [_script(name) for name in ("hover.js", "surrogate.js", "whatif.js")],
         "effects": list(study.effects.vary) if study.effects else [],
         "verification": _verification(folder) if study.verification else None,
     }
@@ -75,18 +79,18 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         content["times"] = by_quantity(study, times)
         answers = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
         content["designs"] = [_design(answer) for answer in answers]
+        content["readouts"] = [_readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")
         content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers)
         content["whatif_json"] = whatif.as_json(content["whatif"])
-        content["scripts"] = [_script(name) for name in ("surrogate.js", "whatif.js")]
     return environment.get_template("report.html.j2").render(content)
 
 
-def _figure(path: Path) -> dict[str, str]:
-    kind = path.stem.partition("_")[0]
+def _figure(path: Path) -> dict[str, Any]:
+    kind, _, rest = path.stem.partition("_")
     caption = (CAPTIONS / f"{kind}.rst").read_text(encoding="utf-8").replace("\n", " ").replace("``", "").strip()
-    data = base64.b64encode(path.read_bytes()).decode("ascii")
-    return {"caption": caption, "source": f"data:image/svg+xml;base64,{data}", "name": path.stem}
+    alt = f"{kind} {rest.replace('_', ' ')}: {caption}".replace(" :", ":")
+    return {"caption": caption, "svg": inlined(path, alt), "name": path.stem, "kind": kind}
 
 
 def _verification(folder: Path) -> dict[str, Any]:
@@ -168,6 +172,16 @@ def _validation(folder: Path) -> dict[str, Any]:
     return {"kinked": kinked, "rows": rows, "tolerance": tolerance, "worst": worst, "cases": data.sizes["case"]}
 
 
+def _readout(name: str, path: Path) -> dict[str, Any]:
+    data = read_whole(path)
+    rows = [
+        {"name": str(factor), "coverage": float(one["coverage"]), "width": float(one["width"])}
+        for factor in data["factor"].values
+        for one in [data.sel(factor=factor)]
+    ]
+    return {"name": name, "rows": rows, "cases": data.sizes["case"]}
+
+
 def _script(name: str) -> Markup:
     """A script of ours, to stand inside the page."""
     return Markup((TEMPLATES / name).read_text(encoding="utf-8"))
@@ -178,7 +192,7 @@ def _design(data: xr.Dataset) -> dict[str, Any]:
         {
             "name": str(name),
             "inside": bool(one["inside"]),
-            **{key: float(one[key]) for key in ("predicted", "predicted_std", "exact", "limit", "margin")},
+            **{key: float(one[key]) for key in ("predicted", "half", "exact", "limit", "margin")},
             "units": str(one["units"].values),
             "error": abs(float(one["predicted"]) / float(one["exact"]) - 1) if float(one["exact"]) else np.nan,
         }

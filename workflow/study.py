@@ -14,6 +14,7 @@ from solver.names import EVERY_QUANTITY, PEAKS, PROFILES, QUANTITIES
 from workflow import targets
 from workflow.fields import FactorName, FieldName, InputName, Number, QuantityName, Strict, Vector
 from workflow.inputs import InputError, read_material, read_yaml
+from workflow.measuring import Readout
 from workflow.problems import first_problem
 from workflow.target import Target
 
@@ -156,6 +157,7 @@ class Study(Strict):
     surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
     validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
     design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
+    readout: dict[str, Readout] = Field(default_factory=dict, description="what measurements tell, by name")
     effects: Effects | None = Field(None, description="one factor at a time, as figures")
     verification: Verification | None = Field(None, description="checks of the solver against independent methods")
 
@@ -208,9 +210,10 @@ class Study(Strict):
         for name in self.factors:
             if name in self.fixed:
                 raise ValueError(f"fixed: {name}: is one of the factors already")
-        for label in self.design:
+        for label in (*self.design, *self.readout):
             if not label.isidentifier():
-                raise ValueError(f"design: {label!r} must be letters, digits and underscores")
+                where = "design" if label in self.design else "readout"
+                raise ValueError(f"{where}: {label!r} must be letters, digits and underscores")
         self._check_quantities()
         return self
 
@@ -224,9 +227,26 @@ class Study(Strict):
         if self.surrogate.fields and any(self.fixed.get(name, usual) != usual for name, usual in _SMOOTH.items()):
             raise ValueError("surrogate: fields: only those under a cylinder that conducts in both fields are learned")
         for label, target in self.design.items():
-            self._check_target(f"design: {label}", target)
+            self.check_target(f"design: {label}", target)
+        for label, readout in self.readout.items():
+            self._check_readout(f"readout: {label}", readout)
 
-    def _check_target(self, where: str, target: Target) -> None:
+    def _check_readout(self, where: str, readout: Readout) -> None:
+        for name in self.factors:
+            if (name in readout.infer) + (name in readout.at) != 1:
+                raise ValueError(f"{where}: {name!r} must be either in infer or in at")
+        for name in (*readout.infer, *readout.at):
+            if name not in self.factors:
+                raise ValueError(f"{where}: {name!r} is not one of the study's factors: {', '.join(self.factors)}")
+            axis, value = self.factors[name], readout.at.get(name, self.factors[name].low)
+            if not axis.low <= value <= axis.high:
+                raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
+        for name in readout.measured:
+            if name not in self.outputs:
+                raise ValueError(f"{where}: {name!r} is not one of surrogate.outputs")
+
+    def check_target(self, where: str, target: Target) -> None:
+        """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs."""
         given = [*target.over, *target.at, *target.worst_case, *target.uncertain]
         for name in given:
             if name not in self.factors:

@@ -17,7 +17,7 @@ __all__ = ["Limit", "Objective", "Statistic", "limit", "nearest", "objective", "
 
 _LIMIT = re.compile(
     r"(?P<left>.+?)\s*(?P<sign><=|>=|<|>)\s*(?P<value>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\w.])\s*(?P<unit>.*?)"
-    r"(?:\s+with\s+probability\s+(?P<probability>\d*\.?\d+))?\s*"
+    r"(?:\s*\bwith\s+probability\s+(?P<probability>\d*\.?\d+))?\s*"
 )
 _DEVIATION = re.compile(r"\s*deviation\((?P<inner>.*)\)\s*")
 _STATISTIC = re.compile(r"worst case|mean(?:\s*-\s*(?P<count>\d+\.?\d*|\.\d+)\s*std)?")

@@ -58,11 +58,11 @@ class Term:
         """The row that decides, over the last axis: the least objective, the largest use of a limit."""
         return np.asarray(rows.min(-1) if (self.sign > 0) != self.limited else rows.max(-1))
 
-    def oriented(self, rows: Array, slack: float = 0.0) -> Array:
+    def oriented(self, rows: Array | float, slack: float = 0.0) -> Array:
         """Rows that are maximised, or those of a limit as relative excess plus ``slack``."""
         if not self.limited:
-            return self.sign * rows
-        return self.sign * (rows - self.bound) / self.scale + slack
+            return np.asarray(self.sign * rows)
+        return np.asarray(self.sign * (rows - self.bound) / self.scale + slack)
 
 
 def wanted(one: Objective, deviations: float | None) -> Term:

@@ -22,9 +22,27 @@ PROBE = """
 <script>
 addEventListener("load", () => {
   const out = {
-    images: [...document.images].map(
-      i => ({complete: i.complete, width: i.naturalWidth, shown: i.clientWidth, alt: i.alt})),
+    images: document.images.length,
+    figures: [...document.querySelectorAll("svg.figure")].map((svg) => {
+      const frame = svg.getBoundingClientRect();
+      const stored = svg.querySelector("metadata.hover"), tips = [];
+      for (const { box } of stored ? JSON.parse(stored.textContent) : []) {
+        for (let k = 1; k < 20 && !tips.length; k++) {
+          for (let l = 1; l < 20 && !tips.length; l++) {
+            const [x, y] = [box[0] + (k * (box[2] - box[0])) / 20, box[1] + (l * (box[3] - box[1])) / 20];
+            const at = { clientX: frame.left + x * frame.width, clientY: frame.top + y * frame.height };
+            svg.dispatchEvent(new PointerEvent("pointermove", at));
+            const tip = document.querySelector(".tip");
+            if (!tip.hidden) tips.push(tip.innerText);
+          }
+        }
+      }
+      const ids = [...svg.querySelectorAll("[id]")].map((one) => one.id);
+      return { name: svg.closest("figure").id, shown: frame.width, high: frame.height, alt: svg.ariaLabel, tips, ids,
+               paths: svg.querySelectorAll("path").length };
+    }),
     complaints,
+    bytes: document.documentElement.outerHTML.length,
     overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
     loaded: performance.getEntriesByType("resource").map(e => e.name).filter(n => !n.startsWith("data:")),
     text: document.body.innerText,
@@ -108,17 +126,29 @@ def opened(text: str, folder: Path, width: int, probe: str = PROBE) -> dict[str,
 @pytest.mark.parametrize("width", [1280, 500])
 def test_every_figure_is_drawn(ran: Project, tmp_path: Path, width: int) -> None:
     seen = opened(page(ran), tmp_path, width)
-    images = seen["images"]
-    assert isinstance(images, list)
-    assert len(images) == 13  # fields, decay, errors, parity, intervals, sensitivity, main effects, designs, effects
-    for image in images:
-        assert image["complete"]
-        assert image["width"] > 100
-        assert image["shown"] > 100
-        assert image["alt"]
+    kinds = [figure["name"] for figure in seen["figures"]]
+    shown = ("map", "slices", "bars", "contact")
+    design = [f"figure-{kind}_{name}" for name in ("sensor", "impossible") for kind in shown]
+    effects = [f"figure-{kind}_{name}" for name in ("friction", "material") for kind in ("effect", "interior")]
+    learning = ("fields", "decay", "errors", "parity", "intervals", "sensitivity", "main_effects")
+    assert kinds == [*(f"figure-{name}" for name in learning), *design, *effects]
+    assert seen["images"] == 0
+    for figure in seen["figures"]:
+        assert figure["shown"] > 100
+        assert figure["high"] > 50
+        assert figure["paths"] > 10
+        assert len(figure["alt"]) > 20
+    ids = [one for figure in seen["figures"] for one in figure["ids"]]
+    assert len(ids) == len(set(ids))
+    tips = {figure["name"]: figure["tips"] for figure in seen["figures"]}
+    assert tips["figure-map_sensor"][0].startswith("worst-case abs(voltage_sensitivity): ")
+    assert "mV m N⁻¹\nvolume fraction of phase one: " in tips["figure-map_sensor"][0]
+    assert "MPa" in tips["figure-contact_sensor"][0]
+    assert all(tips[name] for name in kinds if not name.startswith(("figure-parity", "figure-bars", "figure-interior")))
     assert seen["loaded"] == []
     assert seen["complaints"] == []
     assert seen["overflow"] == 0
+    assert seen["bytes"] < 6e6
 
 
 @needs_browser
@@ -142,6 +172,7 @@ def test_the_page_is_self_contained(ran: Project) -> None:
     assert all(source.startswith(("data:", "#")) for source in sources)
     assert not re.search(r"<script[^>]*\bsrc=", text)
     assert "url(" not in text.split("</style>")[0]
+    assert set(re.findall(r"url\((.)", text)) == {"#"}
 
 
 def test_text_from_the_study_is_escaped(ran: Project) -> None:
@@ -149,7 +180,7 @@ def test_text_from_the_study_is_escaped(ran: Project) -> None:
 
     config = study.load(ran.folder / "config/small.yaml").model_copy(update={"title": "<script>alert(1)</script>"})
     results = ran.folder / "results/small"
-    figures = sorted((results / "figures").glob("*.svg"))
+    figures = sorted((results / "figures").rglob("*.svg"))
     text = report.page(config, "small", results, figures, results / "provenance.json")
     assert "<script>alert" not in text
     assert "&lt;script&gt;" in text

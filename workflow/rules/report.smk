@@ -85,12 +85,14 @@ rule figure_design:
         "results/{study}/design/{name}.nc",
     output:
         report(
-            "results/{study}/figures/design_{name}.svg",
+            directory("results/{study}/figures/design_{name}"),
+            patterns=["{kind}_{target}.svg"],
             caption="../captions/design.rst",
             category="Design",
-            labels={"figure": "map", "target": "{name}"},
+            labels={"figure": "{kind}", "target": "{target}"},
         ),
     params:
+        study=sections("design"),
         code=provenance.code("workflow/scripts/figure_design.py"),
     log:
         "logs/{study}/figure_design/{name}.log",
@@ -156,13 +158,19 @@ rule report:
             "results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design
         ),
         figures=figures_of,
+        folders=lambda wildcards: expand(
+            "results/{study}/figures/design_{name}", study=wildcards.study, name=study_of(wildcards).design
+        ),
         provenance="results/{study}/provenance.json",
     output:
         "results/{study}/report.html",
     params:
         code=provenance.code(
             "workflow/scripts/report.py",
-            *captions_of("fields", "decay", "errors", "parity", "intervals", "sensitivity", "main", "design", "effect", "interior", "convergence"),
+            *captions_of(
+                "fields", "decay", "errors", "parity", "intervals", "sensitivity", "main", "map", "slices", "bars",
+                "contact", "front", "readout", "effect", "interior", "convergence",
+            ),
         ),
     log:
         "logs/{study}/report.log",

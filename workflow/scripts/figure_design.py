@@ -1,13 +1,17 @@
-"""Rule figure_design: the map of one design target."""
+"""Rule figure_design: the figures of one design target."""
 
 from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
 from surrogate.netcdf import read_whole
-from workflow import figures, joblog
+from workflow import designfigures, figures, joblog, study
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-figures.save(figures.design_map(read_whole(Path(snakemake.input[0]))), Path(snakemake.output[0]))
+target = study.named(snakemake.wildcards.study).design[snakemake.wildcards.name]
+folder = Path(snakemake.output[0])
+folder.mkdir()
+for kind, figure in designfigures.figures_of(read_whole(Path(snakemake.input[0])), target).items():
+    figures.save(figure, folder / f"{kind}_{snakemake.wildcards.name}.svg")

@@ -13,6 +13,7 @@ joblog.start(snakemake.log[0])
 output = Path(snakemake.output[0])
 name = snakemake.wildcards.study
 figures = [Path(figure) for figure in snakemake.input.figures]
+figures += [figure for folder in snakemake.input.folders for figure in sorted(Path(folder).glob("*.svg"))]
 config = choice.resolved(study.named(name), snakemake.input.levels)
 page = report.page(config, name, output.parent, figures, Path(snakemake.input.provenance))
 write_text(output, page)

@@ -52,7 +52,7 @@ function pressure(values, count) {
 function startWhatIf(root) {
   const data = JSON.parse(document.getElementById("whatif-data").textContent);
   const model = loadSurrogate(data.surrogate), sliders = [...root.querySelectorAll("input[type=range]")];
-  const point = model.inputs.map((input, k) => Number(sliders[k].value));
+  const point = [...data.start]; // finer than a slider's step
 
   function show() {
     const { mean, std } = predict(model, point), values = { ...data.fixed };
@@ -118,7 +118,7 @@ function drawPressure(svg, values) {
   const Y = (y) => top + (height - top - bottom) * (1 - y / most);
   const line = points.map(([x, y]) => `${X(x).toFixed(2)},${Y(y).toFixed(2)}`).join(" ");
   const ticks = [0, 0.5, 1].map((s) => `<text x="${left - 6}" y="${Y(s * peak) + 4}" text-anchor="end">${digits((s * peak) / ys.size, 3)}</text><line class="grid" x1="${left}" x2="${width - 8}" y1="${Y(s * peak)}" y2="${Y(s * peak)}"/>`);
-  const ends = [[-values.contact_leading, "leading"], [values.contact_trailing, "trailing"]].map(([x, name]) => `<text x="${X(x)}" y="${height - 16}" text-anchor="middle">${digits(x / xs.size, 3)}</text><text class="soft" x="${X(x)}" y="${height - 3}" text-anchor="middle">${name} edge [${xs.units}]</text>`);
+  const ends = [[-values.contact_leading, "leading"], [values.contact_trailing, "trailing"]].map(([x, name]) => `<text x="${X(x)}" y="${height - 16}" text-anchor="middle">${digits(x / xs.size, 3)}</text><text class="soft" x="${x < 0 ? left : width - 8}" y="${height - 3}" text-anchor="${x < 0 ? "start" : "end"}">${name} edge [${xs.units}]</text>`);
   svg.innerHTML = `${ticks.join("")}${ends.join("")}<polygon class="area" points="${line}"/><polyline class="curve" points="${line}"/><text x="${left}" y="${top + 4}" class="soft">p [${ys.units}]</text>`;
 }
 

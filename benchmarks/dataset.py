@@ -1,0 +1,128 @@
+"""Speed of the data set: solving and writing it against writing the same bytes alone, in one run.
+
+``python -m benchmarks.dataset [LEVELS]`` takes so many levels of the first axis of `config/large.yaml` (40,000 cases
+each) through what the rule `slab` does: solve, convert, sum up statistics and checksums, compress, seal, flush.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+
+import netCDF4
+import numpy as np
+
+from surrogate.netcdf import PACKED, read_whole
+from workflow import dataset, factorial
+from workflow.provenance import ROOT
+from workflow.study import Study, load
+
+
+def measure(levels: int = 10, repeats: int = 3) -> dict[str, float]:
+    """Seconds of each way, their ratios, and cases a second; the best of some repeats, taken in turn.
+
+    ``step`` is what a run waits for: as many processes as cores, each with its slab, their start included. ``slab`` is
+    one core's work on all of it.
+    """
+    study, cores = _part(levels), len(os.sched_getaffinity(0))
+    with tempfile.TemporaryDirectory(dir=ROOT) as folder:
+        ours, raw = Path(folder) / "ours.nc", Path(folder) / "raw.nc"
+        dataset.write_slab(study, 0, ours)
+        unpacked = _contents(ours)
+        times: dict[str, list[float]] = {"step": [], "slab": [], "raw": [], "floor": []}
+        for _ in range(repeats):
+            times["step"].append(_seconds(lambda: _step(levels, cores, Path(folder))))
+            times["slab"].append(_seconds(lambda: dataset.write_slab(study, 0, ours)))
+            times["raw"].append(_seconds(lambda: _write(raw, ours, unpacked)))
+            times["floor"].append(_seconds(lambda: _floor(study)))
+        best = {name: min(some) for name, some in times.items()}
+        size = sum(array.nbytes for array in unpacked.values())
+    return {
+        "cases": float(study.cases),
+        "cores": float(cores),
+        "megabytes_unpacked": size / 1e6,
+        **{f"seconds_{name}": some for name, some in best.items()},
+        "step_speed_against_raw_write": best["raw"] / best["step"],
+        "slab_speed_against_raw_write": best["raw"] / best["slab"],
+        "cases_per_second": study.cases / best["step"],
+        "megabytes_per_second": size / 1e6 / best["step"],
+    }
+
+
+def _step(levels: int, cores: int, folder: Path) -> None:
+    """The slabs side by side, as the pipeline runs them."""
+    code = "import sys; from benchmarks import dataset; dataset.one_of(*map(int, sys.argv[1:4]), sys.argv[4])"
+    slabs = [
+        subprocess.Popen(
+            [sys.executable, "-c", code, str(levels), str(cores), str(k), str(folder / f"{k}.nc")], cwd=ROOT
+        )
+        for k in range(cores)
+    ]
+    codes = [slab.wait() for slab in slabs]
+    if any(codes):
+        raise RuntimeError("a slab failed")
+
+
+def one_of(levels: int, slabs: int, index: int, path: str) -> None:
+    """Write one of some slabs."""
+    study = _part(levels)
+    split = study.dataset.model_copy(update={"slabs": slabs})
+    dataset.write_slab(study.model_copy(update={"dataset": split}), index, Path(path))
+
+
+def _part(levels: int) -> Study:
+    """Some levels of the first axis of the large study, in one slab."""
+    study = load(ROOT / "config/large.yaml")
+    first = next(iter(study.factors))
+    axis = study.factors[first].model_copy(update={"levels": levels})
+    one = study.dataset.model_copy(update={"slabs": 1})
+    return study.model_copy(update={"factors": {**study.factors, first: axis}, "dataset": one})
+
+
+def _contents(path: Path) -> dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]:
+    data = read_whole(path)
+    return {str(name): array.values for name, array in data.data_vars.items()}
+
+
+def _write(path: Path, like: Path, arrays: dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]) -> None:
+    """The same arrays with the same chunks and compression, a level at a time, and flushed to disk: nothing else."""
+    with netCDF4.Dataset(like) as model, netCDF4.Dataset(path, "w") as file:
+        for name, dim in model.dimensions.items():
+            file.createDimension(name, dim.size)
+        made = {}
+        for name, array in arrays.items():
+            chunks = model[name].chunking()
+            made[name] = file.createVariable(
+                name, array.dtype, model[name].dimensions, chunksizes=chunks, fill_value=False, **PACKED
+            )
+            made[name].set_auto_maskandscale(False)
+        for level in range(next(iter(arrays.values())).shape[0]):
+            for name, array in arrays.items():
+                made[name][level : level + 1] = array[level : level + 1]
+    handle = os.open(path, os.O_RDONLY)
+    os.fsync(handle)
+    os.close(handle)
+
+
+def _floor(study: Study) -> None:
+    """What no formula can do without: a power a material, friction and position; a logarithm a contact width."""
+    axes = factorial.levels(study)
+    X = study.dataset.positions.values()
+    exponent = np.multiply.outer(axes["volume_fraction"], 0.1 + axes["friction"])
+    np.power(np.abs((1 - X) / (1 + X)), exponent[..., None])
+    widths = np.multiply.outer(exponent, np.multiply.outer(axes["radius"], axes["load"]))
+    np.log(widths)
+
+
+def _seconds(action: Callable[[], object]) -> float:
+    start = perf_counter()
+    action()
+    return perf_counter() - start
+
+
+if __name__ == "__main__":
+    for key, value in measure(*(int(word) for word in sys.argv[1:])).items():
+        print(f"{key:28s} {value:.6g}")

@@ -1,0 +1,54 @@
+"""Keep what was measured: ``python -m benchmarks.history`` appends the numbers of `results/benchmarks.json`.
+
+One row a number in `benchmarks/history.csv`: date, commit, cores, measurement, name, value. Ratios compare across
+machines; seconds compare only where the machine is the same.
+"""
+
+import csv
+import io
+import json
+import os
+import subprocess
+from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from workflow.files import write_text
+from workflow.provenance import ROOT
+
+HISTORY = Path(__file__).with_name("history.csv")
+HEADER = ["date", "commit", "cores", "measurement", "name", "value"]
+
+
+def numbers(found: Mapping[str, Any]) -> Iterator[tuple[str, str, float]]:
+    """Measurement, name and value of every plain number; tables are left to the page."""
+    for measurement, content in sorted(found.items()):
+        if isinstance(content, Mapping):
+            for name, value in content.items():
+                if isinstance(value, int | float) and not isinstance(value, bool):
+                    yield measurement, name, float(value)
+
+
+def appended(history: str, found: Mapping[str, Any], date: str, commit: str, cores: int) -> str:
+    """The history with today's rows."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    if not history:
+        writer.writerow(HEADER)
+    for measurement, name, value in numbers(found):
+        writer.writerow([date, commit, cores, measurement, name, f"{value:.6g}"])
+    return history + text.getvalue()
+
+
+def main() -> None:
+    """Append what `make bench` measured last."""
+    found = json.loads((ROOT / "results/benchmarks.json").read_text(encoding="utf-8"))
+    done = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True)
+    history = HISTORY.read_text(encoding="utf-8") if HISTORY.exists() else ""
+    date = datetime.now(UTC).date().isoformat()
+    write_text(HISTORY, appended(history, found, date, done.stdout.strip(), len(os.sched_getaffinity(0))))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,196 @@
+"""Design questions from the command line: words to a target, and its answer as a table or JSON."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from pydantic import ValidationError
+
+from solver.names import FACTORS
+from surrogate import GaussianProcess, load
+from workflow import design, factorial
+from workflow import study as studies
+from workflow.inputs import InputError
+from workflow.problems import first_problem
+from workflow.study import Study
+from workflow.target import Target
+
+
+def results(folder: Path) -> tuple[Study, GaussianProcess]:
+    """The study of a folder ``results/<study>`` and its surrogate.
+
+    Raises
+    ------
+    InputError
+        No such results, or a study that was changed since they were made.
+    """
+    surrogate = folder / "surrogate.nc"
+    if not surrogate.is_file():
+        raise InputError(f"{folder}: holds no surrogate.nc; run `make run STUDY={folder.name}` first")
+    study = studies.load(folder.resolve().parent.parent / "config" / f"{folder.resolve().name}.yaml")
+    model = load(surrogate)
+    if list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.outputs:
+        raise InputError(f"{surrogate}: was made from another state of the study; run `make run STUDY={folder.name}`")
+    return study, model
+
+
+def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
+    """The target that the options of the command line describe.
+
+    Parameters
+    ----------
+    study
+        Gives what is not said: a factor that is not named takes its default.
+    words
+        ``maximise``, ``minimise``, ``over``, ``at``, ``worst_case``, ``uncertain``, ``robust`` and ``limit``, as
+        written.
+
+    Raises
+    ------
+    InputError
+        One line with the option, the value and what is allowed.
+    """
+    asked: dict[str, Any] = {
+        "maximise": list(words.get("maximise") or []),
+        "minimise": list(words.get("minimise") or []),
+        "over": {name: _variable(name, text) for name, text in _named("--over", words.get("over"))},
+        "at": {name: _number(f"--at: {name}", text) for name, text in _named("--at", words.get("at"))},
+        "worst_case": {
+            name: _interval(f"--worst-case: {name}", text)
+            for name, text in _named("--worst-case", words.get("worst_case"))
+        },
+        "uncertain": {name: _distribution(name, text) for name, text in _named("--uncertain", words.get("uncertain"))},
+        "subject_to": list(words.get("limit") or []),
+    }
+    robust = words.get("robust")
+    if robust:
+        asked["robust"] = robust[0]
+    said = {*asked["over"], *asked["at"], *asked["worst_case"], *asked["uncertain"]}
+    for name, axis in study.factors.items():
+        default = FACTORS[name].default
+        if name not in said and default is not None and axis.low <= default <= axis.high:
+            asked["at"][name] = default
+    try:
+        found = Target.model_validate(asked)
+        study.check_target("design", found)
+    except ValidationError as error:
+        raise InputError(f"design: {first_problem(error, Target, asked)}") from None
+    except ValueError as error:
+        raise InputError(str(error)) from None
+    return found
+
+
+def as_text(answer: xr.Dataset) -> str:
+    """The answer as a table."""
+    lines = [str(answer.attrs["goal"]), str(answer["status"].values)]
+    lines += [f"note: {answer['flags'].values}"] if str(answer["flags"].values) else []
+    for name in answer["factor"].values:
+        one = answer.sel(factor=name)
+        lines.append(f"  {name:44s} {float(one['value']):<14.8g} {FACTORS[name].units:10s} {one['role'].values}")
+    lines.append(f"  {'':44s} {'exact':14s} {'predicted':14s} margin")
+    for name in answer["term"].values:
+        one = answer.sel(term=name)
+        margin = float(one["margin"])
+        shown = "" if np.isnan(margin) else f"{100 * margin:.3g} %"
+        numbers = f"{float(one['exact']):<14.8g} {float(one['predicted']):<14.8g}"
+        lines.append(f"  {name:44s} {numbers} {shown:10s} {one['units'].values}")
+    return "\n".join(lines)
+
+
+def as_json(answer: xr.Dataset) -> str:
+    """The answer as JSON; what is not a number is null."""
+    out: dict[str, Any] = {"goal": answer.attrs["goal"]}
+    out |= {key: answer[key].item() for key in ("status", "flags", "feasible")}
+    out["factors"] = {
+        str(name): {"value": float(one["value"]), "role": str(one["role"].values), "units": FACTORS[name].units}
+        for name in answer["factor"].values
+        for one in [answer.sel(factor=name)]
+    }
+    keys = ("exact", "predicted", "predicted_std", "limit", "margin")
+    out["terms"] = {
+        str(name): {key: _plain(float(one[key])) for key in keys}
+        | {"inside": bool(one["inside"]), "units": str(one["units"].values)}
+        for name in answer["term"].values
+        for one in [answer.sel(term=name)]
+    }
+    if "front" in answer.dims:
+        out["front"] = [
+            {str(name): float(value) for name, value in zip(row["objective"].values, row.values, strict=True)}
+            for row in answer["front_exact"]
+        ]
+    return json.dumps(out, indent=2, allow_nan=False)
+
+
+def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> xr.Dataset:
+    """Answer a question from the results of a study.
+
+    Raises
+    ------
+    InputError
+        A bad question, or one that nothing answers: it names the binding limit and the least violated design.
+    """
+    study, model = results(folder)
+    answer = design.answer(study, "question", target(study, words), model)
+    if not bool(answer["feasible"]):
+        at = ", ".join(f"{name} = {float(answer['value'].sel(factor=name)):.6g}" for name in answer["factor"].values)
+        raise InputError(f"design: {answer['status'].values}, at {at}")
+    return answer
+
+
+def _named(option: str, words: Sequence[str] | None) -> list[tuple[str, str]]:
+    """``name`` or ``name=text`` of every part between commas outside brackets."""
+    parts = [part for word in words or [] for part in _split(word)]
+    pairs = [(name.strip(), text.strip()) for name, _, text in (part.partition("=") for part in parts)]
+    names = [name for name, _ in pairs]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"{option}: {name}: given twice")
+    return pairs
+
+
+def _split(word: str) -> list[str]:
+    parts, depth = [""], 0
+    for character in word:
+        depth += (character == "(") - (character == ")")
+        if character == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += character
+    return parts
+
+
+def _variable(name: str, text: str) -> dict[str, Any]:
+    if not text:
+        return {}
+    if ":" in text:
+        low, high = _interval(f"--over: {name}", text)
+        return {"low": low, "high": high}
+    return {"choices": [_number(f"--over: {name}", one) for one in text.split("|")]}
+
+
+def _interval(where: str, text: str) -> list[float]:
+    ends = text.split(":")
+    if len(ends) != 2:
+        raise InputError(f"{where}: {text!r} is not of the form LOW:HIGH")
+    return [_number(where, end) for end in ends]
+
+
+def _distribution(name: str, text: str) -> dict[str, list[float]]:
+    kind, bracket, rest = text.partition("(")
+    if not bracket or not rest.endswith(")"):
+        raise InputError(f"--uncertain: {name}: {text!r} is not of the form normal(MEAN,STD) or another distribution")
+    return {kind.strip(): [_number(f"--uncertain: {name}", one) for one in rest[:-1].split(",")]}
+
+
+def _number(where: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"{where}: {text.strip()!r} is not a number") from None
+
+
+def _plain(value: float) -> float | None:
+    return value if np.isfinite(value) else None

@@ -1,0 +1,84 @@
+"""What a pointer over a figure can say: the data behind its axes, carried inside the SVG for the page's script."""
+
+import json
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedFormatter
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_DIGITS = 5
+_MOST = 600  # points of one curve; beyond it, a curve is a cloud and says nothing
+_GRID = 61  # points a side of a map
+_maps: "WeakKeyDictionary[Axes, dict[str, Any]]" = WeakKeyDictionary()
+
+
+def attach_map(ax: Axes, x: Array, y: Array, values: Array, label: str) -> None:
+    """Let a filled contour over x (n,), y (m,) say its values, (m, n)."""
+    columns, rows = (np.unique(np.linspace(0, size - 1, min(size, _GRID)).astype(int)) for size in (x.size, y.size))
+    _maps[ax] = {
+        "x": _rounded(x[columns]),
+        "y": _rounded(y[rows]),
+        "values": _rounded(values[np.ix_(rows, columns)].ravel()),
+        "label": _plain(label),
+    }
+
+
+def metadata(figure: Figure) -> str:
+    """JSON of every axes: its place in the figure (shares, from the top left), its scales, and its curves or map."""
+    figure.canvas.draw()
+    described = [one for ax in figure.axes if (one := _axes(ax)) is not None]
+    return json.dumps(described, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c").replace("&", "\\u0026")
+
+
+def _axes(ax: Axes) -> dict[str, Any] | None:
+    curves = []
+    for line in ax.lines:
+        x, y = _data(line.get_xdata(), line.get_ydata())
+        if line.get_transform() == ax.transData and 0 < x.size <= _MOST:
+            label = str(line.get_label())
+            curves.append({"label": "" if label.startswith("_") else label, "x": _rounded(x), "y": _rounded(y)})
+    if not curves and ax not in _maps:
+        return None
+    box = ax.get_position()
+    return {
+        "box": _rounded(np.array([box.x0, 1 - box.y1, box.x1, 1 - box.y0])),
+        "x": _scale(ax.get_xlim(), ax.get_xscale(), ax.get_xlabel()),
+        "y": _scale(ax.get_ylim(), ax.get_yscale(), ax.get_ylabel() or ax.get_title()),
+        "names": [text.get_text() for text in ax.get_yticklabels()] if _named(ax) else [],
+        "curves": curves,
+        "map": _maps.get(ax),
+    }
+
+
+def _named(ax: Axes) -> bool:
+    """Whether the vertical axis counts names instead of measuring."""
+    return isinstance(ax.yaxis.get_major_formatter(), FixedFormatter)
+
+
+def _data(x: Any, y: Any) -> tuple[Array, Array]:
+    """Plain numbers; nothing where a curve is over names, or has gaps only."""
+    try:
+        pair = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
+    except (TypeError, ValueError):
+        return np.empty(0), np.empty(0)
+    finite = np.isfinite(pair[0]) & np.isfinite(pair[1])
+    return pair[0][finite], pair[1][finite]
+
+
+def _scale(limits: tuple[float, float], kind: str, label: str) -> dict[str, Any]:
+    return {"limits": _rounded(np.array(limits)), "log": kind == "log", "label": _plain(label)}
+
+
+def _plain(label: str) -> str:
+    """A label on one line, without the marks of formulas."""
+    return " ".join(label.replace("$", "").replace("\\sigma_{xx}", "σxx").split())
+
+
+def _rounded(values: Array) -> list[float]:
+    return [float(f"{value:.{_DIGITS}g}") for value in np.asarray(values, dtype=np.float64)]
