@@ -8,9 +8,14 @@ from workflow import factorial
 from workflow.study import Study
 
 
+def compression(study: Study) -> float:
+    """Error allowed to the compressed mean: far below the tolerance, and no smaller, since queries cost less so."""
+    return min(1e-9, 1e-3 * study.validation.tolerance)
+
+
 def fit(study: Study, quantities: xr.Dataset) -> GridGP:
     """Gaussian process of the study's outputs on its factorial."""
-    model = GridGP(kernel=study.surrogate.kernel, inputs=factorial.inputs(study), outputs=study.outputs)
+    model = GridGP(study.surrogate.kernel, factorial.inputs(study), study.outputs, compression=compression(study))
     return model.fit(quantities)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from solver import solve
 from solver.names import FIELDS
 from surrogate import GaussianProcess, GridGP, Input, metrics
-from workflow import factorial
+from workflow import factorial, learning
 from workflow.study import Study
 
 Array = NDArray[np.float64]
@@ -39,7 +39,8 @@ def fit(study: Study) -> GridGP:
     """Gaussian process of the regular parts, on the study's factorial and its Chebyshev angles; calibrated."""
     angles = ANGLE.levels(study.surrogate.fields)
     data = _regular(study, dict(factorial.levels(study)), angles)
-    model = GridGP(study.surrogate.kernel, [*factorial.inputs(study), ANGLE], NAMES).fit(data)
+    inputs, allowed = [*factorial.inputs(study), ANGLE], learning.compression(study)
+    model = GridGP(study.surrogate.kernel, inputs, NAMES, compression=allowed).fit(data)
     return model.calibrate(cases(study, study.validation.calibration, 4))
 
 

@@ -91,11 +91,11 @@ def test_an_output_asked_for_by_name_must_not_be_kinked(tmp_path: Path, monkeypa
 
 def test_an_unreachable_tolerance_is_one_line_and_leaves_no_result(copy: Callable[[str], Project]) -> None:
     project = copy("unreachable")
-    (project.folder / "config/open.yaml").write_text(OPEN.replace("20000", "900"), encoding="utf-8")
+    (project.folder / "config/open.yaml").write_text(OPEN.replace("20000", "400"), encoding="utf-8")
     done = project.run("meecontact", "run", "open", "--cores", "1", check=False)
     assert done.returncode == 2
     line = done.stderr.strip()
     assert "\n" not in line
     assert line.startswith("meecontact: config/open.yaml: tolerance 1e-06 needs ")
-    assert "the budget is 900; 900 cases reach about" in line
+    assert "the budget is 400; 400 cases reach about" in line
     assert not [file for file in (project.folder / "results").rglob("*") if file.is_file()]
