@@ -1,15 +1,14 @@
 """From measured outputs back to inputs: the posterior of a few inputs, by quadrature that closes in on it.
 
 With independent Gaussian errors of the measurements, the model's own variance added to theirs, and a prior that is
-uniform in the scaled inputs (log-uniform on a log scale), the posterior is evaluated on a tensor grid. The grid closes
-in on where the posterior is not negligible; while it is coarse, the errors are widened by what the outputs change
-within a cell, so that no narrow peak is stepped over.
+uniform in the scaled inputs (log-uniform on a log scale), the posterior is evaluated on cells of the box. Cells
+in which it is negligible are dropped, the others halved until the outputs change little within one beside their errors.
+While a cell is coarse its errors are widened by that change, so that no narrow peak is stepped over, however many.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +18,11 @@ from surrogate.model import GaussianProcess
 
 Array = NDArray[np.float64]
 
-_FIRST = {1: 513, 2: 129, 3: 41}  # nodes an input of the first grid, by the number of inputs
-_NEXT = {1: 129, 2: 41, 3: 21}
+_FIRST = {1: 256, 2: 48, 3: 16}  # cells an input at first, by the number of inputs
+_FINE = 0.12  # half of what outputs may change within a cell, in standard deviations
 _NEGLIGIBLE = 14.0  # drop of the log-posterior below its largest value
-_SHARE = 0.6  # a grid that would keep this share of every range has closed in
-_ROUNDS = 40
+_ROUNDS = 60
+_MOST = 400_000  # cells
 
 
 @dataclass(frozen=True)
@@ -93,97 +92,94 @@ class Inversion:
         level : float
             Probability of the central interval.
         """
-        axes, forward = self._first
+        cells = self._first
         for _ in range(_ROUNDS):
-            log, misfit = _posterior(forward, values, errors)
-            kept = [_support(log, k) for k in range(len(axes))]
-            widths = [
-                (axis[high] - axis[low]) / (axis[-1] - axis[0]) for axis, (low, high) in zip(axes, kept, strict=True)
-            ]
-            settled = not forward.coarse(errors) and all(width > _SHARE for width in widths)
-            if settled:
+            density, _ = _log_density(cells, values, errors**2 + cells.std**2 + cells.change.sum(1) ** 2)
+            cells = cells.some(density > density.max() - _NEGLIGIBLE)
+            changes = (cells.change / np.hypot(errors, cells.std)[:, None]).max(-1)
+            coarse = changes.sum(-1) > _FINE
+            if not coarse.any() or len(cells.centre) > _MOST:
                 break
-            ends = [(axis[low], axis[high]) for axis, (low, high) in zip(axes, kept, strict=True)]
-            axes = [np.linspace(low, high, _NEXT[len(axes)]) for low, high in ends]
-            forward = self._forward(axes)
-        return self._summary(axes, log, misfit, level)
+            cells = cells.some(~coarse).joined(self._halved(cells.some(coarse), changes[coarse].argmax(-1)))
+        density, misfit = _log_density(cells, values, errors**2 + cells.std**2)
+        weights = np.exp(density - density.max()) * np.prod(cells.half, axis=-1)
+        return self._summary(cells, weights / weights.sum(), misfit, level)
 
     @cached_property
-    def _first(self) -> "tuple[list[Array], _Forward]":
-        axes = [np.linspace(-1.0, 1.0, _FIRST[len(self._inputs)]) for _ in self._inputs]
-        return axes, self._forward(axes)
+    def _first(self) -> "_Cells":
+        """A uniform grid of cells; what an output changes within one is read off its neighbours."""
+        k, count = len(self._inputs), _FIRST[len(self._inputs)]
+        axis = (np.arange(count) + 0.5) * 2 / count - 1
+        centre = np.stack([grid.ravel() for grid in np.meshgrid(*[axis] * k, indexing="ij")], -1)
+        mean, std = self._forward(centre)
+        grid = mean.reshape(*[count] * k, -1)
+        change = [np.abs(np.gradient(grid, axis=one)).reshape(mean.shape) / 2 for one in range(k)]
+        return _Cells(centre, np.full(centre.shape, 1 / count), mean, std, np.stack(change, 1))
 
-    def _forward(self, axes: Sequence[Array]) -> "_Forward":
-        grids = np.meshgrid(*axes, indexing="ij")
-        places = {one.name: one.from_unit(t.ravel()) for one, t in zip(self._inputs, grids, strict=True)}
-        columns = [
-            places[name] if name in places else np.full(grids[0].size, self._at[name]) for name in self._model.box
-        ]
+    def _halved(self, parents: "_Cells", along: NDArray[np.intp]) -> "_Cells":
+        """Every cell halved along one input; an output changes within a child as it does from the parent to it."""
+        rows = np.arange(len(along))
+        half = parents.half.copy()
+        half[rows, along] /= 2
+        centre = np.repeat(parents.centre, 2, axis=0)
+        centre[2 * rows, along] -= half[rows, along]
+        centre[2 * rows + 1, along] += half[rows, along]
+        mean, std = self._forward(centre)
+        change = parents.change.copy()
+        change[rows, along] = np.abs(mean.reshape(len(along), 2, -1) - parents.mean[:, None]).max(1)
+        return _Cells(centre, np.repeat(half, 2, axis=0), mean, std, np.repeat(change, 2, axis=0))
+
+    def _forward(self, centre: Array) -> tuple[Array, Array]:
+        """Mean and standard deviation of the measured outputs, (n, m), at scaled values of the inferred inputs."""
+        places = {one.name: one.from_unit(centre[:, k]) for k, one in enumerate(self._inputs)}
+        columns = [places.get(name, np.full(len(centre), self._at.get(name, np.nan))) for name in self._model.box]
         mean, std = self._model.predict_array(np.stack(columns, -1), return_std=True)
-        shape = (*grids[0].shape, len(self._columns))
-        return _Forward(mean[:, self._columns].reshape(shape), std[:, self._columns].reshape(shape))
+        return mean[:, self._columns], std[:, self._columns]
 
-    def _summary(self, axes: Sequence[Array], log: Array, misfit: float, level: float) -> Estimate:
-        density = np.exp(log - log.max())
+    def _summary(self, cells: "_Cells", weights: Array, misfit: float, level: float) -> Estimate:
         rows = []
-        for k, (axis, one) in enumerate(zip(axes, self._inputs, strict=True)):
-            marginal = density
-            for other in reversed([j for j in range(len(axes)) if j != k]):
-                marginal = np.trapezoid(marginal, axes[other], axis=other)
-            steps = np.array([(a + b) / 2 for a, b in pairwise(marginal)]) * np.diff(axis)
-            cumulative = np.concatenate([[0.0], np.cumsum(steps)])
-            cumulative /= cumulative[-1]
-            low, high = (_quantile(axis, marginal, cumulative, p) for p in ((1 - level) / 2, (1 + level) / 2))
-            mean = np.trapezoid(marginal * one.from_unit(axis), axis) / np.trapezoid(marginal, axis)
-            rows.append((float(mean), float(one.from_unit(low)), float(one.from_unit(high))))
-        mean_, low_, high_ = np.array(rows).T
-        return Estimate(mean_, low_, high_, misfit)
+        for k, one in enumerate(self._inputs):
+            centre, half = cells.centre[:, k], cells.half[:, k]
+            ends = [one.from_unit(_quantile(centre, half, weights, p)) for p in ((1 - level) / 2, (1 + level) / 2)]
+            rows.append([float(weights @ one.from_unit(centre)), *map(float, ends)])
+        mean, low, high = np.array(rows).T
+        return Estimate(mean, low, high, misfit)
 
 
 @dataclass(frozen=True)
-class _Forward:
-    """Outputs on a grid, (..., m) each: mean, standard deviation."""
+class _Cells:
+    """Boxes in the scaled inputs.
 
+    Centre and half width (n, k); outputs there (n, m), and half of their change along each input (n, k, m).
+    """
+
+    centre: Array
+    half: Array
     mean: Array
     std: Array
+    change: Array
 
-    @cached_property
-    def change(self) -> Array:
-        """Largest half change of an output to a neighbouring node, along any input."""
-        parts = []
-        for axis in range(self.mean.ndim - 1):
-            steps = np.abs(np.diff(self.mean, axis=axis)) / 2
-            edge = np.zeros_like(np.take(steps, [0], axis))
-            parts.append(np.maximum(np.concatenate([steps, edge], axis), np.concatenate([edge, steps], axis)))
-        return np.asarray(sum(parts))
+    def some(self, chosen: NDArray[np.bool_]) -> "_Cells":
+        """A part of them."""
+        return _Cells(*(one[chosen] for one in (self.centre, self.half, self.mean, self.std, self.change)))
 
-    def coarse(self, errors: Array) -> bool:
-        """Whether errors are small beside what the outputs change within a cell."""
-        widened = np.median(self.change, axis=tuple(range(self.change.ndim - 1)))
-        return bool(np.any(widened > errors))
+    def joined(self, other: "_Cells") -> "_Cells":
+        """Both together."""
+        pairs = ((getattr(self, name), getattr(other, name)) for name in ("centre", "half", "mean", "std", "change"))
+        return _Cells(*(np.concatenate(pair) for pair in pairs))
 
 
-def _posterior(forward: _Forward, values: Array, errors: Array) -> tuple[Array, float]:
-    """Log-posterior on the grid up to a constant, and the least misfit; on a coarse grid with widened errors."""
-    variance = errors**2 + forward.std**2
-    if forward.coarse(errors):
-        variance = variance + forward.change**2
-    square = (values - forward.mean) ** 2 / variance
+def _log_density(cells: _Cells, values: Array, variance: Array) -> tuple[Array, float]:
+    """Log-posterior density of every cell up to a constant, and the least misfit."""
+    square = (values - cells.mean) ** 2 / variance
     return -0.5 * (square + np.log(variance)).sum(-1), float(square.sum(-1).min())
 
 
-def _support(log: Array, axis: int) -> tuple[int, int]:
-    """First and last node of an axis where the posterior is not negligible, with one more on either side."""
-    others = tuple(k for k in range(log.ndim) if k != axis)
-    inside = np.flatnonzero(log.max(others) > log.max() - _NEGLIGIBLE)
-    return max(int(inside[0]) - 1, 0), min(int(inside[-1]) + 1, log.shape[axis] - 1)
-
-
-def _quantile(axis: Array, density: Array, cumulative: Array, share: float) -> float:
-    """Where the cumulative of a piecewise linear density reaches a share."""
-    k = min(int(np.searchsorted(cumulative, share, "right")) - 1, len(axis) - 2)
-    total = np.trapezoid(density, axis)
-    a, b, h = density[k] / total, density[k + 1] / total, axis[k + 1] - axis[k]
-    rest, slope = share - cumulative[k], (b - a) / h
-    root = np.sqrt(max(a * a + 2 * slope * rest, 0.0))
-    return float(axis[k] + (2 * rest / (a + root) if a + root > 0 else 0.0))
+def _quantile(centre: Array, half: Array, weights: Array, share: float) -> float:
+    """Where the cumulative of a mixture of uniform cells reaches a share, by bisection."""
+    low, high = float((centre - half).min()), float((centre + half).max())
+    for _ in range(60):
+        middle = (low + high) / 2
+        below = float(weights @ np.clip((middle - centre + half) / (2 * half), 0, 1))
+        low, high = (middle, high) if below < share else (low, middle)
+    return (low + high) / 2

@@ -59,23 +59,27 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         "choices": CHOICES,
         "dataset": None,
         "levels": None,
+        "surface": None,
         "validation": None,
         "timing": None,
         "times": [],
         "designs": [],
         "whatif": None,
+        "readouts": [],
         "scripts": [_script(name) for name in ("hover.js", "surrogate.js", "whatif.js")],
         "effects": list(study.effects.vary) if study.effects else [],
         "verification": _verification(folder) if study.verification else None,
     }
     if study.factors:
         content["dataset"] = _dataset(folder)
+        content["surface"] = _surface(folder / "surface_validation.nc") if study.surrogate.fields else None
         content["levels"] = _levels(folder / "levels.nc") if (folder / "levels.nc").exists() else None
         content["validation"] = _validation(folder)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = by_quantity(study, times)
         answers = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
         content["designs"] = [_design(answer) for answer in answers]
+        content["readouts"] = [_readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")
         content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers)
         content["whatif_json"] = whatif.as_json(content["whatif"])
@@ -114,6 +118,16 @@ def _dataset(folder: Path) -> dict[str, Any]:
         for name, array in data.data_vars.items()
     ]
     return {"rows": rows, "slabs": len(slabs), "bytes": sum(slab.stat().st_size for slab in slabs)}
+
+
+def _surface(path: Path) -> list[dict[str, Any]]:
+    data = read_whole(path)
+    keys = ("max_error", "rmse", *_INTERVALS)
+    return [
+        {"name": str(name), **{key: float(one[key]) for key in keys}}
+        for name in data["output"].values
+        for one in [data.sel(output=name)]
+    ]
 
 
 def _levels(path: Path) -> dict[str, Any]:
@@ -156,6 +170,16 @@ def _validation(folder: Path) -> dict[str, Any]:
         if (one.values > 0).any()
     ]
     return {"kinked": kinked, "rows": rows, "tolerance": tolerance, "worst": worst, "cases": data.sizes["case"]}
+
+
+def _readout(name: str, path: Path) -> dict[str, Any]:
+    data = read_whole(path)
+    rows = [
+        {"name": str(factor), "coverage": float(one["coverage"]), "width": float(one["width"])}
+        for factor in data["factor"].values
+        for one in [data.sel(factor=factor)]
+    ]
+    return {"name": name, "rows": rows, "cases": data.sizes["case"]}
 
 
 def _script(name: str) -> Markup:

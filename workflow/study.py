@@ -14,11 +14,12 @@ from solver.names import EVERY_QUANTITY, PEAKS, PROFILES, QUANTITIES
 from workflow import targets
 from workflow.fields import FactorName, FieldName, InputName, Number, QuantityName, Strict, Vector
 from workflow.inputs import InputError, read_material, read_yaml
+from workflow.measuring import Readout
 from workflow.problems import first_problem
 from workflow.target import Target
 
-MOST_CASES = 20_000_000
-FOLDER = Path("config")
+MOST_CASES, FOLDER = 20_000_000, Path("config")
+_SMOOTH = {"profile": "cylinder", "electric": "conducting", "magnetic": "conducting"}
 #: Groups of checks in tests/verification, in the order of the page.
 CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "digits")
 #: Those with convergence curves.
@@ -31,7 +32,7 @@ class Axis(Strict):
     low: Number = Field(description="lower end of the range, in the factor's SI unit")
     high: Number = Field(description="upper end of the range")
     levels: int | None = Field(
-        None, ge=2, le=1000, description="number of Chebyshev-Gauss levels; null: as many as validation.tolerance needs"
+        None, ge=2, le=1000, description="Chebyshev-Gauss levels; null: what the tolerance needs"
     )
     scale: Literal["linear", "log"] = Field("linear", description="coordinate in which the levels are spread")
 
@@ -78,15 +79,14 @@ class Surrogate(Strict):
 
     kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
     outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
+    fields: int = Field(0, ge=0, le=200, description="angles at which the fields under a cylinder are learned; 0: none")
 
 
 class Validation(Strict):
     """Exact cases that the surrogate never saw."""
 
     cases: int = Field(2000, ge=20, le=1_000_000, description="random cases in the box, to measure errors")
-    calibration: int = Field(
-        3000, ge=40, le=1_000_000, description="further random cases, by which the intervals are calibrated"
-    )
+    calibration: int = Field(3000, ge=40, le=1_000_000, description="further random cases, to calibrate the intervals")
     seed: int = Field(1, ge=0, description="seed of both samples")
     tolerance: Number = Field(1e-6, gt=0, description="largest error over range that every quantity should keep")
 
@@ -157,6 +157,7 @@ class Study(Strict):
     surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
     validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
     design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
+    readout: dict[str, Readout] = Field(default_factory=dict, description="what measurements tell, by name")
     effects: Effects | None = Field(None, description="one factor at a time, as figures")
     verification: Verification | None = Field(None, description="checks of the solver against independent methods")
 
@@ -197,8 +198,8 @@ class Study(Strict):
     @property
     def of_interest(self) -> list[str]:
         """Outputs that the designs ask for, or else every one."""
-        asked = dict.fromkeys(name for target in self.design.values() for name in target.names())
-        return [name for name in asked if name in self.outputs] or self.outputs
+        asked = [name for target in self.design.values() for name in target.names()]
+        return [name for name in dict.fromkeys(asked) if name in self.outputs] or self.outputs
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -209,9 +210,10 @@ class Study(Strict):
         for name in self.factors:
             if name in self.fixed:
                 raise ValueError(f"fixed: {name}: is one of the factors already")
-        for label in self.design:
+        for label in (*self.design, *self.readout):
             if not label.isidentifier():
-                raise ValueError(f"design: {label!r} must be letters, digits and underscores")
+                where = "design" if label in self.design else "readout"
+                raise ValueError(f"{where}: {label!r} must be letters, digits and underscores")
         self._check_quantities()
         return self
 
@@ -222,8 +224,26 @@ class Study(Strict):
                 raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
             if name in self._absent:
                 raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
+        if self.surrogate.fields and any(self.fixed.get(name, usual) != usual for name, usual in _SMOOTH.items()):
+            raise ValueError("surrogate: fields: only those under a cylinder that conducts in both fields are learned")
         for label, target in self.design.items():
             self.check_target(f"design: {label}", target)
+        for label, readout in self.readout.items():
+            self._check_readout(f"readout: {label}", readout)
+
+    def _check_readout(self, where: str, readout: Readout) -> None:
+        for name in self.factors:
+            if (name in readout.infer) + (name in readout.at) != 1:
+                raise ValueError(f"{where}: {name!r} must be either in infer or in at")
+        for name in (*readout.infer, *readout.at):
+            if name not in self.factors:
+                raise ValueError(f"{where}: {name!r} is not one of the study's factors: {', '.join(self.factors)}")
+            axis, value = self.factors[name], readout.at.get(name, self.factors[name].low)
+            if not axis.low <= value <= axis.high:
+                raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
+        for name in readout.measured:
+            if name not in self.outputs:
+                raise ValueError(f"{where}: {name!r} is not one of surrogate.outputs")
 
     def check_target(self, where: str, target: Target) -> None:
         """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs."""

@@ -51,6 +51,7 @@ def levels_of(wildcards):
 def figures_of(wildcards):
     study = study_of(wildcards)
     names = ["fields", "decay", "errors", "parity", "intervals", "sensitivity", "main_effects"] if study.factors else []
+    names += [f"readout_{name}" for name in study.readout]
     names += effects_of(study)
     names += [f"convergence_{group}" for group in CONVERGING if study.verification]
     return expand("results/{study}/figures/{figure}.svg", study=wildcards.study, figure=names)
@@ -60,7 +61,9 @@ def results_of(wildcards):
     study = study_of(wildcards)
     names = ["quantities.nc", "datacard.json", "surrogate.nc", "validation.nc", "sensitivity.nc", "timing.json"]
     names = names if study.factors else []
+    names += ["surface.nc", "surface_validation.nc"] if study.factors and study.surrogate.fields else []
     names += ["design.nc", "design.csv"] if study.design else []
+    names += [f"readout/{name}.nc" for name in study.readout]
     names += [f"fields/{name}.nc" for name in effects_of(study)]
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]
     return expand("results/{study}/{file}", study=wildcards.study, file=names)

@@ -33,3 +33,26 @@ rule design:
         "logs/{study}/design.tsv"
     script:
         "../scripts/design.py"
+
+
+# From measurements back to loads.
+rule readout:
+    input:
+        "results/{study}/surrogate.nc",
+    output:
+        nc="results/{study}/readout/{name}.nc",
+        figure=report(
+            "results/{study}/figures/readout_{name}.svg",
+            caption="../captions/readout.rst",
+            category="Design",
+            labels={"figure": "read-out", "target": "{name}"},
+        ),
+    params:
+        study=sections(*PHYSICS, "validation", "readout"),
+        code=provenance.code("workflow/scripts/readout.py"),
+    log:
+        "logs/{study}/readout/{name}.log",
+    benchmark:
+        "logs/{study}/readout/{name}.tsv"
+    script:
+        "../scripts/readout.py"

@@ -169,7 +169,7 @@ rule report:
             "workflow/scripts/report.py",
             *captions_of(
                 "fields", "decay", "errors", "parity", "intervals", "sensitivity", "main", "map", "slices", "bars",
-                "contact", "front", "effect", "interior", "convergence",
+                "contact", "front", "readout", "effect", "interior", "convergence",
             ),
         ),
     log:

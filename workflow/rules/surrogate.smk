@@ -67,3 +67,20 @@ rule sensitivity:
         "logs/{study}/sensitivity.tsv"
     script:
         "../scripts/sensitivity.py"
+
+
+rule surface:
+    input:
+        levels=levels_of,
+    output:
+        model="results/{study}/surface.nc",
+        validation="results/{study}/surface_validation.nc",
+    params:
+        study=sections(*PHYSICS, "surrogate", "validation"),
+        code=provenance.code("workflow/scripts/surface.py"),
+    log:
+        "logs/{study}/surface.log",
+    benchmark:
+        "logs/{study}/surface.tsv"
+    script:
+        "../scripts/surface.py"

@@ -1,0 +1,16 @@
+"""Rule surface: the surface fields under the punch as a surrogate, and its errors on exact cases."""
+
+from pathlib import Path
+
+from snakemake.iocontainers import Snakemake
+
+from surrogate.netcdf import write_whole
+from workflow import choice, joblog, study, surface
+
+snakemake: Snakemake
+
+joblog.start(snakemake.log[0])
+config = choice.resolved(study.named(snakemake.wildcards.study), snakemake.input.levels)
+model = surface.fit(config)
+model.save(Path(snakemake.output.model))
+write_whole(surface.validate(config, model), Path(snakemake.output.validation))
