@@ -180,7 +180,8 @@ def test_query_gives_the_exact_answer_beside_its_own(
     point = {"load": 1e4, "volume_fraction": 0.5, "friction": 0.2, "radius": 0.05}
     at = ",".join(f"{k}={v}" for k, v in point.items())
     assert cli.main(["query", path, "--at", at, "--exact", "small", "-o", str(out)]) == 0
-    row = next(csv.DictReader(out.open(encoding="utf-8")))
+    with out.open(encoding="utf-8") as file:
+        row = next(csv.DictReader(file))
     exact = solve(point)
     for name in ("voltage_sensitivity", "peak_pressure"):
         assert float(row[f"{name}_exact"]) == pytest.approx(float(exact[name]), rel=1e-13)

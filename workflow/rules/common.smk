@@ -71,3 +71,7 @@ def results_of(wildcards):
 
 def captions_of(*kinds):
     return [f"workflow/captions/{kind}.rst" for kind in kinds]
+
+
+def slabs_of(wildcards, file):
+    return expand(file, study=wildcards.study, slab=range(factorial.slab_count(study_of(wildcards))))

@@ -2,10 +2,6 @@
 # levels, where they are open.
 
 
-def slabs_of(wildcards, file):
-    return expand(file, study=wildcards.study, slab=range(factorial.slab_count(study_of(wildcards))))
-
-
 rule levels:
     output:
         "results/{study}/levels.nc",
