@@ -141,7 +141,8 @@ def test_edits_rerun_exactly_what_depends_on_them(copy: Callable[[str], Project]
     assert plan(project.folder / "surrogate/gridgp.py", '"""', '"""Edited. ') == everything_after_the_surrogate
     solver = plan(project.folder / "solver/contact.py", '"""', '"""Edited. ')
     assert solver == everything_after_the_surrogate | {
-        "slab", "quantities", "card", "cases", "figure_fields", "effect", "figure_effect", "interior", "figure_interior",
+        "slab", "quantities", "card", "cases", "figure_fields",
+        "effect", "figure_effect", "interior", "figure_interior",
     }  # fmt: skip
     assert plan(project.folder / "workflow/templates/report.html.j2", "<h2>Study", "<h2>The study") == {"report"}
     assert plan(project.folder / "workflow/scripts/design.py", '"""Rule', '"""The rule') >= {"design", "report"}
