@@ -29,7 +29,7 @@ RESULTS = Path("results/tiny")
 REPORT = str(RESULTS / "report.html")
 
 # what holds measured times, or is written for people
-NOT_COMPARED = {"timing.json", "provenance.json", "report.html"}
+NOT_COMPARED = {"timing.json", "datacard.json", "datacard.md", "provenance.json", "report.html"}
 
 
 def contents(project: Project) -> dict[str, bytes]:
