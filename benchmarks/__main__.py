@@ -39,7 +39,7 @@ def main(names: list[str]) -> int:
     found |= {"machine": platform.platform(), "processor": platform.machine(), "versions": versions()}
     write_text(path, json.dumps(found, indent=2) + "\n")
     write_text(FOLDER / "benchmarks.html", page.page(found))
-    print(f"{path.relative_to(ROOT)}, {(FOLDER / 'benchmarks.html').relative_to(ROOT)}")
+    print(f"{path}, {FOLDER / 'benchmarks.html'}")
     return 0
 
 

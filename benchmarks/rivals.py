@@ -1,6 +1,7 @@
 """Other regressors behind one face: fit to scattered cases, answer mean and standard deviation where they have one."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
@@ -92,16 +93,26 @@ def gpytorch(t: Array, y: Array) -> Callable[[Array], Array]:
     return predict
 
 
-#: Name, the package that it needs, whether it gives a standard deviation, how to fit, and the numbers of cases.
-RIVALS: list[tuple[str, str, bool, Fit, tuple[int, ...]]] = [
-    ("scikit-learn GP (RBF)", "sklearn", True, scikit_learn, (256, 1024)),
-    ("scipy RBFInterpolator", "scipy", False, rbf_interpolator, (256, 1024, 4096)),
-    ("SMT Kriging", "smt", True, smt, (128, 256)),
-    ("GPyTorch exact GP", "gpytorch", True, gpytorch, (256, 1024)),
+@dataclass(frozen=True)
+class Rival:
+    """A method: its name, the package that it needs, whether it gives a standard deviation, its fit, and sizes."""
+
+    name: str
+    package: str
+    has_std: bool
+    fit: Fit
+    cases: tuple[int, ...]
+
+
+RIVALS = [
+    Rival("scikit-learn GP (RBF)", "sklearn", True, scikit_learn, (256, 1024)),
+    Rival("scipy RBFInterpolator", "scipy", False, rbf_interpolator, (256, 1024, 4096)),
+    Rival("SMT Kriging", "smt", True, smt, (64, 128)),
+    Rival("GPyTorch exact GP", "gpytorch", True, gpytorch, (256, 512)),
 ]
 
 
-def installed() -> tuple[list[tuple[str, str, bool, Fit, tuple[int, ...]]], list[str]]:
+def installed() -> tuple[list[Rival], list[str]]:
     """Return the rivals that can run here, and the names of those left out."""
-    here = [one for one in RIVALS if find_spec(one[1])]
-    return here, [one[0] for one in RIVALS if one not in here]
+    here = [one for one in RIVALS if find_spec(one.package)]
+    return here, [one.name for one in RIVALS if one not in here]

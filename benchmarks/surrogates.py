@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from benchmarks.rivals import Fit, installed
+from benchmarks.rivals import Rival, installed
 from surrogate import GridGP, Input
 from surrogate.baseline import chebyshev_interpolation
 from workflow import factorial
@@ -40,9 +40,10 @@ def measure(huge: bool = False) -> dict[str, Any]:
         rows += _on_grid(data, inputs, counts, fresh)
         del data
     rivals, missing = installed()
-    for name, _, has_std, fit, sizes in rivals:
-        for size in sizes:
-            rows.append(_scattered(name, fit, has_std, study, inputs, size, fresh))
+    for rival in rivals:
+        for size in rival.cases:
+            rows.append(_scattered(rival, study, inputs, size, fresh))
+            print(f"  {rival.name}, {size} cases: {rows[-1]['fit_seconds']:.1f} s", flush=True)
     return {"outputs": OUTPUTS, "fresh_cases": FRESH, "rows": rows, "left_out": missing, "ratios": ratios(rows)}
 
 
@@ -94,22 +95,21 @@ def _on_grid(data: xr.Dataset, inputs: list[Input], counts: tuple[int, ...], fre
     return rows
 
 
-def _scattered(
-    name: str, fit: Fit, has_std: bool, study: Study, inputs: list[Input], size: int, fresh: xr.Dataset
-) -> dict[str, Any]:
+def _scattered(rival: Rival, study: Study, inputs: list[Input], size: int, fresh: xr.Dataset) -> dict[str, Any]:
     t = 2 * qmc.Sobol(len(inputs), rng=0).random(size) - 1
     data = factorial.exact(study, _points(inputs, t.T))
     y = np.stack([data[output].values for output in OUTPUTS], axis=1)
     offset, scale = y.mean(axis=0), y.std(axis=0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a bound met, a variance at zero: the rivals' own affair
-        predict, seconds = _best(lambda: fit(t, (y - offset) / scale), 1)
+        predict, seconds = _best(lambda: rival.fit(t, (y - offset) / scale), 1)
         at = np.stack([one.to_unit(fresh[one.name]) for one in inputs], axis=1)
         answer, query = _best(lambda: np.concatenate([np.asarray(predict(part)) for part in np.array_split(at, 5)]), 1)
     found = xr.Dataset({output: ("case", offset[k] + scale[k] * answer[:, k]) for k, output in enumerate(OUTPUTS)})
     return {
-        "method": name, "cases": size, "fit_seconds": seconds, "error": _errors(found, fresh),
-        "mean_seconds": None if has_std else query / FRESH, "std_seconds": query / FRESH if has_std else None,
+        "method": rival.name, "cases": size, "fit_seconds": seconds, "error": _errors(found, fresh),
+        "mean_seconds": None if rival.has_std else query / FRESH,
+        "std_seconds": query / FRESH if rival.has_std else None,
     }  # fmt: skip
 
 

@@ -95,7 +95,7 @@ class Inversion:
         cells = self._first
         for _ in range(_ROUNDS):
             density, _ = _log_density(cells, values, errors**2 + cells.std**2 + cells.change.sum(1) ** 2)
-            cells = cells.some(density > density.max() - _NEGLIGIBLE)
+            cells = cells.some(density >= density.max() - _NEGLIGIBLE)
             changes = (cells.change / np.hypot(errors, cells.std)[:, None]).max(-1)
             coarse = changes.sum(-1) > _FINE
             if not coarse.any() or len(cells.centre) > _MOST:

@@ -11,12 +11,15 @@ from pydantic import ValidationError
 
 from solver.names import FACTORS
 from surrogate import GaussianProcess, load
+from surrogate.inversion import Inversion
 from workflow import design, factorial
 from workflow import study as studies
 from workflow.inputs import InputError
 from workflow.problems import first_problem
 from workflow.study import Study
 from workflow.target import Target
+
+_IMPOSSIBLE = 25.0  # five standard deviations
 
 
 def results(folder: Path) -> tuple[Study, GaussianProcess]:
@@ -138,6 +141,47 @@ def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> xr.Dataset:
         at = ", ".join(f"{name} = {float(answer['value'].sel(factor=name)):.6g}" for name in answer["factor"].values)
         raise InputError(f"design: {answer['status'].values}, at {at}")
     return answer
+
+
+def invert(folder: Path, words: Mapping[str, Sequence[str] | None]) -> str:
+    """What measurements tell of some factors: a line each, with its 95 % interval.
+
+    Raises
+    ------
+    InputError
+        Names, numbers or a form that are not understood; measurements that no case of the box explains.
+    """
+    study, model = results(folder)
+    pairs = _named("--measured", words.get("measured"))
+    values, errors = [], []
+    for name, text in pairs:
+        value, sign, std = text.partition("+-")
+        if not sign:
+            raise InputError(f"--measured: {name}: {text!r} is not of the form VALUE+-STD")
+        values.append(_number(f"--measured: {name}", value))
+        errors.append(_number(f"--measured: {name}", std))
+        if not errors[-1] > 0 or not np.isfinite(errors[-1]) or not np.isfinite(values[-1]):
+            raise InputError(f"--measured: {name}: {text!r} needs finite numbers, and a positive one after +-")
+    infer = [name for name, _ in _named("--infer", words.get("infer"))]
+    at = {name: _number(f"--at: {name}", text) for name, text in _named("--at", words.get("at"))}
+    for name, held in at.items():
+        axis = study.factors.get(name)
+        if axis is not None and not axis.low <= held <= axis.high:
+            raise InputError(f"--at: {name} = {held:g} is not within {axis.low:g} to {axis.high:g}")
+    try:
+        inversion = Inversion(model, infer, [name for name, _ in pairs], at)
+    except ValueError as error:
+        raise InputError(f"invert: {error}") from None
+    found = inversion.estimate(np.array(values), np.array(errors))
+    if found.misfit > _IMPOSSIBLE + len(pairs):
+        raise InputError(
+            f"invert: no case within the study's ranges gives these measurements (misfit {found.misfit:.3g})"
+        )
+    rows = zip(infer, found.mean, found.low, found.high, strict=True)
+    return "\n".join(
+        f"{name:16s} {mean:<12.6g} 95 % within {low:.6g} to {high:.6g}  {FACTORS[name].units}"
+        for name, mean, low, high in rows
+    )
 
 
 def _named(option: str, words: Sequence[str] | None) -> list[tuple[str, str]]:

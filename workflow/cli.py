@@ -116,6 +116,13 @@ def _parser() -> _Parser:
     command.add_argument("--json", action="store_true", help="print JSON instead of a table")
     command.set_defaults(run=_design)
 
+    command = commands.add_parser("invert", help="from measured quantities back to factors, with intervals")
+    command.add_argument("results", type=Path, metavar="results/STUDY")
+    command.add_argument("--measured", action="append", required=True, metavar="NAME=VALUE+-STD,...", help="SI units")
+    command.add_argument("--infer", action="append", required=True, metavar="NAME,...", help="one to three factors")
+    command.add_argument("--at", action="append", metavar="NAME=VALUE,...", help="all the others")
+    command.set_defaults(run=_invert)
+
     command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
     command.add_argument("study", help="name of a study in config/")
     command.add_argument("--cores", default="all", help="cores of this machine to use at most")
@@ -258,6 +265,10 @@ def _described(material: Material, half: HalfPlane) -> str:
 def _design(options: argparse.Namespace) -> None:
     answer = adhoc.ask(options.results, vars(options))
     print(adhoc.as_json(answer) if options.json else adhoc.as_text(answer))
+
+
+def _invert(options: argparse.Namespace) -> None:
+    print(adhoc.invert(options.results, vars(options)))
 
 
 def _run(options: argparse.Namespace) -> int:

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 _DIGITS = 5
 _MOST = 600  # points of one curve; beyond it, a curve is a cloud and says nothing
-_GRID = 61  # points a side of a map
+_GRID = 41  # points a side of a map
 _maps: "WeakKeyDictionary[Axes, dict[str, Any]]" = WeakKeyDictionary()
 
 

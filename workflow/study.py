@@ -212,8 +212,8 @@ class Study(Strict):
                 raise ValueError(f"fixed: {name}: is one of the factors already")
         for label in (*self.design, *self.readout):
             if not label.isidentifier():
-                where = "design" if label in self.design else "readout"
-                raise ValueError(f"{where}: {label!r} must be letters, digits and underscores")
+                part = "design" if label in self.design else "readout"
+                raise ValueError(f"{part}: {label!r} must be letters, digits and underscores")
         self._check_quantities()
         return self
 
