@@ -55,7 +55,7 @@ def kill_within(project: Project, run: subprocess.Popen[bytes], victim: Victim, 
     the kernel's out-of-memory killer.
     """
     while run.poll() is None and not jobs(project):
-        time.sleep(0.01)
+        time.sleep(0.1)
     time.sleep(dice.uniform(0, 5))
     if victim == "snakemake":
         killed = run.poll() is None

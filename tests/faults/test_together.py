@@ -1,6 +1,7 @@
 """Two runs at once, one core or two, few slabs or many: no interference, and the same bytes."""
 
 import re
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,7 +16,7 @@ def test_a_second_run_of_a_study_is_refused_and_the_first_is_not_disturbed(tiny:
     project = tiny("twice")
     first = start(project, "tiny")
     while first.poll() is None and not jobs(project):
-        pass
+        time.sleep(0.1)
     for command in (["meecontact", "run", "tiny"], ["snakemake", "--cores", "1", REPORT]):
         second = project.run(*command, check=False)
         assert second.returncode == 1
