@@ -131,7 +131,7 @@ def test_edits_rerun_exactly_what_depends_on_them(copy: Callable[[str], Project]
         return planned
 
     assert project.planned(REPORT) == set()
-    assert plan(study, "A small study", "A smaller study") == {"provenance", "report"}
+    assert plan(study, "A small study", "A smaller study") == {"card", "provenance", "report"}
     assert plan(study, "trailing_tension <= 1 MPa", "trailing_tension <= 2 MPa") == {
         "target", "design", "figure_design", "provenance", "report",
     }  # fmt: skip
