@@ -4,10 +4,8 @@ import argparse
 import csv
 import io
 import os
-import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -25,6 +23,7 @@ from workflow import adhoc, factorial
 from workflow import study as studies
 from workflow.files import write_text
 from workflow.inputs import InputError, one_line, read_cases, read_material
+from workflow.launch import launch
 from workflow.tables import Cell, solved
 from workflow.targets import nearest
 
@@ -272,36 +271,7 @@ def _invert(options: argparse.Namespace) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    study = studies.named(options.study)
-    if study.verification and (absent := [name for name in ("mpmath", "skfem") if not find_spec(name)]):
-        raise InputError(
-            f"study: {options.study!r} needs {', '.join(absent)} of requirements/dev.txt; `make run` installs them"
-        )
-    report, *others = [f"results/{options.study}/{file}" for file in study.targets]
-    profiles = sorted(file.parent.name for file in Path("profiles").glob("*/config.yaml"))
-    if options.profile not in profiles:
-        raise InputError(f"--profile: {options.profile!r} is unknown; {nearest(options.profile, profiles)}")
-    where = ["--cores", options.cores] if options.profile == "default" else []  # a cluster's profile counts jobs
-    snakemake = [
-        Path(sys.executable).with_name("snakemake"),
-        "--workflow-profile",
-        f"profiles/{options.profile}",
-        *where,
-    ]
-    if (
-        study.open and not options.dry_run
-    ):  # what no budget reaches is bad input, and is told before anything else is done
-        chosen = [*snakemake, "--quiet", "all", "--", f"results/{options.study}/levels.nc"]
-        told = subprocess.run(chosen, check=False, stderr=subprocess.PIPE, text=True)
-        for line in told.stderr.splitlines():
-            kind, colon, reason = line.partition(": ")
-            if told.returncode and colon and kind in ("UnreachableError", "InputError"):
-                raise InputError(f"{studies.FOLDER / options.study}.yaml: {reason}")
-    quiet = ["--dry-run", "--quiet", "host"] if options.dry_run else ["--quiet", "rules", "host", "reason"]
-    status = subprocess.run([*snakemake, *quiet, "--", report, *others], check=False).returncode
-    if status == 0 and not options.dry_run:
-        print(f"report: {report}")
-    return status
+    return launch(options.study, options.cores, options.profile, dry=options.dry_run)
 
 
 def _numbers(where: str, text: str) -> list[float]:

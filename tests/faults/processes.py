@@ -17,14 +17,15 @@ from tests.workflow.conftest import Project
 Victim = Literal["job", "snakemake"]
 
 
-def start(project: Project, study: str) -> subprocess.Popen[bytes]:
-    """Start `meecontact run` in the project's folder, its words in `run.log`."""
+def start(project: Project, study: str, *files: str) -> subprocess.Popen[bytes]:
+    """Start `meecontact run`, or Snakemake for some files of the study, in the project's folder; words in `run.log`."""
     environment = {**os.environ, "PYTHONPATH": str(project.folder), "OMP_NUM_THREADS": "1"}
-    program = Path(sys.executable).with_name("meecontact")
+    command = ["meecontact", "run", study, "--cores", "2"]
+    if files:
+        command = ["snakemake", "--cores", "2", *(f"results/{study}/{file}" for file in files)]
+    program = Path(sys.executable).with_name(command[0])
     with (project.folder / "run.log").open("ab") as log:
-        return subprocess.Popen(
-            [program, "run", study, "--cores", "2"], cwd=project.folder, env=environment, stdout=log, stderr=log
-        )
+        return subprocess.Popen([program, *command[1:]], cwd=project.folder, env=environment, stdout=log, stderr=log)
 
 
 def working(project: Project) -> list[psutil.Process]:
@@ -54,7 +55,7 @@ def kill_within(project: Project, run: subprocess.Popen[bytes], victim: Victim, 
     the kernel's out-of-memory killer.
     """
     while run.poll() is None and not jobs(project):
-        time.sleep(0.01)
+        time.sleep(0.1)
     time.sleep(dice.uniform(0, 5))
     if victim == "snakemake":
         killed = run.poll() is None

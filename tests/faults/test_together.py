@@ -1,6 +1,7 @@
 """Two runs at once, one core or two, few slabs or many: no interference, and the same bytes."""
 
 import re
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,7 +16,7 @@ def test_a_second_run_of_a_study_is_refused_and_the_first_is_not_disturbed(tiny:
     project = tiny("twice")
     first = start(project, "tiny")
     while first.poll() is None and not jobs(project):
-        pass
+        time.sleep(0.1)
     for command in (["meecontact", "run", "tiny"], ["snakemake", "--cores", "1", REPORT]):
         second = project.run(*command, check=False)
         assert second.returncode == 1
@@ -28,9 +29,9 @@ def test_a_second_run_of_a_study_is_refused_and_the_first_is_not_disturbed(tiny:
 def test_other_studies_run_beside_it(tiny: Maker, undisturbed: Project) -> None:
     project = tiny("others")
     (project.folder / "config/other.yaml").write_text(TINY, encoding="utf-8")
-    runs = [start(project, name) for name in ("tiny", "other")]
+    runs = [start(project, name, "surrogate.nc") for name in ("tiny", "other")]
     assert [run.wait() for run in runs] == [0, 0]
-    assert contents(project) == contents(undisturbed)
+    assert contents(project).items() <= contents(undisturbed).items()
     one, other = (project.folder / "results" / name / "surrogate.nc" for name in ("tiny", "other"))
     assert one.read_bytes() == other.read_bytes()
 
