@@ -29,6 +29,8 @@ from surrogate.netcdf import (
 )
 from surrogate.sealed import appearing
 
+#: Attributes that `write_blocks` adds to every variable.
+STATISTICS = ("actual_range", "mean", "standard_deviation")
 _PORTION = 2**15  # numbers that are summed up at a time, while they are near the processor
 
 #: A region of an array: along every axis from where to where.

@@ -8,11 +8,10 @@ from typing import Any
 import netCDF4
 import numpy as np
 
+from surrogate.blocks import STATISTICS
 from surrogate.netcdf import MAX_BYTES
 from surrogate.sealed import check_seal
 from workflow.study import Study
-
-_STATISTICS = ("actual_range", "mean", "standard_deviation")
 
 
 def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Path]) -> dict[str, Any]:
@@ -105,7 +104,7 @@ def _merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     mean = float(np.average(means, weights=count))
     variance = float(np.average(deviations**2 + (means - mean) ** 2, weights=count))
     lows, highs = zip(*(one["actual_range"] for one in attrs), strict=True)
-    plain = {key: value for key, value in attrs[0].items() if key not in _STATISTICS}
+    plain = {key: value for key, value in attrs[0].items() if key not in STATISTICS}
     statistics = {"actual_range": [min(lows), max(highs)], "mean": mean, "standard_deviation": variance**0.5}
     return {"type": parts[0]["type"], "count": int(count.sum()), "attributes": {**plain, **statistics}}
 

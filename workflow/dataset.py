@@ -139,6 +139,8 @@ def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
             shape = tuple(whole.sizes[dim] for dim in dims)
             stacked = Stacked(name, files, [one["levels"] for one in card["files"]], shape, described["type"])
             whole[name] = xr.Variable(dims, indexing.LazilyIndexedArray(stacked), described["attributes"])
+        elif name in whole:
+            whole[name].attrs.update(described["attributes"])
     return whole
 
 

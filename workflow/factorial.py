@@ -10,6 +10,7 @@ import xarray as xr
 from solver import solve
 from solver.names import EVERY_QUANTITY, FACTORS
 from surrogate import Input, chebyshev_levels
+from surrogate.blocks import STATISTICS
 from workflow.study import Study
 
 #: What a job that solves a slab takes at most, whatever its size [MB].
@@ -56,9 +57,12 @@ def slab_count(study: Study) -> int:
 
 
 def gather(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Quantities of the whole factorial from its slabs."""
+    """Quantities of the whole factorial from its slabs, without the statistics of each slab."""
     names = [name for name in EVERY_QUANTITY if name in slabs[0]]
-    return xr.concat([part[names] for part in slabs], dim=str(slabs[0][names[0]].dims[0]))
+    whole = xr.concat([part[names] for part in slabs], dim=str(slabs[0][names[0]].dims[0]))
+    for array in whole.data_vars.values():
+        array.attrs = {key: value for key, value in array.attrs.items() if key not in STATISTICS}
+    return whole
 
 
 def cases(study: Study, name: str) -> xr.Dataset:
