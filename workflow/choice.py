@@ -11,7 +11,8 @@ from surrogate.pilot import explore
 from workflow import factorial
 from workflow.inputs import InputError
 from workflow.joblog import log
-from workflow.study import Axis, Study
+from workflow.parts import Axis
+from workflow.study import Study
 
 
 def choose(study: Study) -> xr.Dataset:

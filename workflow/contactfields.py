@@ -7,7 +7,8 @@ import xarray as xr
 
 from solver import MaterialError, solve_interior
 from workflow import factorial
-from workflow.study import Positions, Study
+from workflow.parts import Positions
+from workflow.study import Study
 
 #: Surface fields shown, by their name in the data set of a design.
 SURFACE = ("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx")
