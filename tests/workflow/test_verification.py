@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.workflow.conftest import Project
-from workflow import cli
+from workflow import cli, launch
 from workflow.provenance import ROOT
 from workflow.study import CHECK_GROUPS
 from workflow.verdict import RedError, verdict
@@ -80,7 +80,7 @@ def test_without_the_packages_of_the_tests_the_run_says_so(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(ROOT)
-    monkeypatch.setattr(cli, "find_spec", lambda name: None if name == "skfem" else object())
+    monkeypatch.setattr(launch, "find_spec", lambda name: None if name == "skfem" else object())
     assert cli.main(["run", "verification"]) == 2
     assert capsys.readouterr().err == (
         "meecontact: study: 'verification' needs skfem of requirements/dev.txt; `make run` installs them\n"
