@@ -70,4 +70,6 @@ def resolved(study: Study, files: Sequence[str | Path]) -> Study:
     axes: dict[str, Axis] = {
         name: axis.model_copy(update={"levels": int(chosen.sel(input=name))}) for name, axis in study.factors.items()
     }
-    return study.model_copy(update={"factors": axes})
+    # as many slabs as the rules counted before any level was chosen
+    dataset = study.dataset.model_copy(update={"slabs": factorial.slab_count(study)})
+    return study.model_copy(update={"factors": axes, "dataset": dataset})

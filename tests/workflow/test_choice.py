@@ -48,6 +48,7 @@ def test_chosen_levels_reach_the_tolerance(tmp_path: Path) -> None:
     assert ready.factors["charge"].levels == 2
     assert chosen["affine"].sel(input="charge") == 1
     assert ready.cases == int(chosen["levels"].prod()) <= 20000
+    assert factorial.slab_count(ready) == factorial.slab_count(config)  # the rules counted them before
     slabs = [tmp_path / f"slab_{k}.nc" for k in range(factorial.slab_count(ready))]
     for k, slab in enumerate(slabs):
         dataset.write_slab(ready, k, slab)
