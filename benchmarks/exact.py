@@ -1,13 +1,11 @@
 """Cost of the exact solver a case: in a factorial, scattered, alone; and of what it searches for over the body."""
 
-from collections.abc import Callable
-from time import perf_counter
-
 import numpy as np
 
 from workflow import factorial
 from workflow.provenance import ROOT
 from workflow.study import load
+from workflow.timing import seconds
 
 
 def measure() -> dict[str, float]:
@@ -21,18 +19,9 @@ def measure() -> dict[str, float]:
     small = {name: levels[:: max(1, len(levels) // 4)] for name, levels in axes.items()}
     size = int(np.prod([len(levels) for levels in small.values()]))
     return {
-        "closed form, in a factorial": _best(lambda: factorial.exact(study, axes)) / study.cases,
-        "closed form, scattered": _best(lambda: factorial.exact(study, points)) / 5000,
-        "closed form, alone": _best(lambda: factorial.exact(study, {n: a[:1] for n, a in points.items()})),
-        "with the largest stresses, in a factorial": _best(lambda: factorial.exact(with_peaks, small), 1) / size,
-        "with the largest stresses, scattered": _best(lambda: factorial.exact(with_peaks, few), 1) / 300,
+        "closed form, in a factorial": seconds(lambda: factorial.exact(study, axes)) / study.cases,
+        "closed form, scattered": seconds(lambda: factorial.exact(study, points)) / 5000,
+        "closed form, alone": seconds(lambda: factorial.exact(study, {n: a[:1] for n, a in points.items()})),
+        "with the largest stresses, in a factorial": seconds(lambda: factorial.exact(with_peaks, small), 1) / size,
+        "with the largest stresses, scattered": seconds(lambda: factorial.exact(with_peaks, few), 1) / 300,
     }
-
-
-def _best(action: Callable[[], object], repeats: int = 3) -> float:
-    times = []
-    for _ in range(repeats):
-        start = perf_counter()
-        action()
-        times.append(perf_counter() - start)
-    return min(times)

@@ -41,17 +41,17 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
         "cases": float(study.cases),
         "queries": float(count),
         "outputs": float(len(study.outputs)),
-        "exact_per_factorial_case": _seconds(lambda: factorial.exact(plain, grid)) / study.cases,
-        "exact_per_scattered_case": _seconds(lambda: factorial.exact(plain, points)) / count,
-        "exact_single_case": _seconds(lambda: factorial.exact(plain, one)),
-        "surrogate_fit": _seconds(lambda: learning.fit(study, quantities)),
-        "surrogate_mean_per_query": _seconds(lambda: model.predict_array(X)) / count,
-        "surrogate_mean_std_per_query": _seconds(lambda: model.predict_array(X, return_std=True)) / count,
-        "surrogate_single_query": _seconds(lambda: model.predict_array(X[:1], return_std=True)),
+        "exact_per_factorial_case": seconds(lambda: factorial.exact(plain, grid)) / study.cases,
+        "exact_per_scattered_case": seconds(lambda: factorial.exact(plain, points)) / count,
+        "exact_single_case": seconds(lambda: factorial.exact(plain, one)),
+        "surrogate_fit": seconds(lambda: learning.fit(study, quantities)),
+        "surrogate_mean_per_query": seconds(lambda: model.predict_array(X)) / count,
+        "surrogate_mean_std_per_query": seconds(lambda: model.predict_array(X, return_std=True)) / count,
+        "surrogate_single_query": seconds(lambda: model.predict_array(X[:1], return_std=True)),
     }
     if study.dataset.peaks:
         some = {name: array[:_SEARCHED] for name, array in points.items()}
-        found["exact_per_searched_case"] = _seconds(lambda: factorial.exact(study, some), 1) / min(count, _SEARCHED)
+        found["exact_per_searched_case"] = seconds(lambda: factorial.exact(study, some), 1) / min(count, _SEARCHED)
     return found
 
 
@@ -69,7 +69,7 @@ def by_quantity(study: Study, times: dict[str, float]) -> list[dict[str, float |
     return rows
 
 
-def _seconds(action: Callable[[], object], repeats: int = 3) -> float:
+def seconds(action: Callable[[], object], repeats: int = 3) -> float:
     """The least of a few runs, after one that warms up."""
     action()
     times = []
