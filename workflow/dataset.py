@@ -47,7 +47,7 @@ def write_slab(study: Study, index: int, path: Path) -> None:
     OSError
         No room or no permission.
     """
-    axes = factorial.levels(study)
+    axes = factorial.axes(study)
     first = next(iter(axes))
     axes[first] = np.array_split(axes[first], factorial.slab_count(study))[index]
     positions = study.dataset.positions.values()

@@ -69,13 +69,18 @@ def save(figure: Figure, path: Path) -> None:
 def fields(slab: xr.Dataset) -> Figure:
     """Surface fields of a few cases of a slab: its first axis at both ends and in the middle, the others in theirs."""
     factors = [str(dim) for dim in slab["contact_pressure"].dims if dim != "position"]
-    middle = slab.isel({name: slab.sizes[name] // 2 for name in factors[1:]})
     varied = factors[1] if len(factors) > 1 else factors[0]
-    chosen = slab.isel({name: slab.sizes[name] // 2 for name in factors if name != varied})
-    held = ", ".join(f"{name} {float(middle[name].values.flat[0]):.3g}" for name in factors if name != varied)
+    # categories have no middle: the first of their names
+    places = {name: slab.sizes[name] // 2 if name in FACTORS else 0 for name in factors if name != varied}
+    chosen = slab.isel(places)
+    held = ", ".join(f"{name} {_shown(chosen[name].item())}" for name in places)
     figure = _field_panels(chosen, varied)
     figure.suptitle(f"one case a curve: {held}", fontsize=9)
     return figure
+
+
+def _shown(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:.3g}"
 
 
 @styled
