@@ -179,7 +179,14 @@ def _front(answer: xr.Dataset) -> Figure:
             # a line would join what another choice lies between
             style = "o-" if len(names) == 2 and own.all() else "o"
             label = f"front, exact: {choice}" if choice else "front, exact"
-            ax.plot(*(one[own] for one in columns), style, ms=2.5, lw=1, color=plt.get_cmap("tab10")(2 * k % 10), label=label)
+            ax.plot(
+                *(one[own] for one in columns),
+                style,
+                ms=2.5,
+                lw=1,
+                color=plt.get_cmap("tab10")(2 * k % 10),
+                label=label,
+            )
         ax.plot(*best, "*", ms=15, mfc=ORANGE, mec=INK, mew=0.6, label="recommended compromise")
         ax.set_xlabel(labels[0])
         ax.set_ylabel(labels[1])
