@@ -40,6 +40,7 @@ STYLE: dict[Any, Any] = {
 }
 _OUTLINE, _DECIMALS = re.compile(rb'\sd="[^"]*"'), re.compile(rb"(\.\d\d)\d+")
 styled = mpl.rc_context(STYLE)
+_PARITIES = 12  # panels
 _NEAR = 0.02  # distance in X from an edge within which a singular field is cut
 BLUE, ORANGE, GREY = "#2166ac", "#d95f02", "#8a8a8a"
 
@@ -181,8 +182,8 @@ def _bounded(ax: Axes, curves: np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 
 @styled
 def parity(validation: xr.Dataset) -> Figure:
-    """Predicted against exact for every output, on cases that the surrogate never saw."""
-    names = [str(name) for name in validation["output"].values]
+    """Predicted against exact, on cases that the surrogate never saw: the outputs of the largest errors first."""
+    names = [str(name) for name in validation.sortby("max_error", ascending=False)["output"].values[:_PARITIES]]
     columns = 6
     rows = -(-len(names) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(11, 1.95 * rows), squeeze=False)

@@ -23,12 +23,11 @@ def trace(question: Question, source: Predicted, scan: int) -> Front | None:
     problem = question.problem(source, np.full(len(question.target.limits), _SAFE))
     if not question.inputs:
         return _point(problem, len(question.target.objectives))
-    found = front(problem, len(question.target.objectives), scan=scan)
-    if found is None:
+    coarse = front(problem, len(question.target.objectives), points=3, fill=1, scan=scan)
+    if coarse is None:
         return None
-    middle = found.x[len(found.x) // 2]
-    doubt = _SAFE + judgement.doubts(question, middle, source)
-    return front(question.problem(source, doubt), len(question.target.objectives), scan=scan) or found
+    doubt = _SAFE + judgement.doubts(question, coarse.x[len(coarse.x) // 2], source)
+    return front(question.problem(source, doubt), len(question.target.objectives), scan=scan) or coarse
 
 
 def _point(problem: Problem, objectives: int) -> Front | None:

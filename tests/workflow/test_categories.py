@@ -1,5 +1,6 @@
 """Categories: every combination is solved, learned and chosen from; checked case by case against the solver."""
 
+from functools import cache
 from itertools import product
 from pathlib import Path
 
@@ -30,6 +31,7 @@ def model(study: Study) -> GridGP:
     return made
 
 
+@cache
 def dense(material: str, profile: str, radii: int = 2000) -> tuple[np.ndarray, np.ndarray]:
     """Worst |sensitivity| and tension over the friction at many radii, the solver asked for one combination alone."""
     exact = solve(
