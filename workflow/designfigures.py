@@ -147,7 +147,7 @@ def _inside(figure: Figure, ax: Axes, field: xr.DataArray, title: str) -> None:
     signed = low < -0.02 * high
     size, units = prefixed(float(max(abs(low), abs(high))), _units(field))
     bound = max(abs(low), abs(high)) / size or 1.0
-    levels = np.linspace(-bound if signed else 0.0, bound, 15)
+    levels = bound * np.linspace(-1.0 if signed else 0.0, 1.0, 15)
     x, y = field["x"].values, field["y"].values
     filled = ax.contourf(x, y, values / size, levels, cmap="RdBu_r" if signed else "viridis", extend="both")
     filled.set_rasterized(True)

@@ -120,7 +120,7 @@ def interior(data: xr.Dataset) -> Figure:
         low, high = np.quantile(shown, [0.005, 0.99])
         signed = low < -0.02 * high
         bound = max(abs(low), abs(high)) or 1.0
-        levels = np.linspace(-bound if signed else 0.0, bound, 15)
+        levels = bound * np.linspace(-1.0 if signed else 0.0, 1.0, 15)
         for ax, field in zip(row, shown, strict=True):
             filled = ax.contourf(
                 data["x"], data["y"], field, levels, cmap="RdBu_r" if signed else "viridis", extend="both"
