@@ -119,7 +119,7 @@ def test_questions_in_words(study: Study) -> None:
         ({"worst_case": ["profile=0:1"]}, "worst_case.profile"),
         ({"over": ["radius,material=1:2"]}, "material: 1.0 is not one of BaTiO3, PZT-4"),
     ):
-        with pytest.raises(InputError, match="^[^\n]*$") as caught:
+        with pytest.raises(InputError, match=r"^[^\n]*$") as caught:
             adhoc.target(study, asked | words)
         assert says in str(caught.value)
 
@@ -145,6 +145,6 @@ def test_bad_categories_are_named(edit: tuple[str, str], says: str, tmp_path: Pa
     text = Path("config/catalogue.yaml").read_text(encoding="utf-8")
     assert edit[0] in text
     (tmp_path / "bad.yaml").write_text(text.replace(*edit, 1), encoding="utf-8")
-    with pytest.raises(InputError, match="^[^\n]*$") as caught:
+    with pytest.raises(InputError, match=r"^[^\n]*$") as caught:
         load(tmp_path / "bad.yaml")
     assert says in str(caught.value)
