@@ -96,14 +96,14 @@ def _chunks(axes: Mapping[str, NDArray[np.float64]], block: Region) -> dict[str,
 
 def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision: str) -> xr.Dataset:
     """The slab without its values: coordinates, attributes, dimensions and types."""
-    frame = xr.Dataset(coords=case.coords).drop_vars(list(axes))
-    for axis, levels in axes.items():
-        frame = frame.assign_coords({axis: xr.Variable(axis, levels, case[axis].attrs)})
+    coords = {axis: xr.Variable(axis, levels, case[axis].attrs) for axis, levels in axes.items()}
+    frame = xr.Dataset(coords=case.coords).drop_vars(list(axes)).assign_coords(coords)
+    empty = {}
     for name, array in case.data_vars.items():
-        empty = np.zeros((), precision if name in FIELDS else array.dtype)
+        nothing = np.zeros((), precision if name in FIELDS else array.dtype)
         shape = [frame.sizes[dim] for dim in array.dims]
-        frame[name] = (array.dims, np.broadcast_to(empty, shape), array.attrs)
-    return frame.assign_attrs(case.attrs)
+        empty[name] = (array.dims, np.broadcast_to(nothing, shape), array.attrs)
+    return frame.assign(empty).assign_attrs(case.attrs)
 
 
 def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
