@@ -1,7 +1,7 @@
 """Models as data: netCDF files with everything that a prediction needs, nothing of which is executed."""
 
 from os import PathLike
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -12,13 +12,15 @@ from surrogate.gridgp import GridGP
 from surrogate.inputs import Input
 from surrogate.model import GaussianProcess
 from surrogate.netcdf import FAILURES, read_whole, write_whole
-from surrogate.scattergp import ScatterGP
 from surrogate.sealed import FormatError
+
+if TYPE_CHECKING:
+    from surrogate.scattergp import ScatterGP
 
 FORMAT = "surrogate"
 VERSION = 1
 MAX_BYTES = 2**28  # unpacked; a model is a few MB at most, and a hostile file must not fill the memory
-ENGINES: dict[str, type[GridGP | ScatterGP]] = {GridGP.engine: GridGP, ScatterGP.engine: ScatterGP}
+ENGINES = ("grid", "scatter")
 PROBES = 8
 PROBE_TOLERANCE = 1e-7
 
@@ -49,7 +51,7 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
     write_whole(common.merge(model.state(), combine_attrs="no_conflicts"), path)
 
 
-def load(path: str | PathLike[str]) -> GridGP | ScatterGP:
+def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
     """Read a model and verify it.
 
     Raises
@@ -68,7 +70,7 @@ def load(path: str | PathLike[str]) -> GridGP | ScatterGP:
         raise FormatError(path, f"format version {attrs.get('format_version')} is not {VERSION}, the one known here")
     if attrs.get("engine") not in ENGINES:
         raise FormatError(path, f"unknown engine {attrs.get('engine')!r}; known are {', '.join(ENGINES)}")
-    engine = ENGINES[attrs["engine"]]
+    engine = _engine(attrs["engine"])
     try:
         _check_numbers(stored)
         model = engine.restore(stored, _inputs(stored), _outputs(stored))
@@ -83,6 +85,15 @@ def load(path: str | PathLike[str]) -> GridGP | ScatterGP:
         if found.shape != expected.shape or not (np.abs(found - expected) <= room).all():
             raise FormatError(path, f"the stored predictions {name} do not come out again")
     return model
+
+
+def _engine(name: str) -> "type[GridGP | ScatterGP]":
+    """The class of one of `ENGINES`."""
+    if name == GridGP.engine:
+        return GridGP
+    from surrogate.scattergp import ScatterGP  # scikit-learn's engine, slow to import and seldom stored
+
+    return ScatterGP
 
 
 def probe_points(inputs: tuple[Input, ...]) -> NDArray[np.float64]:

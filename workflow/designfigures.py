@@ -15,19 +15,12 @@ from workflow.engineering import prefixed, raised
 from workflow.figures import BLUE, GREY, ORANGE, styled
 from workflow.hover import attach_map
 from workflow.inline import INK
+from workflow.pictures import kinds
 from workflow.target import Target
 
 Array = NDArray[np.float64]
 
 _NEAR = 0.02  # distance in X from an edge within which a singular field is cut
-
-
-def kinds(target: Target) -> list[str]:
-    """The figures that a target has."""
-    continuous = len(target.continuous)
-    kinds = ["front"] if len(target.objectives) > 1 else []
-    kinds += ["map"] if continuous > 1 else []
-    return [*kinds, *(["slices", "bars"] if continuous else []), "contact"]
 
 
 def figures_of(answer: xr.Dataset, target: Target) -> dict[str, Figure]:

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
 from surrogate import load
 from surrogate.netcdf import read_whole
-from workflow import answers, designfigures, whatif
+from workflow import answers, pictures, whatif
 from workflow.engineering import shown
 from workflow.inline import inlined
 from workflow.study import CHECK_GROUPS, Study
@@ -47,7 +47,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.globals |= {"kinds": designfigures.kinds}
+    environment.globals |= {"kinds": pictures.kinds}
     environment.filters |= {"number": _number, "seconds": _seconds, "words": _words, "si": shown}
     content: dict[str, Any] = {
         "study": study,
