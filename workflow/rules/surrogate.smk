@@ -3,16 +3,15 @@
 
 rule cases:
     output:
-        "results/{study}/cases/{sample}.nc",
-    wildcard_constraints:
-        sample="calibration|validation",
+        calibration="results/{study}/cases/calibration.nc",
+        validation="results/{study}/cases/validation.nc",
     params:
         study=sections(*PHYSICS, "validation"),
         code=provenance.code("workflow/scripts/cases.py"),
     log:
-        "logs/{study}/cases/{sample}.log",
+        "logs/{study}/cases.log",
     benchmark:
-        "logs/{study}/cases/{sample}.tsv"
+        "logs/{study}/cases.tsv"
     script:
         "../scripts/cases.py"
 

@@ -1,4 +1,4 @@
-"""Rule cases: random exact cases, for calibration or validation."""
+"""Rule cases: random exact cases, some for calibration and others for validation."""
 
 from pathlib import Path
 
@@ -11,4 +11,5 @@ snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
 config = study.named(snakemake.wildcards.study)
-write_whole(factorial.cases(config, snakemake.wildcards.sample), Path(snakemake.output[0]))
+for sample in factorial.SAMPLES:
+    write_whole(factorial.cases(config, sample), Path(snakemake.output[sample]))
