@@ -8,9 +8,8 @@ import numpy as np
 import xarray as xr
 
 from solver import solve
-from solver.names import EVERY_QUANTITY, FACTORS
+from solver.names import FACTORS
 from surrogate import Input, chebyshev_levels
-from surrogate.blocks import STATISTICS
 from workflow import categories
 from workflow.study import Study
 
@@ -65,15 +64,6 @@ def slab_count(study: Study) -> int:
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2**20
     at_once = min(len(os.sched_getaffinity(0)), memory // SLAB_MEMORY)
     return min(study.dataset.slabs or max(1, at_once), first.levels)
-
-
-def gather(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Quantities of the whole factorial from its slabs, without the statistics of each slab."""
-    names = [name for name in EVERY_QUANTITY if name in slabs[0]]
-    whole = xr.concat([part[names] for part in slabs], dim=str(slabs[0][names[0]].dims[0]))
-    for array in whole.data_vars.values():
-        array.attrs = {key: value for key, value in array.attrs.items() if key not in STATISTICS}
-    return whole
 
 
 def cases(study: Study, name: str) -> xr.Dataset:

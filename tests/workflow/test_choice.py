@@ -9,7 +9,7 @@ import pytest
 from surrogate.levels import UnreachableError
 from surrogate.netcdf import read_whole, write_whole
 from tests.workflow.conftest import Project
-from workflow import choice, dataset, factorial, learning
+from workflow import choice, dataset, factorial, gathering, learning
 from workflow.inputs import InputError
 from workflow.study import Study, load
 
@@ -52,7 +52,7 @@ def test_chosen_levels_reach_the_tolerance(tmp_path: Path) -> None:
     slabs = [tmp_path / f"slab_{k}.nc" for k in range(factorial.slab_count(ready))]
     for k, slab in enumerate(slabs):
         dataset.write_slab(ready, k, slab)
-    quantities = factorial.gather([read_whole(slab, names=ready.outputs) for slab in slabs])
+    quantities = gathering.gather([read_whole(slab, names=ready.outputs) for slab in slabs])
     table = learning.validate(ready, quantities, factorial.cases(ready, "validation"), learning.fit(ready, quantities))
     assert float(table["max_error"].max()) <= 1e-6
     assert float(table["kinked"].sum()) == 0

@@ -13,7 +13,7 @@ import xarray as xr
 
 from solver.names import FIELDS, QUANTITIES
 from surrogate.netcdf import read_whole, write_whole
-from workflow import datacard, dataset, factorial
+from workflow import datacard, dataset, factorial, gathering
 from workflow.study import Study, load
 
 STUDY = """\
@@ -43,7 +43,7 @@ def folder(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
     slabs = [folder / f"fields/slab_{index}.nc" for index in range(2)]
     for index, slab in enumerate(slabs):
         dataset.write_slab(study, index, slab)
-    write_whole(factorial.gather([read_whole(slab, names=QUANTITIES) for slab in slabs]), folder / "quantities.nc")
+    write_whole(gathering.gather([read_whole(slab, names=QUANTITIES) for slab in slabs]), folder / "quantities.nc")
     card = datacard.card(study, "blocks", slabs, [])
     (folder / dataset.CARD).write_text(json.dumps(card), encoding="utf-8")
     return folder

@@ -6,10 +6,10 @@ from snakemake.iocontainers import Snakemake
 
 from solver.names import EVERY_QUANTITY
 from surrogate.netcdf import read_whole, write_whole
-from workflow import factorial, joblog
+from workflow import gathering, joblog
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
 slabs = [read_whole(Path(slab), names=EVERY_QUANTITY) for slab in snakemake.input]
-write_whole(factorial.gather(slabs), Path(snakemake.output[0]))
+write_whole(gathering.gather(slabs), Path(snakemake.output[0]))
