@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from surrogate import GaussianProcess
 from surrogate.optimise import Optimum, Problem, improve, maximise
 from surrogate.pareto import Front
-from workflow import contactfields, front, judgement, landscape
+from workflow import contactfields, costly, front, judgement, landscape
 from workflow.inputs import InputError
 from workflow.question import Question, ask
 from workflow.sources import Exact, Predicted, Source
@@ -53,7 +53,7 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> x
     """Answer any target on the study's factors; see `solve_target`."""
     source, exact = Predicted(model), Exact(study)
     found = [_search(ask(study, name, target, source, chosen), source) for chosen in choices(target)]
-    best = _polish(max(found, key=lambda one: _rank(one.best)), exact)
+    best = _first_feasible(sorted(found, key=lambda one: _rank(one.best), reverse=True), source, exact)
     question, x = best.question, best.best.x
     parts = [judgement.judge(question, x, source, exact), landscape.landscape(question, x, source)]
     if best.front is not None:
@@ -69,6 +69,7 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> x
         "goal": " and ".join(goals),
         "objective": str(target.objectives[0]),
         "statistic": str(target.statistic),
+        "polish": best.polish,
     }
     return out.assign_coords(target=name)
 
@@ -78,11 +79,13 @@ _NOTHING = Optimum(np.empty(0), -np.inf, np.empty(0), False)
 
 @dataclass(frozen=True)
 class _Found:
-    """What a search ended with."""
+    """What a search ended with; how it was polished then, and in how many searched cases."""
 
     question: Question
     best: Optimum
     front: Front | None = None
+    polish: str = ""
+    cases: int = 0
 
     def problem(self, source: Source, slack: Array | None = None) -> Problem:
         """The question for the optimiser; several objectives as the compromise that the front measures."""
@@ -117,20 +120,43 @@ def _search(question: Question, source: Predicted) -> _Found:
     return replace(found, best=improve(found.problem(source, doubt), first.x, abs(first.objective) or 1.0))
 
 
-def _polish(found: _Found, exact: Exact) -> _Found:
-    """The same on the exact solver, until many more scenarios say what the few of the search say."""
+def _first_feasible(ranked: list[_Found], source: Predicted, exact: Exact) -> _Found:
+    """The best of some searches that stays feasible on the exact solver, or else the first, polished."""
+    first, spent = None, 0
+    for found in ranked:
+        polished = _polish(found, source, exact)
+        first, spent = first or polished, spent + polished.cases
+        if polished.best.feasible:
+            return polished
+        if not found.best.feasible or spent > costly.AFFORDABLE:
+            break
+    return first or ranked[0]
+
+
+def _polish(found: _Found, source: Predicted, exact: Exact) -> _Found:
+    """The same on the exact solver, until many more scenarios say what the few of the search say.
+
+    What is too costly for the optimiser it takes from the surrogate, shifted to what the exact solver says.
+    """
     question, best = found.question, found.best
-    slack = np.full(len(question.target.limits), _AWAY)
-    for _ in range(_ROUNDS if question.inputs else 0):
-        best = improve(found.problem(exact, slack), best.x, abs(best.objective) or 1.0)
-        searched = judgement.excesses(question, best.x, exact, question.searched)
-        judged = judgement.excesses(question, best.x, exact, question.judged)
-        bound = searched + slack > -_NEAR
-        if not best.feasible or np.all((judged <= 0) & ((judged > -_NEAR) | ~bound)):
+    limits = [term for term in question.terms if term.limited]
+    near, away = costly.spared(question, source, exact), costly.away(question, _AWAY)
+    slack, last, spent = np.zeros(len(limits)), None, 0
+    rounds = _ROUNDS if question.inputs else 0
+    for k in range(rounds + 1):
+        values, cases = judgement.settled(question, limits, best.x, source, exact)
+        judged = np.array([float(term.oriented(value)) for term, value in zip(limits, values, strict=True)])
+        searched = judgement.excesses(question, best.x, near)
+        bound, spent = searched + slack > -_NEAR, spent + cases
+        last = best if np.all(judged <= 0) else last
+        done = not best.feasible or np.all((judged <= 0) & ((judged > -_NEAR) | ~bound))
+        if (k > 0 and done) or k == rounds or spent + cases > costly.AFFORDABLE:
             break
         # what a few scenarios make of a limit differs from what many do: shift it by that
-        slack = judged - searched + _AWAY
-    return replace(found, best=best)
+        slack = judged - searched + away
+        best = improve(found.problem(near, slack), best.x, abs(best.objective) or 1.0)
+    best, moved = (replace(best, feasible=False) if last is None else last), last is not found.best and rounds > 0
+    return replace(found, best=best, cases=spent, polish=costly.words(question, spent, moved))
 
 
 def _only(question: Question, source: Source) -> Optimum:

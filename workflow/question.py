@@ -150,7 +150,7 @@ class Question:
 
         return Problem(len(self.inputs), value, slope)
 
-    @property
+    @cached_property
     def _none(self) -> Array:
         return np.zeros(len(self.target.objectives))
 
