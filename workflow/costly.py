@@ -6,7 +6,7 @@ parts (the polish, the front), some seconds to 18. They go to the scenarios that
 others the surrogate is believed.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from workflow.sources import Exact, Factors, Predicted, Source
 from workflow.terms import Term
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 #: Searched cases of one part of a question.
 AFFORDABLE = 1000
@@ -80,15 +81,6 @@ def words(question: Question, cases: int, moved: bool) -> str:
     return f"on the exact solver; {searched} led by the surrogate{shifted}"
 
 
-def thinned(question: Question, x: Array) -> Array:
-    """Of designs (n, d) in a row as many, evenly, as can be solved in the scenarios of the search; at least a few."""
-    drawn = {term.drawn for term in question.terms if names(term)}
-    if not drawn:
-        return x
-    affordable = max(_LEAST, AFFORDABLE // sum(question.searched[one].count for one in drawn))
-    return np.asarray(x[np.unique(np.linspace(0, len(x) - 1, affordable).astype(int))])
-
-
 @dataclass(frozen=True)
 class Settled:
     """What a term counts as at a design, exactly where it matters, and how many searched cases that took."""
@@ -127,11 +119,58 @@ def _solved(question: Question, x: Array, chosen: Scenarios, term: Term, predict
             return Settled(value, int(known.sum()))
         order = np.argsort(np.where(known, np.inf, np.where(missing, -1.0, away)), kind="stable")
         some = order[: min(max(_BATCH, int(missing.sum())), int((~known).sum()))]
-        part = {name: one[:, some] if one.shape[1] > 1 else one for name, one in factors.items()}
-        single = replace(chosen, groups=len(some), draws=1)
-        found = question.values(exact, part, single, [term])[0].ravel()
+        found = _at(question, factors, chosen, some, [term], exact)[0][0]
         error = max(error, float(np.abs(found - flat[some]).max()))
         flat[some], known[some] = found, True
+
+
+def thinned(question: Question, x: Array, predicted: Predicted) -> tuple[Array, dict[bool, Indices]]:
+    """Of designs (n, d) in a row as many, evenly, as can be solved, and in which scenarios of the search.
+
+    Those are solved that decide some term at some design by the surrogate.
+    """
+    some: dict[bool, Indices] = {}
+    for drawn, chosen in question.searched.items():
+        terms = _members(question, drawn).values()
+        values = question.values(predicted, question.factors(x, chosen), chosen, list(terms)) if terms else []
+        marks = [_deciding(term, one[None]) for term, each in zip(terms, values, strict=True) for one in each]
+        if marks:
+            some[drawn] = np.flatnonzero(np.any(marks, 0))
+    if not some:
+        return x, some
+    count = max(_LEAST, AFFORDABLE // sum(len(one) for one in some.values()))
+    return np.asarray(x[np.unique(np.linspace(0, len(x) - 1, count).astype(int))]), some
+
+
+def corrected(
+    question: Question, x: Array, counted: Array, some: Mapping[bool, Indices], predicted: Predicted, exact: Exact
+) -> Array:
+    """What all terms count as at designs, (n, terms), with the scenarios that `thinned` gave solved exactly."""
+    out = counted.copy()
+    for drawn, columns in some.items():
+        chosen, members = question.searched[drawn], _members(question, drawn)
+        factors, terms = question.factors(x, chosen), list(members.values())
+        guessed = question.values(predicted, factors, chosen, terms)
+        solved = _at(question, factors, chosen, columns, terms, exact)
+        for k, term, values, found in zip(members, terms, guessed, solved, strict=True):
+            flat = np.array(values).reshape(len(x), -1)
+            flat[:, columns] = found
+            out[:, k] = term.worst(term.statistic.rows(flat.reshape(values.shape)))
+    return out
+
+
+def _members(question: Question, drawn: bool) -> dict[int, Term]:
+    """Terms over draws, or over corners, that ask for what is searched for, by their place."""
+    return {k: term for k, term in enumerate(question.terms) if names(term) and term.drawn == drawn}
+
+
+def _at(
+    question: Question, factors: Factors, chosen: Scenarios, columns: Indices, terms: list[Term], exact: Exact
+) -> list[Array]:
+    """Exact values of some terms in some scenarios, (n, columns) each."""
+    part = {name: one[:, columns] if one.shape[1] > 1 else one for name, one in factors.items()}
+    single = replace(chosen, groups=len(columns), draws=1)
+    return [one.reshape(len(one), -1) for one in question.values(exact, part, single, terms)]
 
 
 def _guess(question: Question, x: Array, chosen: Scenarios, term: Term, predicted: Predicted) -> Array:

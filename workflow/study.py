@@ -147,7 +147,8 @@ class Study(Strict):
                     raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
         for name in target.names():
             if name in EVERY_QUANTITY and name not in self.outputs:
-                raise ValueError(f"{where}: {name!r} is not one of surrogate.outputs")
+                needs = "needs dataset: peaks: true" if name in PEAKS and not self.dataset.peaks else ""
+                raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
 
     def corners(self) -> dict[str, Any]:
         """Ends of the factorial's box with the fixed factors: what the solver is asked once before any work."""
