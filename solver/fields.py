@@ -1,7 +1,8 @@
 """Surface fields on both sides of the contact (theory section 5), at dimensionless positions X = (x - c)/h.
 
-Every field times sqrt|1 - X^2| is ``pressure_scale * U + sum_j charge_density_j * W_j``, where U depends on material,
-friction, profile and position only and W on material and side only: the large shapes see one product and one sum.
+Every field times sqrt|1 - X^2| is ``pressure_scale * U + g * W``, where U depends on material, friction, profile and
+position only, g on the case without the position, and W on the position only: the large shapes see two products and a
+sum.
 """
 
 from dataclasses import dataclass
@@ -13,24 +14,47 @@ from solver.contact import Contact
 
 
 @dataclass(frozen=True, eq=False)
-class SurfaceFields:
-    """Fields along the surface, each (..., position) in the smallest shape; [Pa], [C/m2] and [T].
+class Separable:
+    """A field ``(scale * shared + strength * weight) / root`` that is singular at the edges.
 
-    ``*_regular`` is the field times sqrt|1 - X^2|, which is finite at a smooth edge.
+    ``scale`` and ``strength`` have the case axes and an axis of length 1 (..., 1), ``shared`` has a position axis in
+    the smallest shape (..., position), ``weight`` and ``root = sqrt|1 - X^2|`` have nothing else (position,).
     """
+
+    scale: Array
+    shared: Array
+    strength: Array
+    weight: Array
+    root: Array
+
+    @property
+    def values(self) -> Array:
+        """The field itself, (..., position)."""
+        return self._sum(self.shared / self.root, self.weight / self.root)
+
+    @property
+    def regular(self) -> Array:
+        """The field times ``root``, which is finite at a smooth edge."""
+        return self._sum(self.shared, self.weight)
+
+    def _sum(self, shared: Array, weight: Array) -> Array:
+        one, other = self.scale * shared, self.strength * weight
+        if np.broadcast_shapes(one.shape, other.shape) != other.shape:
+            return np.asarray(one + other)
+        return np.add(one, other, out=other)  # of two arrays of full size, one is enough
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceFields:
+    """Fields along the surface, each (..., position) in the smallest shape; [Pa], [C/m2] and [T]."""
 
     contact_pressure: Array
     shear_traction: Array
-    electric_displacement_y_regular: Array
-    magnetic_induction_y_regular: Array
-    stress_xx_regular: Array
-    electric_displacement_x_regular: Array
-    magnetic_induction_x_regular: Array
-    root: Array
-
-    def singular(self, name: str) -> Array:
-        """The field itself from its regular form."""
-        return np.asarray(getattr(self, f"{name}_regular") / self.root)
+    electric_displacement_y: Separable
+    magnetic_induction_y: Separable
+    stress_xx: Separable
+    electric_displacement_x: Separable
+    magnetic_induction_x: Separable
 
 
 def surface_fields(contact: Contact, positions: Array) -> SurfaceFields:
@@ -45,46 +69,49 @@ def surface_fields(contact: Contact, positions: Array) -> SurfaceFields:
     """
     half, sliding = contact.halfplane, contact.sliding
     inside, root, (S, S_root, HS, D_root, HD_root) = _shapes(contact, positions)
-    sign = np.where(inside, 0.0, np.sign(positions))
+    within, beyond = inside.astype(np.float64), np.where(inside, 0.0, np.sign(positions))
     eta, scale = contact.friction[..., None], contact.pressure_scale[..., None]
     d, r, e, k = (
         components(v)
         for v in (sliding.friction_screening, sliding.screening, contact.charge_density, half.friction_coupling)
     )
-    follow = [eta * d[j] * D_root - r[j] * S_root for j in (0, 1)]  # U of D_y, B_y
-    flux_y = [np.where(inside, scale * follow[j] + e[j], 0.0) for j in (0, 1)]
+    # D_y, B_y; nothing outside the contact
+    follow = [np.where(inside, eta * d[j] * D_root - r[j] * S_root, 0.0) for j in (0, 1)]
 
     # du_x/dx = -k.(sigma_yy, D_y, B_y) + (L^-1)_xx eta H[sigma_yy]
     stiffness = half.in_plane_stiffness[..., None]
     direct = [share - stiffness * k_j for share, k_j in zip(components(half.in_plane_share), k, strict=True)]
     stretch = stiffness * half.tangential_compliance[..., None] * eta * HS + direct[0] * S
-    follow_xx = stretch * root + np.where(inside, direct[1] * follow[0] + direct[2] * follow[1], 0.0)
-    stress_xx = scale * follow_xx + np.where(inside, direct[1] * e[0] + direct[2] * e[1], 0.0)
+    follow_xx = stretch * root + direct[1] * follow[0] + direct[2] * follow[1]
 
     # lam d(phi, psi)/dx = s {eta [k_J S + (N_Jq.d) H[D]] + (N_J0 - N_Jq.r) H[S]} + N_Jq.e0 H[1/sqrt]
     own, coupled = components(sliding.normal_compliance), components(sliding.friction_coupling)
-    gradient = []
+    gradient, carried = [], []
     for j in (1, 2):
         M = components(half.compliance[..., j, 1:])
-        followed = eta * (coupled[j] * S_root + (k[j] - coupled[j]) * (HD_root + S_root)) + own[j] * HS * root
-        gradient.append(scale * followed - sign * (M[0] * e[0] + M[1] * e[1]))
+        gradient.append(eta * (coupled[j] * S_root + (k[j] - coupled[j]) * (HD_root + S_root)) + own[j] * HS * root)
+        carried.append(M[0] * e[0] + M[1] * e[1])
     permittivity = [components(half.transverse_permittivity[..., j, :]) for j in (0, 1)]
     shear_share = components(half.transverse_shear_share)
-    shear_regular = eta * scale * S_root
     flux_x = [
-        shear_share[j] * shear_regular - permittivity[j][0] * gradient[0] - permittivity[j][1] * gradient[1]
+        Separable(
+            scale,
+            shear_share[j] * eta * S_root - permittivity[j][0] * gradient[0] - permittivity[j][1] * gradient[1],
+            permittivity[j][0] * carried[0] + permittivity[j][1] * carried[1],
+            beyond,
+            root,
+        )
         for j in (0, 1)
     ]
     pressure = -scale * S
     return SurfaceFields(
         contact_pressure=pressure,
         shear_traction=-eta * pressure,
-        electric_displacement_y_regular=flux_y[0],
-        magnetic_induction_y_regular=flux_y[1],
-        stress_xx_regular=stress_xx,
-        electric_displacement_x_regular=flux_x[0],
-        magnetic_induction_x_regular=flux_x[1],
-        root=root,
+        electric_displacement_y=Separable(scale, follow[0], e[0], within, root),
+        magnetic_induction_y=Separable(scale, follow[1], e[1], within, root),
+        stress_xx=Separable(scale, follow_xx, direct[1] * e[0] + direct[2] * e[1], within, root),
+        electric_displacement_x=flux_x[0],
+        magnetic_induction_x=flux_x[1],
     )
 
 

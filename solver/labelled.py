@@ -102,17 +102,18 @@ def _with_fields(
     """The data set with the surface fields at positions X."""
     with np.errstate(all="ignore"):  # what is not finite is named below
         fields = surface_fields(contact, X)
-    out = out.assign_coords(position=("position", X, {"units": "1", "long_name": "surface position X = (x - c)/h"}))
+    position = {"position": ("position", X, {"units": "1", "long_name": "surface position X = (x - c)/h"})}
+    found: dict[str, Any] = {}
     for name, described in FIELDS.items():
         with np.errstate(all="ignore"):
-            value = fields.singular(name) if name in SINGULAR else getattr(fields, name)
+            value = getattr(fields, name).values if name in SINGULAR else getattr(fields, name)
         require_finite(name, value, "factors and positions (overflow)")
-        out[name] = ((*dims, "position"), np.broadcast_to(value, (*shape, X.size)), described.attrs)
+        found[name] = ((*dims, "position"), np.broadcast_to(value, (*shape, X.size)), described.attrs)
         if regular and name in SINGULAR:
             attrs = {"units": described.units, "long_name": f"{described.long_name}, times sqrt|1 - X^2|"}
-            whole = np.broadcast_to(getattr(fields, f"{name}_regular"), (*shape, X.size))
-            out[f"{name}_regular"] = ((*dims, "position"), whole, attrs)
-    return out
+            whole = np.broadcast_to(getattr(fields, name).regular, (*shape, X.size))
+            found[f"{name}_regular"] = ((*dims, "position"), whole, attrs)
+    return out.assign_coords(position).assign(found)
 
 
 def _positions(positions: Iterable[float]) -> Array:

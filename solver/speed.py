@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import elementwise
 
 from solver.arrays import Array, BoolArray
 from solver.halfplane import HalfPlane
@@ -33,6 +32,8 @@ def limiting_speed(material: Material, conducts: BoolArray | tuple[bool, bool] =
     MaterialError
         A material without density.
     """
+    from scipy.optimize import elementwise  # slow to import, and most cases do not ask for a speed
+
     if np.any(np.isnan(material.rho)):
         raise MaterialError(f"{material.name}: rho: missing; a speed needs the density [kg m-3]")
     conducts = np.asarray(conducts)
@@ -59,6 +60,8 @@ def transonic_speed(material: Material) -> Array:
     The least ``sqrt(lambda / rho)`` over real p, lambda an eigenvalue of the 2 x 2 acoustic matrix that is left of
     ``Q + p (R + R^T) + p^2 T`` without its fields; even in p by the mirror symmetry.
     """
+    from scipy.optimize import elementwise
+
     cases = Material(**_flat(material, material.shape), name=material.name)
     scale = HalfPlane(cases).scale
     both = scale[..., :, None] * scale[..., None, :]

@@ -1,12 +1,17 @@
 """Statistics that know no physics: Gaussian processes on labelled data, their validation, sensitivity and files."""
 
-from surrogate.gridgp import GridGP
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from surrogate.inputs import Input, chebyshev_levels
-from surrogate.model import GaussianProcess
-from surrogate.persistence import load
 from surrogate.points import OutOfBoxError
-from surrogate.scattergp import ScatterGP
 from surrogate.sealed import FormatError
+
+if TYPE_CHECKING:
+    from surrogate.gridgp import GridGP
+    from surrogate.model import GaussianProcess
+    from surrogate.persistence import load
+    from surrogate.scattergp import ScatterGP
 
 __all__ = [
     "FormatError",
@@ -18,3 +23,12 @@ __all__ = [
     "chebyshev_levels",
     "load",
 ]
+
+# imported when asked for: scikit-learn, on which they stand, takes longer to import than most jobs take for their work
+_MODELS = {"GaussianProcess": "model", "GridGP": "gridgp", "ScatterGP": "scattergp", "load": "persistence"}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _MODELS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_MODELS[name]}"), name)

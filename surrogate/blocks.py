@@ -155,6 +155,8 @@ def _created(
     settings = packed if prod(sizes) >= COMPRESS_FROM // 4 else {}  # small chunks gain nothing, or cannot be packed
     dims = tuple(str(dim) for dim in array.dims)
     variable = file.createVariable(name, array.dtype, dims, chunksizes=sizes or None, fill_value=False, **settings)
+    if sizes:  # room for one chunk: it is packed when it is complete, and not kept
+        variable.set_var_chunk_cache(size=prod(sizes) * array.dtype.itemsize)
     variable.set_auto_maskandscale(False)
     variable.setncatts(array.attrs)
     return _Stored(variable, started(array.dims, array.shape, array.dtype))

@@ -14,7 +14,7 @@ The cross-fitting and the guard make the guarantee approximate; `metrics.validat
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Self
 
 import numpy as np
@@ -81,6 +81,10 @@ class Calibration:
         slopes = [chebval(x, chebder(np.vstack([np.zeros_like(c[:1]), c]))) for x, c in zip(t, trend, strict=True)]
         drift = np.stack(slopes) * inside[:, None] if degree else 0.0
         return np.asarray(std * (variance_slopes / (2 * total) + drift))
+
+    def only(self, columns: Sequence[int]) -> Self:
+        """Return that of some outputs."""
+        return replace(self, **{one.name: getattr(self, one.name)[..., list(columns)] for one in fields(self)})
 
     def state(self) -> dict[str, tuple[tuple[str, ...], Array]]:
         """Return the arrays with their dimensions, for a file."""

@@ -1,6 +1,7 @@
 """Exact Gaussian processes on complete factorial grids: product kernels, no N^3 and no N-sized work per query."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from typing import Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
@@ -193,6 +194,20 @@ class GridGP(GaussianProcess):
         model.train_ = TensorTrain(tuple(stored[f"core_{k}"].values for k in range(d)))
         model.train_.check([len(model.levels_[k]) for k in model.order_], len(outputs))
         return model
+
+    def only(self, outputs: Sequence[str]) -> Self:
+        """Return the model of some outputs; means agree within `compression`, and cost less to ask for."""
+        columns = [self.outputs_.index(name) for name in outputs]
+        part = copy(self)
+        part.outputs_, part.attrs_ = tuple(outputs), {name: self.attrs_[name] for name in outputs}
+        part.offset_, part.scale_ = self.offset_[columns], self.scale_[columns]
+        part.amplitude_, part.variance_ = self.amplitude_[:, columns], self.variance_[columns]
+        part.calibration_ = None if self.calibration_ is None else self.calibration_.only(columns)
+        weights = [self.factors_[k].weights[:size] for k, size in zip(self.order_, self.train_.modes, strict=True)]
+        plain = self.train_.scaled([1 / one for one in weights])
+        error = self.compression * float(np.sqrt(np.prod([len(one) for one in self.levels_])))
+        part.train_ = plain.only(columns, error).scaled(weights)
+        return part
 
     @property
     def parts(self) -> int:

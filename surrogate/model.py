@@ -1,7 +1,7 @@
 """The face that all surrogates share: named, labelled inputs and outputs over scikit-learn's estimator conventions."""
 
 from abc import abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any, ClassVar, Literal, Self, overload
 
@@ -76,6 +76,10 @@ class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # s
     @abstractmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
         """Return the model of a stored state; ValueError names what is inconsistent."""
+
+    def only(self, outputs: Sequence[str]) -> Self:
+        """Return a model that gives these outputs, and as few others as it can, for less."""
+        return self
 
     @property
     def box(self) -> Mapping[str, Input]:

@@ -64,6 +64,26 @@ class TensorTrain:
         """Return the train with the modes of factor k multiplied by weights[k], shape (modes_k,)."""
         return TensorTrain(tuple(core * w[:, None] for core, w in zip(self.cores, weights, strict=True)))
 
+    def only(self, outputs: Sequence[int], error: float) -> "TensorTrain":
+        """Return the train of some outputs, its ranks cut down to a Frobenius-norm error of at most `error`.
+
+        Oseledets (2011), algorithm 2: orthogonal from the last core to the first, then cut from the first to the last.
+        """
+        cores = [*self.cores[:-1], self.cores[-1][..., list(outputs)]]
+        for k in range(len(cores) - 1, 0, -1):
+            rank, *rest = cores[k].shape
+            q, r = np.linalg.qr(cores[k].reshape(rank, -1).T)
+            cores[k] = q.T.reshape(-1, *rest)
+            cores[k - 1] = cores[k - 1] @ r.T
+        allowed = error**2 / max(len(cores) - 1, 1)
+        for k in range(len(cores) - 1):
+            rank, size, _ = cores[k].shape
+            left, values, right = np.linalg.svd(cores[k].reshape(rank * size, -1), full_matrices=False)
+            kept = _kept(values, allowed)
+            cores[k] = np.ascontiguousarray(left[:, :kept]).reshape(rank, size, kept)
+            cores[k + 1] = np.tensordot(values[:kept, None] * right[:kept], cores[k + 1], 1)
+        return TensorTrain(tuple(cores))
+
 
 def compress(tensor: Array, error: float) -> TensorTrain:
     """Compress a tensor of shape (modes_1, ..., modes_d, p) with a Frobenius-norm error of at most `error`.
@@ -78,13 +98,18 @@ def compress(tensor: Array, error: float) -> TensorTrain:
         # the left singular vectors need only the triangle of the short side
         short = np.asarray(np.linalg.qr(rest.T, mode="r")).T if rest.shape[1] > rest.shape[0] else rest
         left, values, _ = np.linalg.svd(short, full_matrices=False)
-        dropped = np.cumsum(values[::-1] ** 2)[::-1]
-        kept = max(1, int(np.count_nonzero(dropped > allowed)))
+        kept = _kept(values, allowed)
         left = left[:, :kept]
         cores.append(np.ascontiguousarray(left).reshape(rank, size, kept))
         rest, rank = left.T @ rest, kept
     cores.append(np.ascontiguousarray(rest).reshape(rank, modes[-1], outputs))
     return TensorTrain(tuple(cores))
+
+
+def _kept(values: Array, allowed: float) -> int:
+    """Number of singular values, descending, without which more than `allowed` would be lost of their squares."""
+    dropped = np.cumsum(values[::-1] ** 2)[::-1]
+    return max(1, int(np.count_nonzero(dropped > allowed)))
 
 
 def _absorb(state: Array | None, core: Array, feature: Array) -> Array:

@@ -2,12 +2,13 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import benchmarks.__main__ as runner
-from benchmarks import page, rivals, surrogates
+from benchmarks import direct, overhead, page, rivals, surrogates
 
 
 def smooth(t: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -52,3 +53,41 @@ def test_the_runner_writes_whole_files_and_refuses_unknown_names(
     assert runner.main(["exact"]) == 0
     assert json.loads((tmp_path / "benchmarks.json").read_text(encoding="utf-8"))["exact"] == {"alone": 0.5}
     assert "alone" in (tmp_path / "benchmarks.html").read_text(encoding="utf-8")
+
+
+def test_the_plain_driver_runs_scripts_after_those_that_they_wait_for(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from pathlib import Path\n"
+        "found = [Path(one).read_text() for one in snakemake.input]\n"
+        "Path(snakemake.output[0]).write_text('+'.join([*found, snakemake.params.name]))\n",
+        encoding="utf-8",
+    )
+    files = {name: str(tmp_path / "made" / name) for name in "abcd"}
+    before: dict[str, str] = {"a": "", "b": "a", "c": "a", "d": "bc"}
+    numbers = {name: number for number, name in enumerate("dcba")}
+    jobs = {
+        numbers[name]: direct.Job(
+            str(script),
+            SimpleNamespace(
+                input=[files[one] for one in before[name]],
+                output=[files[name]],
+                log=[str(tmp_path / "logs" / name)],
+                params=SimpleNamespace(name=name),
+            ),
+        )
+        for name in before
+    }
+    direct.run(jobs, {numbers[name]: {numbers[one] for one in waits} for name, waits in before.items()}, 2)
+    assert Path(files["d"]).read_text(encoding="utf-8") == "a+b+a+c+d"
+
+
+def test_overhead_is_not_measured_between_different_results(tmp_path: Path) -> None:
+    for name in ("one", "other"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "data.nc").write_bytes(b"same")
+        (tmp_path / name / "timing.json").write_text(name, encoding="utf-8")
+    overhead._compare(tmp_path / "one", tmp_path / "other")
+    (tmp_path / "other" / "data.nc").write_bytes(b"not the same")
+    with pytest.raises(RuntimeError, match=r"data\.nc"):
+        overhead._compare(tmp_path / "one", tmp_path / "other")

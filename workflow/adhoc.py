@@ -9,11 +9,12 @@ import numpy as np
 import xarray as xr
 from pydantic import ValidationError
 
-from solver.names import FACTORS
+from solver.names import CHOICES, FACTORS
 from surrogate import GaussianProcess, load
 from surrogate.inversion import Inversion
-from workflow import design, factorial
+from workflow import answers, design, factorial
 from workflow import study as studies
+from workflow.categories import output
 from workflow.inputs import InputError
 from workflow.problems import first_problem
 from workflow.study import Study
@@ -35,7 +36,7 @@ def results(folder: Path) -> tuple[Study, GaussianProcess]:
         raise InputError(f"{folder}: holds no surrogate.nc; run `make run STUDY={folder.name}` first")
     study = studies.load(folder.resolve().parent.parent / "config" / f"{folder.resolve().name}.yaml")
     model = load(surrogate)
-    if list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.outputs:
+    if list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.learned:
         raise InputError(f"{surrogate}: was made from another state of the study; run `make run STUDY={folder.name}`")
     return study, model
 
@@ -60,7 +61,7 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
         "maximise": list(words.get("maximise") or []),
         "minimise": list(words.get("minimise") or []),
         "over": {name: _variable(name, text) for name, text in _named("--over", words.get("over"))},
-        "at": {name: _number(f"--at: {name}", text) for name, text in _named("--at", words.get("at"))},
+        "at": {name: _value(f"--at: {name}", name, text) for name, text in _named("--at", words.get("at"))},
         "worst_case": {
             name: _interval(f"--worst-case: {name}", text)
             for name, text in _named("--worst-case", words.get("worst_case"))
@@ -76,6 +77,9 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
         default = FACTORS[name].default
         if name not in said and default is not None and axis.low <= default <= axis.high:
             asked["at"][name] = default
+    for name in study.categories:
+        if name not in said and _usual(study, name):
+            asked["at"][name] = _usual(study, name)
     try:
         found = Target.model_validate(asked)
         study.check_target("design", found)
@@ -86,10 +90,17 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
     return found
 
 
+def _usual(study: Study, name: str) -> str:
+    """A category's default, where the study has it."""
+    usual = CHOICES.get(name, ("",))[0]
+    return usual if usual in study.categories[name] else ""
+
+
 def as_text(answer: xr.Dataset) -> str:
     """The answer as a table."""
     lines = [str(answer.attrs["goal"]), str(answer["status"].values), f"polish: {answer.attrs['polish']}"]
     lines += [f"note: {answer['flags'].values}"] if str(answer["flags"].values) else []
+    lines += [f"  {name:44s} {kind:25s} {role}" for name, kind, role in answers.kinds(answer)]
     for name in answer["factor"].values:
         one = answer.sel(factor=name)
         lines.append(f"  {name:44s} {float(one['value']):<14.8g} {FACTORS[name].units:10s} {one['role'].values}")
@@ -100,6 +111,12 @@ def as_text(answer: xr.Dataset) -> str:
         shown = "" if np.isnan(margin) else f"{100 * margin:.3g} %"
         numbers = f"{float(one['exact']):<14.8g} {float(one['predicted']):<14.8g}"
         lines.append(f"  {name:44s} {numbers} {shown:10s} {one['units'].values}")
+    if "choice" in answer.dims:
+        rows = zip(
+            answer["choice"].values, answer["choice_objective"].values, answer["choice_feasible"].values, strict=True
+        )
+        lines += ["best of every choice, on the surrogate"]
+        lines += [f"  {name:44s} {value:<14.8g} {'' if feasible else 'infeasible'}" for name, value, feasible in rows]
     return "\n".join(lines)
 
 
@@ -112,6 +129,15 @@ def as_json(answer: xr.Dataset) -> str:
         for name in answer["factor"].values
         for one in [answer.sel(factor=name)]
     }
+    out["categories"] = {name: {"value": kind, "role": role} for name, kind, role in answers.kinds(answer)}
+    if "choice" in answer.dims:
+        rows = zip(
+            answer["choice"].values, answer["choice_objective"].values, answer["choice_feasible"].values, strict=True
+        )
+        out["choices"] = [
+            {"choice": str(name), "objective": _plain(float(value)), "feasible": bool(feasible)}
+            for name, value, feasible in rows
+        ]
     keys = ("exact", "predicted", "predicted_std", "limit", "margin")
     out["terms"] = {
         str(name): {key: _plain(float(one[key])) for key in keys}
@@ -122,7 +148,8 @@ def as_json(answer: xr.Dataset) -> str:
     if "front" in answer.dims:
         out["front"] = [
             {str(name): float(value) for name, value in zip(row["objective"].values, row.values, strict=True)}
-            for row in answer["front_exact"]
+            | ({"choice": str(row["front_choice"].values)} if "choice" in answer.dims else {})
+            for row in answer.set_coords("front_choice")["front_exact"]
         ]
     return json.dumps(out, indent=2, allow_nan=False)
 
@@ -139,7 +166,8 @@ def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> xr.Dataset:
     answer = design.answer(study, "question", target(study, words), model)
     if not bool(answer["feasible"]):
         at = ", ".join(f"{name} = {float(answer['value'].sel(factor=name)):.6g}" for name in answer["factor"].values)
-        raise InputError(f"design: {answer['status'].values}, at {at}")
+        kinds = "".join(f"{name} = {kind}, " for name, kind, _ in answers.kinds(answer))
+        raise InputError(f"design: {answer['status'].values}, at {kinds}{at}")
     return answer
 
 
@@ -163,13 +191,14 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None]) -> str:
         if not errors[-1] > 0 or not np.isfinite(errors[-1]) or not np.isfinite(values[-1]):
             raise InputError(f"--measured: {name}: {text!r} needs finite numbers, and a positive one after +-")
     infer = [name for name, _ in _named("--infer", words.get("infer"))]
-    at = {name: _number(f"--at: {name}", text) for name, text in _named("--at", words.get("at"))}
-    for name, held in at.items():
-        axis = study.factors.get(name)
-        if axis is not None and not axis.low <= held <= axis.high:
-            raise InputError(f"--at: {name} = {held:g} is not within {axis.low:g} to {axis.high:g}")
+    at: dict[str, float | str] = {name: _usual(study, name) for name in study.categories}
+    at |= {name: _value(f"--at: {name}", name, text) for name, text in _named("--at", words.get("at"))}
     try:
-        inversion = Inversion(model, infer, [name for name, _ in pairs], at)
+        for name, given in at.items():
+            study.check_values("--at", name, [given])
+        kinds = {name: str(at.pop(name)) for name in study.categories}
+        held = {name: float(value) for name, value in at.items()}
+        inversion = Inversion(model, infer, [output(name, kinds) for name, _ in pairs], held)
     except ValueError as error:
         raise InputError(f"invert: {error}") from None
     found = inversion.estimate(np.array(values), np.array(errors))
@@ -212,7 +241,12 @@ def _variable(name: str, text: str) -> dict[str, Any]:
     if ":" in text:
         low, high = _interval(f"--over: {name}", text)
         return {"low": low, "high": high}
-    return {"choices": [_number(f"--over: {name}", one) for one in text.split("|")]}
+    return {"choices": [_value(f"--over: {name}", name, one) for one in text.split("|")]}
+
+
+def _value(where: str, name: str, text: str) -> float | str:
+    """A number, or one of the names of a category."""
+    return _number(where, text) if name in FACTORS else text.strip()
 
 
 def _interval(where: str, text: str) -> list[float]:

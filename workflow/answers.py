@@ -8,7 +8,7 @@ import xarray as xr
 
 from solver.names import FACTORS
 
-_LOCAL = ("map_x", "map_y", "slice", "step", "front", "position", "x", "y")  # what only pictures need
+_LOCAL = ("map_x", "map_y", "slice", "step", "front", "choice", "position", "x", "y")  # what only pictures need
 
 
 def together(answers: list[xr.Dataset]) -> xr.Dataset:
@@ -21,6 +21,14 @@ def together(answers: list[xr.Dataset]) -> xr.Dataset:
     return whole.assign_attrs(title="designs")
 
 
+def kinds(answer: xr.Dataset) -> list[tuple[str, str, str]]:
+    """Name, what was chosen, and role of every category of a design."""
+    if "category" not in answer.dims:
+        return []
+    columns = (answer[key].values for key in ("category", "kind", "kind_role"))
+    return [(str(name), str(kind), str(role)) for name, kind, role in zip(*columns, strict=True)]
+
+
 def _missing(answers: list[xr.Dataset]) -> dict[str, object]:
     """What stands where a target has no such term or factor."""
     kinds = {str(name): one.dtype.kind for answer in answers for name, one in answer.data_vars.items()}
@@ -28,7 +36,7 @@ def _missing(answers: list[xr.Dataset]) -> dict[str, object]:
 
 
 def table(answers: list[xr.Dataset]) -> str:
-    """The designs as CSV: one row a variable, then one a term, then the status."""
+    """The designs as CSV: one row a category, then one a factor, one a term, and the status."""
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(
@@ -36,6 +44,8 @@ def table(answers: list[xr.Dataset]) -> str:
     )
     for answer in answers:
         target = str(answer["target"].values)
+        for name, kind, role in kinds(answer):
+            rows.writerow([target, role, name, "", "", "", kind, "", "", ""])
         for name in answer["factor"].values:
             one = answer.sel(factor=name)
             cells = ["", "", float(one["value"]), "", "", ""]

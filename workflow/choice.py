@@ -36,14 +36,14 @@ def choose(study: Study) -> xr.Dataset:
 
     def solve(axes: dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]) -> xr.Dataset:
         log.info("pilot of %s", " x ".join(f"{axis.size} {name}" for name, axis in axes.items()))
-        return factorial.exact(study, axes)[study.outputs]
+        return factorial.learned(study, factorial.exact(study, axes))
 
     tolerance, budget = study.validation.tolerance, study.dataset.budget
-    pilot = explore(solve, factorial.inputs(study), tolerance, budget, study.outputs, given)
+    pilot = explore(solve, factorial.inputs(study), tolerance, budget, study.learned, given)
     choice = pilot.choice
     for name, where in choice.kinked.items():
         log.warning("%s is kinked along %s: no tolerance is claimed for it", name, ", ".join(where))
-        if name in study.surrogate.outputs:
+        if name.partition("[")[0] in study.surrogate.outputs:
             raise InputError(
                 f"surrogate: outputs: {name!r} is kinked along {', '.join(where)} (its Chebyshev coefficients fall "
                 f"like a power): tolerance {tolerance:g} cannot be promised; leave it out or give every factor levels"

@@ -12,14 +12,15 @@ from typing import Any, NoReturn
 import numpy as np
 import xarray as xr
 
+import surrogate
 from solver import FactorError, Material, MaterialError, find, limiting_speed, solve, solve_interior
 from solver.halfplane import HalfPlane
 from solver.material import UNITS
 from solver.names import QUANTITIES
-from surrogate import FormatError, OutOfBoxError, load
+from surrogate import FormatError, OutOfBoxError
 from surrogate.netcdf import write_whole
 from surrogate.trial import try_to_read
-from workflow import adhoc, factorial
+from workflow import factorial
 from workflow import study as studies
 from workflow.files import write_text
 from workflow.inputs import InputError, one_line, read_cases, read_material
@@ -170,7 +171,7 @@ def _solved(
 def _query(options: argparse.Namespace) -> None:
     if options.surrogate.is_file():
         try_to_read(options.surrogate)  # it may come from anywhere
-    model = load(options.surrogate)
+    model = surrogate.load(options.surrogate)
     if (options.table is None) == (options.at is None):
         raise InputError("query: give either a table AT.csv or --at NAME=VALUE,...")
     if options.table is not None and options.output is None:
@@ -262,11 +263,15 @@ def _described(material: Material, half: HalfPlane) -> str:
 
 
 def _design(options: argparse.Namespace) -> None:
+    from workflow import adhoc  # scikit-learn and the searches: not for every command
+
     answer = adhoc.ask(options.results, vars(options))
     print(adhoc.as_json(answer) if options.json else adhoc.as_text(answer))
 
 
 def _invert(options: argparse.Namespace) -> None:
+    from workflow import adhoc
+
     print(adhoc.invert(options.results, vars(options)))
 
 

@@ -124,10 +124,11 @@ def _solved(question: Question, x: Array, chosen: Scenarios, term: Term, predict
         flat[some], known[some] = found, True
 
 
-def thinned(question: Question, x: Array, predicted: Predicted) -> tuple[Array, dict[bool, Indices]]:
-    """Of designs (n, d) in a row as many, evenly, as can be solved, and in which scenarios of the search.
+def thinned(question: Question, x: Array, predicted: Predicted, share: float) -> tuple[Array, dict[bool, Indices]]:
+    """Of designs (n, d) in a row, evenly, as many as a share of all cases suffices for.
 
-    Those are solved that decide some term at some design by the surrogate.
+    With the scenarios of the search in which they are solved: those that decide some term at some design by the
+    surrogate.
     """
     some: dict[bool, Indices] = {}
     for drawn, chosen in question.searched.items():
@@ -138,8 +139,8 @@ def thinned(question: Question, x: Array, predicted: Predicted) -> tuple[Array, 
             some[drawn] = np.flatnonzero(np.any(marks, 0))
     if not some:
         return x, some
-    count = max(_LEAST, AFFORDABLE // sum(len(one) for one in some.values()))
-    return np.asarray(x[np.unique(np.linspace(0, len(x) - 1, count).astype(int))]), some
+    count = max(_LEAST, int(share * AFFORDABLE / sum(len(one) for one in some.values())))
+    return np.asarray(x[np.unique(np.linspace(0, len(x) - 1, min(count, len(x))).astype(int))]), some
 
 
 def corrected(

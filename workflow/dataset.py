@@ -7,8 +7,7 @@ levels are shared out among slabs.
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
-from math import ceil, prod
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +23,12 @@ from solver.names import FIELDS
 from surrogate.blocks import Region, write_blocks
 from surrogate.netcdf import MAX_BYTES, read_whole
 from surrogate.sealed import check_seal
-from workflow import factorial
+from workflow import factorial, tiling
 from workflow.joblog import log
 from workflow.study import Study
 
 CARD = "datacard.json"
-_BLOCK = 2**21  # values of a field that are solved at a time: some twenty temporaries of 16 MiB
+_BLOCK = 2**20  # values of a field that are solved at a time: some twenty temporaries of 8 MiB
 _CHUNK_CASES, _CHUNK_POSITIONS = 2**14, 16
 
 
@@ -47,11 +46,13 @@ def write_slab(study: Study, index: int, path: Path) -> None:
     OSError
         No room or no permission.
     """
-    axes = factorial.levels(study)
+    axes = factorial.axes(study)
     first = next(iter(axes))
     axes[first] = np.array_split(axes[first], factorial.slab_count(study))[index]
     positions = study.dataset.positions.values()
-    regions = list(_regions([levels.size for levels in axes.values()], max(1, _BLOCK // positions.size)))
+    lengths, block = [levels.size for levels in axes.values()], max(1, _BLOCK // positions.size)
+    chunk = tiling.chunk_lengths(lengths, min(block, _CHUNK_CASES))
+    regions = list(tiling.regions(lengths, chunk, block))
     name = f"slab {index + 1} of {factorial.slab_count(study)}"
     cases = prod(levels.size for levels in axes.values())
 
@@ -67,43 +68,21 @@ def write_slab(study: Study, index: int, path: Path) -> None:
                 bar.update(prod(some.stop - some.start for some in region))
 
     one_case = part(tuple(slice(0, 1) for _ in axes))
-    write_blocks(path, _frame(one_case, axes, study.dataset.precision), blocks, _chunks(axes, regions[0]))
+    chunks = {"position": _CHUNK_POSITIONS, **dict(zip(axes, chunk, strict=True))}
+    write_blocks(path, _frame(one_case, axes, study.dataset.precision), blocks, chunks)
     log.info("%s: %d cases of %d", name, cases, study.cases)
-
-
-def _regions(lengths: Sequence[int], cases: int) -> Iterator[Region]:
-    """Blocks of at most ``cases`` cases in C order, none beyond one level of the first axis."""
-    split = next(k for k in range(1, len(lengths) + 1) if prod(lengths[k:]) <= cases) - 1
-    most = max(1, cases // prod(lengths[split + 1 :])) if split else 1
-    step = ceil(lengths[split] / ceil(lengths[split] / most))  # pieces of about one size
-    for leading in product(*(range(length) for length in lengths[:split])):
-        for begin in range(0, lengths[split], step):
-            part = slice(begin, min(begin + step, lengths[split]))
-            whole = (slice(0, length) for length in lengths[split + 1 :])
-            yield (*(slice(one, one + 1) for one in leading), part, *whole)
-
-
-def _chunks(axes: Mapping[str, NDArray[np.float64]], block: Region) -> dict[str, int]:
-    """Chunks that are quick to read by case, by position and by level: a part of a block, some positions."""
-    chunks = {"position": _CHUNK_POSITIONS}
-    cases = 1
-    for name, part in reversed(list(zip(axes, block, strict=True))):
-        pieces = ceil((part.stop - part.start) * cases / _CHUNK_CASES)
-        chunks[name] = ceil((part.stop - part.start) / pieces)
-        cases *= chunks[name]
-    return chunks
 
 
 def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision: str) -> xr.Dataset:
     """The slab without its values: coordinates, attributes, dimensions and types."""
-    frame = xr.Dataset(coords=case.coords).drop_vars(list(axes))
-    for axis, levels in axes.items():
-        frame = frame.assign_coords({axis: xr.Variable(axis, levels, case[axis].attrs)})
+    coords = {axis: xr.Variable(axis, levels, case[axis].attrs) for axis, levels in axes.items()}
+    frame = xr.Dataset(coords=case.coords).drop_vars(list(axes)).assign_coords(coords)
+    empty = {}
     for name, array in case.data_vars.items():
-        empty = np.zeros((), precision if name in FIELDS else array.dtype)
+        nothing = np.zeros((), precision if name in FIELDS else array.dtype)
         shape = [frame.sizes[dim] for dim in array.dims]
-        frame[name] = (array.dims, np.broadcast_to(empty, shape), array.attrs)
-    return frame.assign_attrs(case.attrs)
+        empty[name] = (array.dims, np.broadcast_to(nothing, shape), array.attrs)
+    return frame.assign(empty).assign_attrs(case.attrs)
 
 
 def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:

@@ -1,5 +1,6 @@
 """Design: the best factors under limits, found on the surrogate, polished and judged on the exact solver."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -7,10 +8,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from solver.names import EVERY_QUANTITY
 from surrogate import GaussianProcess
 from surrogate.optimise import Optimum, Problem, improve, maximise
-from surrogate.pareto import Front
+from surrogate.pareto import Front, scalarised
 from workflow import contactfields, costly, front, judgement, landscape
+from workflow.categories import output
 from workflow.inputs import InputError
 from workflow.question import Question, ask
 from workflow.sources import Exact, Predicted, Source
@@ -51,15 +54,16 @@ def solve_target(study: Study, name: str, model: GaussianProcess) -> xr.Dataset:
 
 def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> xr.Dataset:
     """Answer any target on the study's factors; see `solve_target`."""
-    source, exact = Predicted(model), Exact(study)
-    found = [_search(ask(study, name, target, source, chosen), source) for chosen in choices(target)]
-    best = _first_feasible(sorted(found, key=lambda one: _rank(one.best), reverse=True), source, exact)
+    asked = [_asked(study, name, target, model, choice) for choice in choices(study, target)]
+    found = _search(asked)
+    best = _first_feasible(sorted(found, key=lambda one: _rank(one.best), reverse=True))
     question, x = best.question, best.best.x
-    parts = [judgement.judge(question, x, source, exact), landscape.landscape(question, x, source)]
-    if best.front is not None:
-        parts.append(front.solved(question, best.front, source, exact).reindex(factor=parts[0]["factor"]))
+    parts = [judgement.judge(question, x, best.source, best.exact), landscape.landscape(question, x, best.source)]
+    if any(one.front is not None for one in found):
+        parts.append(_front(found).reindex(factor=parts[0]["factor"]))
     case = {str(name): float(parts[0]["worst"].sel(factor=name)[0]) for name in parts[0]["factor"].values}
-    parts.append(contactfields.fields(study, case))
+    parts.append(contactfields.fields(question.study, case))
+    parts.append(_chosen(target, best, found))
     out = xr.merge(parts, compat="no_conflicts", join="outer")
     if not bool(out["inside"].all()) and not target.allow_outside_interval:
         raise InputError(f"design: {name}: {judgement.outside(out)}; allow_outside_interval: true would accept it")
@@ -79,24 +83,59 @@ _NOTHING = Optimum(np.empty(0), -np.inf, np.empty(0), False)
 
 @dataclass(frozen=True)
 class _Found:
-    """What a search ended with; how it was polished then, and in how many searched cases."""
+    """A question with its choices made, and what the search for its answer has come to.
 
+    Attributes
+    ----------
+    choice
+        Values of the variables with a list, and names of the categories.
+    question, source, exact
+        What is asked for these, on the surrogate and on the exact solver.
+    best
+        The best design.
+    front
+        The Pareto front, where there are several objectives.
+    measure
+        Reference and weights of the one objective that stands for them.
+    polish, cases
+        How the best design was polished, and in how many cases that are searched for.
+    """
+
+    choice: dict[str, float | str]
     question: Question
-    best: Optimum
+    source: Predicted
+    exact: Exact
+    best: Optimum = _NOTHING
     front: Front | None = None
+    measure: tuple[Array, Array] | None = None
     polish: str = ""
     cases: int = 0
 
     def problem(self, source: Source, slack: Array | None = None) -> Problem:
-        """The question for the optimiser; several objectives as the compromise that the front measures."""
+        """The question for the optimiser; several objectives as the compromise that the fronts measure."""
         problem = self.question.problem(source, slack)
-        return problem if self.front is None else front.compromise(problem, self.question, self.front)
+        if self.measure is None:
+            return problem
+        return scalarised(problem, len(self.question.target.objectives), *self.measure)
 
 
-def choices(target: Target) -> list[dict[str, float]]:
-    """Every combination of the values that variables with a list may take."""
-    lists = {name: one.choices for name, one in target.variables.items() if one.choices}
+def choices(study: Study, target: Target) -> list[dict[str, float | str]]:
+    """Every combination of the values of variables with a list, and of the names of categories."""
+    lists: dict[str, Sequence[float | str]] = {
+        name: one.choices for name, one in target.variables.items() if one.choices
+    }
+    for name, names in study.categories.items():
+        if name not in lists:
+            lists[name] = names if name in target.variables else [target.at[name]]
     return [dict(zip(lists, values, strict=True)) for values in product(*lists.values())]
+
+
+def _asked(study: Study, name: str, target: Target, model: GaussianProcess, choice: dict[str, float | str]) -> _Found:
+    kinds = {key: str(choice[key]) for key in study.categories}
+    held = {key: float(value) for key, value in choice.items() if key not in kinds}
+    wanted = [output(one, kinds) for one in target.names() if one in EVERY_QUANTITY]
+    own, source = study.narrowed(kinds), Predicted(model.only(wanted), kinds)
+    return _Found(choice, ask(own, name, target, source, held), source, Exact(own))
 
 
 def _rank(best: Optimum) -> tuple[bool, float]:
@@ -104,27 +143,75 @@ def _rank(best: Optimum) -> tuple[bool, float]:
     return best.feasible, best.objective if best.feasible else -float(best.excess.max(initial=-np.inf))
 
 
-def _search(question: Question, source: Predicted) -> _Found:
-    """Optimum on the surrogate, at a distance from the limits that its uncertainty asks for."""
-    if not question.inputs:
-        return _Found(question, _only(question, source))
+def _search(asked: list[_Found]) -> list[_Found]:
+    """Optimum of every choice on the surrogate, at a distance from the limits that its uncertainty asks for."""
+    traced: list[Front | None] = [None] * len(asked)
+    if len(asked[0].question.target.objectives) > 1:
+        traced = [front.trace(one.question, one.source, _scan(one.question)) for one in asked]
+    fronts = [one for one in traced if one is not None]
+    measure = front.measure(fronts) if fronts else None
+    return [_climbed(replace(one, front=own, measure=measure)) for one, own in zip(asked, traced, strict=True)]
+
+
+def _scan(question: Question) -> int:
+    """Points of a scan: a power of two, fewer where each stands for many scenarios."""
     size = sum(one.count for one in question.searched.values())
-    scan = 1 << int(np.clip(np.log2(_SCANNED / size), 7, 12))
-    traced = front.trace(question, source, scan) if len(question.target.objectives) > 1 else None
-    found = _Found(question, _NOTHING, traced)
-    if traced is not None:
-        first = front.best_of(traced, found.problem(source))
+    return 1 << int(np.clip(np.log2(_SCANNED / size), 7, 12))
+
+
+def _climbed(found: _Found) -> _Found:
+    question, source = found.question, found.source
+    if not question.inputs:
+        return replace(found, best=_only(found.problem(source)))
+    if found.front is not None:
+        first = front.best_of(found.front, found.problem(source))
     else:
-        first = maximise(found.problem(source), scan=scan)
+        first = maximise(found.problem(source), scan=_scan(question))
     doubt = judgement.doubts(question, first.x, source)
     return replace(found, best=improve(found.problem(source, doubt), first.x, abs(first.objective) or 1.0))
 
 
-def _first_feasible(ranked: list[_Found], source: Predicted, exact: Exact) -> _Found:
-    """The best of some searches that stays feasible on the exact solver, or else the first, polished."""
+def _front(found: list[_Found]) -> xr.Dataset:
+    """The exact front of all choices."""
+    traced = [(one, one.front) for one in found if one.front]
+    share = 1 / len(traced)
+    parts = {_words(one): front.solved(one.question, own, one.source, one.exact, share) for one, own in traced}
+    return front.together(parts, np.array([one.sign for one in found[0].question.target.objectives]))
+
+
+def _chosen(target: Target, best: _Found, found: list[_Found]) -> xr.Dataset:
+    """The categories of a design, and the best of every choice on the surrogate."""
+    out = xr.Dataset()
+    kinds = {key: value for key, value in best.choice.items() if isinstance(value, str)}
+    if kinds:
+        roles = ["variable" if key in target.variables else "given" for key in kinds]
+        out = out.assign_coords(category=list(kinds)).assign(
+            kind=("category", list(kinds.values())), kind_role=("category", roles)
+        )
+    if len(found) > 1:
+        signs = 1.0 if len(target.objectives) > 1 else target.objectives[0].sign
+        out = out.assign_coords(choice=[_words(one) for one in found]).assign(
+            choice_objective=("choice", [signs * one.best.objective for one in found]),
+            choice_feasible=("choice", [one.best.feasible for one in found]),
+        )
+    return out
+
+
+def _words(found: _Found) -> str:
+    """A choice in words: names as they are, numbers with theirs."""
+    target = found.question.target
+    return ", ".join(
+        value if isinstance(value, str) else f"{key} = {value:g}"
+        for key, value in found.choice.items()
+        if key in target.variables
+    )
+
+
+def _first_feasible(ranked: list[_Found]) -> _Found:
+    """The best choice that stays feasible on the exact solver, or else the first one, polished."""
     first, spent = None, 0
     for found in ranked:
-        polished = _polish(found, source, exact)
+        polished = _polish(found)
         first, spent = first or polished, spent + polished.cases
         if polished.best.feasible:
             return polished
@@ -133,12 +220,12 @@ def _first_feasible(ranked: list[_Found], source: Predicted, exact: Exact) -> _F
     return first or ranked[0]
 
 
-def _polish(found: _Found, source: Predicted, exact: Exact) -> _Found:
+def _polish(found: _Found) -> _Found:
     """The same on the exact solver, until many more scenarios say what the few of the search say.
 
     What is too costly for the optimiser it takes from the surrogate, shifted to what the exact solver says.
     """
-    question, best = found.question, found.best
+    question, best, source, exact = found.question, found.best, found.source, found.exact
     limits = [term for term in question.terms if term.limited]
     near, away = costly.spared(question, source, exact), costly.away(question, _AWAY)
     slack, last, spent = np.zeros(len(limits)), None, 0
@@ -159,7 +246,7 @@ def _polish(found: _Found, source: Predicted, exact: Exact) -> _Found:
     return replace(found, best=best, cases=spent, polish=costly.words(question, spent, moved))
 
 
-def _only(question: Question, source: Source) -> Optimum:
+def _only(problem: Problem) -> Optimum:
     """The one design of a question without continuous variables."""
-    objective, excess = (one[0] for one in question.problem(source).value(np.empty((1, 0))))
+    objective, excess = (one[0] for one in problem.value(np.empty((1, 0))))
     return Optimum(np.empty(0), float(objective.min()), excess, bool(np.all(excess <= 0)))

@@ -24,7 +24,7 @@ _NEAR = 0.02  # distance in X from an edge within which a singular field is cut
 
 def kinds(target: Target) -> list[str]:
     """The figures that a target has."""
-    continuous = sum(not one.choices for one in target.variables.values())
+    continuous = len(target.continuous)
     kinds = ["front"] if len(target.objectives) > 1 else []
     kinds += ["map"] if continuous > 1 else []
     return [*kinds, *(["slices", "bars"] if continuous else []), "contact"]
@@ -147,7 +147,7 @@ def _inside(figure: Figure, ax: Axes, field: xr.DataArray, title: str) -> None:
     signed = low < -0.02 * high
     size, units = prefixed(float(max(abs(low), abs(high))), _units(field))
     bound = max(abs(low), abs(high)) / size or 1.0
-    levels = np.linspace(-bound if signed else 0.0, bound, 15)
+    levels = bound * np.linspace(-1.0 if signed else 0.0, 1.0, 15)
     x, y = field["x"].values, field["y"].values
     filled = ax.contourf(x, y, values / size, levels, cmap="RdBu_r" if signed else "viridis", extend="both")
     filled.set_rasterized(True)
@@ -167,13 +167,26 @@ def _front(answer: xr.Dataset) -> Figure:
     figure, axes = plt.subplots(1, len(names) - 1, figsize=(5.8 * (len(names) - 1) ** 0.7, 4.0), squeeze=False)
     for ax, other in zip(axes.flat, names[1:], strict=True):
         labels, columns, best = [], [], []
+        choices = answer["front_choice"].values
         for name in (names[0], other):
             values = answer["front_exact"].sel(objective=name).values
             size, units = prefixed(float(np.abs(values).max()), str(answer["units"].sel(term=name).values))
             columns.append(values / size)
             labels.append(f"{name} [{units}]" if units else name)
             best.append([float(answer["exact"].sel(term=name)) / size])
-        ax.plot(*columns, "o-" if len(names) == 2 else "o", ms=2.5, lw=1, color=BLUE, label="front, exact")
+        for k, choice in enumerate(dict.fromkeys(choices)):
+            own = choices == choice
+            # a line would join what another choice lies between
+            style = "o-" if len(names) == 2 and own.all() else "o"
+            label = f"front, exact: {choice}" if choice else "front, exact"
+            ax.plot(
+                *(one[own] for one in columns),
+                style,
+                ms=2.5,
+                lw=1,
+                color=plt.get_cmap("tab10")(2 * k % 10),
+                label=label,
+            )
         ax.plot(*best, "*", ms=15, mfc=ORANGE, mec=INK, mew=0.6, label="recommended compromise")
         ax.set_xlabel(labels[0])
         ax.set_ylabel(labels[1])

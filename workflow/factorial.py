@@ -11,6 +11,7 @@ from solver import solve
 from solver.names import EVERY_QUANTITY, FACTORS
 from surrogate import Input, chebyshev_levels
 from surrogate.blocks import STATISTICS
+from workflow import categories
 from workflow.study import Study
 
 #: What a job that solves a slab takes at most, whatever its size [MB].
@@ -30,6 +31,16 @@ def inputs(study: Study) -> list[Input]:
         Input(name, axis.low, axis.high, axis.scale, FACTORS[name].units, FACTORS[name].long_name)
         for name, axis in study.factors.items()
     ]
+
+
+def axes(study: Study) -> dict[str, np.ndarray[Any, np.dtype[Any]]]:
+    """Axes of the data set: the levels of every factor, then the names of every category."""
+    return levels(study) | {name: np.array(names) for name, names in study.categories.items()}
+
+
+def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
+    """Cases of the study as the surrogate learns them: every output over the continuous factors or ``case`` alone."""
+    return categories.apart(data, study.categories, study.outputs)
 
 
 def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
@@ -66,34 +77,34 @@ def gather(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def cases(study: Study, name: str) -> xr.Dataset:
-    """Random exact cases of one of `SAMPLES`, over dimension ``case``."""
+    """Random exact cases of one of `SAMPLES`, over dimension ``case`` and the categories."""
     number, key = SAMPLES[name]
     return sample(study, getattr(study.validation, key), (study.validation.seed, number))
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
-    """Random cases, uniform in the axes' own scales; exact quantities over dimension ``case``."""
+    """Random cases, uniform in the axes' own scales; exact quantities over dimension ``case`` and the categories."""
     random = np.random.default_rng(list(seed))
-    axes: dict[str, xr.DataArray] = {}
+    points: dict[str, xr.DataArray] = {}
     for name, axis in study.factors.items():
         u = random.uniform(size=count)
         if axis.scale == "log":
             values = axis.low * (axis.high / axis.low) ** u
         else:
             values = axis.low + (axis.high - axis.low) * u
-        axes[name] = xr.DataArray(np.clip(values, axis.low, axis.high), dims="case")
-    return exact(study, axes)
+        points[name] = xr.DataArray(np.clip(values, axis.low, axis.high), dims="case")
+    return exact(study, points)
 
 
 def exact(
     study: Study, axes: dict[str, Any], positions: Iterable[float] | None = None, *, peaks: bool | None = None
 ) -> xr.Dataset:
-    """The exact solver at some values of the factorial's factors, the study's fixed factors beside them.
+    """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
     With the largest stresses of the body where ``peaks``, by default where the data set has them.
     """
     return solve(
-        {**study.fixed, **axes},
+        {**study.fixed, **axes, **{name: names for name, names in study.categories.items() if name not in axes}},
         positions,
         materials=study.own_materials,
         phases=study.phases,

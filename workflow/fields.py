@@ -25,6 +25,7 @@ def _one_of(names: list[str], kind: str) -> AfterValidator:
 
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
+CategoryName = Annotated[str, _one_of(["material", *CHOICES], "category")]
 FactorName = Annotated[str, _one_of(list(FACTORS), "factor")]
 InputName = Annotated[str, _one_of(["material", *CHOICES, *FACTORS], "factor")]
 QuantityName = Annotated[str, _one_of(list(EVERY_QUANTITY), "quantity")]

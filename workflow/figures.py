@@ -40,6 +40,7 @@ STYLE: dict[Any, Any] = {
 }
 _OUTLINE, _DECIMALS = re.compile(rb'\sd="[^"]*"'), re.compile(rb"(\.\d\d)\d+")
 styled = mpl.rc_context(STYLE)
+_PARITIES = 12  # panels
 _NEAR = 0.02  # distance in X from an edge within which a singular field is cut
 BLUE, ORANGE, GREY = "#2166ac", "#d95f02", "#8a8a8a"
 
@@ -69,13 +70,18 @@ def save(figure: Figure, path: Path) -> None:
 def fields(slab: xr.Dataset) -> Figure:
     """Surface fields of a few cases of a slab: its first axis at both ends and in the middle, the others in theirs."""
     factors = [str(dim) for dim in slab["contact_pressure"].dims if dim != "position"]
-    middle = slab.isel({name: slab.sizes[name] // 2 for name in factors[1:]})
     varied = factors[1] if len(factors) > 1 else factors[0]
-    chosen = slab.isel({name: slab.sizes[name] // 2 for name in factors if name != varied})
-    held = ", ".join(f"{name} {float(middle[name].values.flat[0]):.3g}" for name in factors if name != varied)
+    # categories have no middle: the first of their names
+    places = {name: slab.sizes[name] // 2 if name in FACTORS else 0 for name in factors if name != varied}
+    chosen = slab.isel(places)
+    held = ", ".join(f"{name} {_shown(chosen[name].item())}" for name in places)
     figure = _field_panels(chosen, varied)
     figure.suptitle(f"one case a curve: {held}", fontsize=9)
     return figure
+
+
+def _shown(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:.3g}"
 
 
 @styled
@@ -114,7 +120,7 @@ def interior(data: xr.Dataset) -> Figure:
         low, high = np.quantile(shown, [0.005, 0.99])
         signed = low < -0.02 * high
         bound = max(abs(low), abs(high)) or 1.0
-        levels = np.linspace(-bound if signed else 0.0, bound, 15)
+        levels = bound * np.linspace(-1.0 if signed else 0.0, 1.0, 15)
         for ax, field in zip(row, shown, strict=True):
             filled = ax.contourf(
                 data["x"], data["y"], field, levels, cmap="RdBu_r" if signed else "viridis", extend="both"
@@ -176,8 +182,8 @@ def _bounded(ax: Axes, curves: np.ndarray[tuple[int, ...], np.dtype[np.float64]]
 
 @styled
 def parity(validation: xr.Dataset) -> Figure:
-    """Predicted against exact for every output, on cases that the surrogate never saw."""
-    names = [str(name) for name in validation["output"].values]
+    """Predicted against exact, on cases that the surrogate never saw: the outputs of the largest errors first."""
+    names = [str(name) for name in validation.sortby("max_error", ascending=False)["output"].values[:_PARITIES]]
     columns = 6
     rows = -(-len(names) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(11, 1.95 * rows), squeeze=False)

@@ -32,7 +32,7 @@ def indices(sensitivity: xr.Dataset) -> Figure:
         ax.set_title(name.replace("_", " "))
         ax.set_xlim(0, 1.02)
     axes[0, 0].set_yticks(y, [name.replace("_", " ") for name in outputs])
-    axes[0, 0].invert_yaxis()
+    axes[0, 0].set_ylim(len(outputs) - 0.4, -0.6)
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 

@@ -53,7 +53,7 @@ def _deciles(ax: Axes, one: xr.Dataset, name: str) -> None:
 
 def _transform(ax: Axes, pit: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> None:
     share = (np.arange(pit.shape[1]) + 0.5) / pit.shape[1]
-    some = slice(None, None, max(1, pit.shape[1] // 300))
+    some = slice(None, None, max(1, pit.shape[1] // 120))
     for row in np.sort(pit, axis=1):
         ax.plot(share[some], row[some], color=BLUE, lw=0.7, alpha=0.5)
     ax.plot([0, 1], [0, 1], color=GREY, ls="--", lw=1)

@@ -40,22 +40,34 @@ def launch(name: str, cores: str, profile: str, *, dry: bool) -> int:
     profiles = sorted(file.parent.name for file in Path("profiles").glob("*/config.yaml"))
     if profile not in profiles:
         raise InputError(f"--profile: {profile!r} is unknown; {nearest(profile, profiles)}")
-    snakemake = [str(Path(sys.executable).with_name("snakemake")), "--workflow-profile", f"profiles/{profile}"]
+    options = ["--workflow-profile", f"profiles/{profile}"]
     if profile == "default":
-        snakemake += ["--cores", cores]
+        options += ["--cores", cores]
     if study.open and not dry:
-        _choose_levels(name, snakemake)
+        _choose_levels(name, options)
     report, *others = [f"results/{name}/{file}" for file in study.targets]
     quiet = ["--dry-run", "--quiet", "host"] if dry else ["--quiet", "rules", "host", "reason"]
-    status = subprocess.run([*snakemake, *quiet, "--", report, *others], check=False).returncode
+    status = _snakemake([*options, *quiet, "--", report, *others])
     if status == 0 and not dry:
         print(f"report: {report}")
     return status
 
 
-def _choose_levels(name: str, snakemake: list[str]) -> None:
+def _snakemake(arguments: list[str]) -> int:
+    """Snakemake in this process, which has imported by now what the Snakefile needs; its exit status."""
+    from snakemake.cli import main  # slow to import, and not for every command
+
+    try:
+        main(arguments)
+    except SystemExit as ended:
+        return ended.code if isinstance(ended.code, int) else int(ended.code is not None)
+    return 0
+
+
+def _choose_levels(name: str, options: list[str]) -> None:
     """What no budget reaches is bad input, and is told before anything else is done."""
-    command = [*snakemake, "--quiet", "all", "--", f"results/{name}/levels.nc"]
+    program = str(Path(sys.executable).with_name("snakemake"))
+    command = [program, *options, "--quiet", "all", "--", f"results/{name}/levels.nc"]
     told = subprocess.run(command, check=False, stderr=subprocess.PIPE, text=True)
     for line in told.stderr.splitlines():
         kind, colon, reason = line.partition(": ")

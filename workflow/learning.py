@@ -2,7 +2,6 @@
 
 import xarray as xr
 
-from solver.names import EVERY_QUANTITY
 from surrogate import GaussianProcess, GridGP, levels, metrics
 from workflow import factorial
 from workflow.study import Study
@@ -15,8 +14,8 @@ def compression(study: Study) -> float:
 
 def fit(study: Study, quantities: xr.Dataset) -> GridGP:
     """Gaussian process of the study's outputs on its factorial."""
-    model = GridGP(study.surrogate.kernel, factorial.inputs(study), study.outputs, compression=compression(study))
-    return model.fit(quantities)
+    model = GridGP(study.surrogate.kernel, factorial.inputs(study), study.learned, compression=compression(study))
+    return model.fit(factorial.learned(study, quantities))
 
 
 def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> xr.Dataset:
@@ -36,9 +35,10 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
         ``case``, the decay of the factorial's coefficients, and the tolerance that the study asks for.
     """
     points = {name: cases[name] for name in study.factors}
+    cases, quantities = factorial.learned(study, cases), factorial.learned(study, quantities)
     predicted = model.predict(points)
     table = metrics.validate(model, cases, quantities)
-    names = study.outputs
+    names = study.learned
     stacked = {
         "exact": cases[names].to_dataarray("output"),
         "predicted": predicted[names].to_dataarray("output"),
@@ -48,5 +48,5 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     out = out.assign_coords({name: ("case", array.values, array.attrs) for name, array in points.items()})
     decays = levels.decays(quantities, factorial.inputs(study), names)
     out = out.assign(levels.evidence(decays, {name: axis.levels or 0 for name, axis in study.factors.items()}))
-    out = out.assign_coords(units=("output", [EVERY_QUANTITY[name].units for name in names]))
+    out = out.assign_coords(units=("output", [cases[name].attrs["units"] for name in names]))
     return out.assign_attrs(tolerance=study.validation.tolerance)

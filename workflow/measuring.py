@@ -6,8 +6,9 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from workflow import units
+from workflow.categories import Kinds
 from workflow.expressions import UNITS
-from workflow.fields import FactorName, Number, QuantityName, Strict
+from workflow.fields import FactorName, InputName, Number, QuantityName, Strict
 
 _ERROR = re.compile(r"\s*(?P<value>\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)\s*(?P<unit>.*?)\s*")
 
@@ -19,8 +20,18 @@ class Readout(Strict):
         min_length=1, description="standard deviation of each measurement: '2 V', or '0.5 %' of the value"
     )
     infer: Annotated[list[FactorName], Field(min_length=1, max_length=3)] = Field(description="factors to infer")
-    at: dict[FactorName, Number] = Field(default_factory=dict, description="the other factors")
+    at: dict[InputName, Number | str] = Field(default_factory=dict, description="the other factors")
     cases: int = Field(500, ge=50, le=100_000, description="random true cases that the intervals are tried on")
+
+    @property
+    def kinds(self) -> Kinds:
+        """Categories held at a name."""
+        return {name: value for name, value in self.at.items() if isinstance(value, str)}
+
+    @property
+    def held(self) -> dict[str, float]:
+        """Factors held at a value."""
+        return {name: value for name, value in self.at.items() if not isinstance(value, str)}
 
     @model_validator(mode="after")
     def _readable(self) -> Self:

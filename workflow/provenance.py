@@ -30,9 +30,9 @@ def sources(module: Path) -> frozenset[Path]:
         path = waiting.pop()
         if path not in found:
             found.add(path)
-            text = path.read_text(encoding="utf-8")
-            waiting += _used(text)
-            found |= {data for data in _data(path.relative_to(ROOT).parts[0]) if data.name in text}
+            modules, data = _named(path)
+            waiting += modules
+            found |= data
     return frozenset(found)
 
 
@@ -88,6 +88,15 @@ def _data(room: str) -> list[Path]:
     return [file for file in _room(room) if file.suffix in (".toml", ".j2")]
 
 
+@cache
+def _named(path: Path) -> tuple[frozenset[Path], frozenset[Path]]:
+    """Modules and data files of the rooms that one module names."""
+    text = path.read_text(encoding="utf-8")
+    return frozenset(_used(text)), frozenset(
+        data for data in _data(path.relative_to(ROOT).parts[0]) if data.name in text
+    )
+
+
 def _used(text: str) -> Iterator[Path]:
     """Files of the rooms that a module's import statements lead to."""
     for node in ast.walk(ast.parse(text)):
@@ -100,6 +109,7 @@ def _used(text: str) -> Iterator[Path]:
                     yield file
 
 
+@cache
 def _file(name: str) -> Path | None:
     """The file of a module of the rooms."""
     parts = name.split(".")
@@ -114,7 +124,14 @@ def _definition(module: str, name: str) -> Path | None:
     file = _file(module)
     if file is None or file.name != "__init__.py":
         return file
-    for node in ast.parse(file.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.ImportFrom) and node.module and name in [alias.name for alias in node.names]:
-            return _file(f"{node.module}.{name}") or _definition(node.module, name)
-    return file
+    source = _gathered(file).get(name)
+    return (_file(f"{source}.{name}") or _definition(source, name)) if source else file
+
+
+@cache
+def _gathered(file: Path) -> dict[str, str]:
+    """Names that a module imports from others, for good or for type checkers, and from where."""
+    imports = [
+        node for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))) if isinstance(node, ast.ImportFrom)
+    ]
+    return {alias.name: node.module for node in imports for alias in node.names if node.module}

@@ -58,7 +58,7 @@ class Question:
                 high=whole[name].high if one.high is None else one.high,
             )
             for name, one in self.target.variables.items()
-            if not one.choices
+            if name in self.target.continuous
         }
 
     @cached_property
@@ -203,7 +203,8 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
     InputError
         An objective that is constant over the variables, or one that passes a pole or is not defined within them.
     """
-    question = Question(study, target, {**target.at, **(chosen or {})})
+    held = {name: value for name, value in {**target.at, **(chosen or {})}.items() if not isinstance(value, str)}
+    question = Question(study, target, held)
     corner = question.searched[False]
     if not question.inputs:
         return question

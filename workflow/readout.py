@@ -10,6 +10,7 @@ from solver.names import FACTORS
 from surrogate import GaussianProcess
 from surrogate.inversion import Inversion
 from workflow import factorial
+from workflow.categories import output
 from workflow.engineering import raised
 from workflow.figures import BLUE, GREY, styled
 from workflow.measuring import Readout, error
@@ -34,11 +35,12 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     names = list(readout.measured)
     true = np.stack([one.from_unit(random.uniform(-1, 1, readout.cases)) for one in inputs])
     given = {one.name: xr.DataArray(row, dims="case") for one, row in zip(inputs, true, strict=True)}
-    solved = factorial.exact(study, {**readout.at, **given})
+    solved = factorial.exact(study.narrowed(readout.kinds), {**readout.held, **given})
     like = next(iter(given.values()))
     exact = np.stack([solved[name].broadcast_like(like).values for name in names], -1)
     measured = exact + _errors(readout, exact) * random.standard_normal(exact.shape)
-    inversion = Inversion(model, [one.name for one in inputs], names, readout.at)
+    kinds = {name: readout.kinds[name] for name in study.categories}
+    inversion = Inversion(model, [one.name for one in inputs], [output(one, kinds) for one in names], readout.held)
     found = [inversion.estimate(row, one) for row, one in zip(measured, _errors(readout, measured), strict=True)]
     mean, low, high = (np.stack([getattr(one, key) for one in found], -1) for key in ("mean", "low", "high"))
     dims = ("factor", "case")

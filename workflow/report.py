@@ -12,7 +12,7 @@ from markupsafe import Markup
 from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
 from surrogate import load
 from surrogate.netcdf import read_whole
-from workflow import designfigures, whatif
+from workflow import answers, designfigures, whatif
 from workflow.engineering import shown
 from workflow.inline import inlined
 from workflow.study import CHECK_GROUPS, Study
@@ -220,8 +220,21 @@ def _design(data: xr.Dataset) -> dict[str, Any]:
         "objective": terms[0],
         "limits": terms[1:],
         "variables": variables,
+        "kinds": answers.kinds(data),
+        "choices": _choices(data),
+        "compromise": "objective" in data.dims,
         "ranges": _ranges(data),
     }
+
+
+def _choices(data: xr.Dataset) -> list[dict[str, Any]]:
+    if "choice" not in data.dims:
+        return []
+    keys = ("choice", "choice_objective", "choice_feasible")
+    return [
+        {"name": str(name), "objective": float(objective), "feasible": bool(feasible)}
+        for name, objective, feasible in zip(*(data[key].values for key in keys), strict=True)
+    ]
 
 
 def _ranges(data: xr.Dataset) -> list[dict[str, Any]]:

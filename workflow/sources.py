@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from solver.names import PEAKS
 from surrogate import GaussianProcess
 from workflow import factorial
+from workflow.categories import Kinds, output
 from workflow.study import Study
 
 Array = NDArray[np.float64]
@@ -62,32 +63,35 @@ class Exact:
 
 
 class Predicted:
-    """The surrogate."""
+    """The surrogate, for one combination of the study's categories."""
 
     step: float | None = None
 
-    def __init__(self, model: GaussianProcess) -> None:
+    def __init__(self, model: GaussianProcess, kinds: Kinds | None = None) -> None:
         self._model = model
-        self._column = {name: k for k, name in enumerate(model.outputs_)}
+        self._kinds = kinds or {}
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Means by name."""
         X, whole = self._points(factors)
         mean = self._model.predict_array(X)
-        return {name: mean[:, self._column[name]].reshape(whole) for name in names}
+        return {name: mean[:, self._column(name)].reshape(whole) for name in names}
 
     def stds(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Standard deviations by name."""
         X, whole = self._points(factors)
         _, std = self._model.predict_array(X, return_std=True)
-        return {name: std[:, self._column[name]].reshape(whole) for name in names}
+        return {name: std[:, self._column(name)].reshape(whole) for name in names}
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
         """Derivatives of the means."""
         X, _ = self._points(factors)
         inputs = list(self._model.box)
         slopes = self._model.gradient_array(X)[..., [inputs.index(name) for name in over]]
-        return {name: slopes[:, self._column[name]] for name in names}
+        return {name: slopes[:, self._column(name)] for name in names}
+
+    def _column(self, name: str) -> int:
+        return self._model.outputs_.index(output(name, self._kinds))
 
     def _points(self, factors: Factors) -> tuple[Array, tuple[int, ...]]:
         whole = np.zeros(shape(factors))

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Mapping, Sequence
 from math import prod
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -11,7 +12,8 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 from solver import FactorError, Material, MaterialError, solve
 from solver.names import EVERY_QUANTITY, PEAKS, QUANTITIES
 from workflow import targets
-from workflow.fields import FactorName, InputName, Number, Strict
+from workflow.categories import Kinds, combinations, output
+from workflow.fields import CategoryName, FactorName, InputName, Number, Strict
 from workflow.inputs import InputError, read_material, read_yaml
 from workflow.measuring import Readout
 from workflow.parts import MOST_CASES, Axis, DataSet, Effects, Surrogate, Validation, Verification
@@ -37,6 +39,9 @@ class Study(Strict):
     )
     fixed: dict[InputName, Number | str] = Field(default_factory=dict, description="factors with one value")
     factors: dict[FactorName, Axis] = Field(default_factory=dict, description="the axes of the factorial")
+    categories: dict[CategoryName, Annotated[list[str], Field(min_length=2, max_length=8)]] = Field(
+        default_factory=dict, description="factors that take one of a few names; every case is solved for each"
+    )
     dataset: DataSet = Field(default_factory=DataSet, description="what is stored of the factorial")
     surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
     validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
@@ -56,7 +61,13 @@ class Study(Strict):
     @property
     def cases(self) -> int:
         """Number of cases of the factorial; 0 while some of its levels are open."""
-        return prod(axis.levels or 0 for axis in self.factors.values()) if self.factors else 0
+        levels = prod(axis.levels or 0 for axis in self.factors.values()) if self.factors else 0
+        return levels * len(self.combinations)
+
+    @property
+    def combinations(self) -> list[Kinds]:
+        """Every combination of the categories' names."""
+        return combinations(self.categories)
 
     @property
     def open(self) -> bool:
@@ -80,10 +91,20 @@ class Study(Strict):
         return self.surrogate.outputs or self.quantities
 
     @property
+    def learned(self) -> list[str]:
+        """What the surrogate calls them: those of every combination of categories."""
+        return [output(name, kinds) for kinds in self.combinations for name in self.outputs]
+
+    @property
     def of_interest(self) -> list[str]:
-        """Outputs that the designs ask for, or else every one."""
-        asked = [name for target in self.design.values() for name in target.names()]
-        return [name for name in dict.fromkeys(asked) if name in self.outputs] or self.outputs
+        """What the designs ask for of it, or else all."""
+        asked = [name for target in self.design.values() for name in target.names() if name in self.outputs]
+        return [output(name, kinds) for name in dict.fromkeys(asked) for kinds in self.combinations] or self.learned
+
+    def narrowed(self, kinds: Mapping[str, str]) -> Self:
+        """The study with some of its categories held at a name."""
+        rest = {name: names for name, names in self.categories.items() if name not in kinds}
+        return self.model_copy(update={"fixed": {**self.fixed, **kinds}, "categories": rest})
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -91,9 +112,13 @@ class Study(Strict):
             raise ValueError("factors: a study needs factors, effects or verification")
         if self.cases > MOST_CASES:
             raise ValueError(f"factors: {self.cases} cases are more than {MOST_CASES}")
-        for name in self.factors:
-            if name in self.fixed:
-                raise ValueError(f"fixed: {name}: is one of the factors already")
+        for name in self.fixed:
+            if name in self.factors or name in self.categories:
+                part = "factors" if name in self.factors else "categories"
+                raise ValueError(f"fixed: {name}: is one of the {part} already")
+        for name, names in self.categories.items():
+            if len(set(names)) < len(names):
+                raise ValueError(f"categories: {name}: {', '.join(names)}: a name is given twice")
         for label in (*self.design, *self.readout):
             if not label.isidentifier():
                 part = "design" if label in self.design else "readout"
@@ -110,6 +135,8 @@ class Study(Strict):
                 raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
         if self.surrogate.fields and any(self.fixed.get(name, usual) != usual for name, usual in _SMOOTH.items()):
             raise ValueError("surrogate: fields: only those under a cylinder that conducts in both fields are learned")
+        if self.surrogate.fields and self.categories:
+            raise ValueError(f"surrogate: fields: are not learned over categories: {', '.join(self.categories)}")
         for label, target in self.design.items():
             self.check_target(f"design: {label}", target)
         for label, readout in self.readout.items():
@@ -119,12 +146,13 @@ class Study(Strict):
         for name in self.factors:
             if (name in readout.infer) + (name in readout.at) != 1:
                 raise ValueError(f"{where}: {name!r} must be either in infer or in at")
-        for name in (*readout.infer, *readout.at):
-            if name not in self.factors:
-                raise ValueError(f"{where}: {name!r} is not one of the study's factors: {', '.join(self.factors)}")
-            axis, value = self.factors[name], readout.at.get(name, self.factors[name].low)
-            if not axis.low <= value <= axis.high:
-                raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
+        for name in self.categories:
+            if name not in readout.at:
+                raise ValueError(f"{where}: {name!r} is missing; put it in at")
+        for name in readout.infer:
+            self.check_values(where, name, [])
+        for name, value in readout.at.items():
+            self.check_values(where, name, [value])
         for name in readout.measured:
             if name not in self.outputs:
                 raise ValueError(f"{where}: {name!r} is not one of surrogate.outputs")
@@ -133,26 +161,41 @@ class Study(Strict):
         """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs."""
         given = [*target.over, *target.at, *target.worst_case, *target.uncertain]
         for name in given:
-            if name not in self.factors:
-                raise ValueError(f"{where}: {name!r} is not one of the study's factors: {', '.join(self.factors)}")
             if given.count(name) > 1:
                 raise ValueError(
                     f"{where}: {name!r} is given twice; over, at, worst_case and uncertain exclude each other"
                 )
-        for name, axis in self.factors.items():
+            self.check_values(where, name, target.values(name))
+        for name in (*self.factors, *self.categories):
             if name not in given:
-                raise ValueError(f"{where}: {name!r} is missing; put it in over, at, worst_case or uncertain")
-            for value in target.values(name):
-                if not axis.low <= value <= axis.high:
-                    raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
+                places = "over, at, worst_case or uncertain" if name in self.factors else "over or at"
+                raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
         for name in target.names():
             if name in EVERY_QUANTITY and name not in self.outputs:
                 needs = "needs dataset: peaks: true" if name in PEAKS and not self.dataset.peaks else ""
                 raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
 
+    def check_values(self, where: str, name: str, values: Sequence[float | str]) -> None:
+        """Whether the study has a factor or category, and values are among what it has of it."""
+        if name in self.categories:
+            for value in values:
+                if value not in self.categories[name]:
+                    raise ValueError(f"{where}: {name}: {value!r} is not one of {', '.join(self.categories[name])}")
+            return
+        if name not in self.factors:
+            known = ", ".join((*self.factors, *self.categories))
+            raise ValueError(f"{where}: {name!r} is not one of the study's factors: {known}")
+        axis = self.factors[name]
+        for value in values:
+            if isinstance(value, str):
+                raise ValueError(f"{where}: {name}: {value!r} is not a number")
+            if not axis.low <= value <= axis.high:
+                raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
+
     def corners(self) -> dict[str, Any]:
         """Ends of the factorial's box with the fixed factors: what the solver is asked once before any work."""
-        return {**self.fixed, **{name: [axis.low, axis.high] for name, axis in self.factors.items()}}
+        ends = {name: [axis.low, axis.high] for name, axis in self.factors.items()}
+        return {**self.fixed, **self.categories, **ends}
 
     def digest(self, *sections: str) -> str:
         """Hash of some sections, and of own materials where the physics is among them."""

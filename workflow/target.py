@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 from scipy import stats
 
+from solver.names import FACTORS
 from workflow import targets
-from workflow.fields import FactorName, Interval, Number, Strict
+from workflow.fields import FactorName, InputName, Interval, Number, Strict
 
 CUT = 3.0  # a normal distribution ends this many standard deviations from its mean
 MOST_CHOICES = 200
@@ -21,7 +22,9 @@ class Variable(Strict):
 
     low: Number | None = Field(None, description="lower end; default: that of the factor")
     high: Number | None = Field(None, description="upper end; default: that of the factor")
-    choices: list[Number] = Field(default_factory=list, description="instead of a range: the values to choose from")
+    choices: list[Number | str] = Field(
+        default_factory=list, description="instead of a range: the values to choose from; names of a category"
+    )
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -79,10 +82,10 @@ class Target(Strict):
 
     maximise: str | Texts = Field(default_factory=list, description="expression, or a list of them: a Pareto front")
     minimise: str | Texts = Field(default_factory=list, description="as maximise")
-    over: Annotated[list[FactorName], Field(min_length=1)] | dict[FactorName, Variable] = Field(
-        description="design variables: names, or names with low and high, or choices"
+    over: Annotated[list[InputName], Field(min_length=1)] | dict[InputName, Variable] = Field(
+        description="design variables, categories among them: names, or names with low and high, or choices"
     )
-    at: dict[FactorName, Number] = Field(default_factory=dict, description="factors held at a value")
+    at: dict[InputName, Number | str] = Field(default_factory=dict, description="factors held at a value")
     worst_case: dict[FactorName, Interval] = Field(
         default_factory=dict, description="factors that may take any value of a range [low, high]"
     )
@@ -101,6 +104,11 @@ class Target(Strict):
     def variables(self) -> dict[str, Variable]:
         """Design variables by name."""
         return dict(self.over) if isinstance(self.over, dict) else {name: Variable() for name in self.over}
+
+    @property
+    def continuous(self) -> list[str]:
+        """Those of a range."""
+        return [name for name, one in self.variables.items() if name in FACTORS and not one.choices]
 
     @property
     def objectives(self) -> list[targets.Objective]:
@@ -146,7 +154,7 @@ class Target(Strict):
             raise ValueError(f"over: {combinations} combinations of choices are more than {MOST_CHOICES}")
         return self
 
-    def values(self, name: str) -> list[float]:
+    def values(self, name: str) -> list[float | str]:
         """Every value that the question gives to a factor: its ends, choices, or the one it is held at."""
         if name in self.at:
             return [self.at[name]]

@@ -36,14 +36,14 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
     X = np.stack([array.values for array in points.values()], -1)
     one = {name: array[0] for name, array in points.items()}
     grid = dict(factorial.levels(study))
-    count = X.shape[0]
+    count, kinds = X.shape[0], len(study.combinations)
     found = {
         "cases": float(study.cases),
         "queries": float(count),
         "outputs": float(len(study.outputs)),
         "exact_per_factorial_case": seconds(lambda: factorial.exact(plain, grid)) / study.cases,
-        "exact_per_scattered_case": seconds(lambda: factorial.exact(plain, points)) / count,
-        "exact_single_case": seconds(lambda: factorial.exact(plain, one)),
+        "exact_per_scattered_case": seconds(lambda: factorial.exact(plain, points)) / (count * kinds),
+        "exact_single_case": seconds(lambda: factorial.exact(plain.narrowed(study.combinations[0]), one)),
         "surrogate_fit": seconds(lambda: learning.fit(study, quantities)),
         "surrogate_mean_per_query": seconds(lambda: model.predict_array(X)) / count,
         "surrogate_mean_std_per_query": seconds(lambda: model.predict_array(X, return_std=True)) / count,
@@ -51,7 +51,9 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
     }
     if study.dataset.peaks:
         some = {name: array[:_SEARCHED] for name, array in points.items()}
-        found["exact_per_searched_case"] = seconds(lambda: factorial.exact(study, some), 1) / min(count, _SEARCHED)
+        found["exact_per_searched_case"] = seconds(lambda: factorial.exact(study, some), 1) / (
+            len(next(iter(some.values()))) * kinds
+        )
     return found
 
 

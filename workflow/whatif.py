@@ -8,9 +8,11 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
-from solver.names import FACTORS
+from solver.names import EVERY_QUANTITY, FACTORS
 from surrogate import GaussianProcess
 from surrogate.plain import plain
+from workflow import answers, factorial
+from workflow.categories import Kinds, output
 from workflow.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.study import Study
 
@@ -34,20 +36,36 @@ def content(
     if stored is None:
         return None
     values = [{name: float(one["worst"].sel(factor=name)[0]) for name in model.box} for one in designs]
+    kinds = [study.combinations.index({name: kind for name, kind, _ in answers.kinds(one)}) for one in designs]
     start = values[0] if values else {}
+    learned = factorial.learned(study, quantities)
     return {
         "surrogate": stored,
-        "ranges": {name: [float(quantities[name].min()), float(quantities[name].max())] for name in model.outputs_},
+        "quantities": [{"name": name, **EVERY_QUANTITY[name].attrs} for name in study.outputs],
+        "categories": study.categories,
+        "kinds": [_kind(study, model, kind) for kind in study.combinations],
+        "ranges": [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_],
         "fixed": {name: factor.default for name, factor in FACTORS.items() if factor.default is not None}
         | {name: value for name, value in study.fixed.items() if not isinstance(value, str)},
         "limits": _limits(study),
         "cases": [
-            {"name": str(one["target"].values), "values": case} for one, case in zip(designs, values, strict=True)
+            {"name": str(one["target"].values), "values": case, "kind": kind}
+            for one, case, kind in zip(designs, values, kinds, strict=True)
         ],
+        "kind": kinds[0] if kinds else 0,
         "start": [
             float(np.clip(one.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, one in model.box.items()
         ],
-        "pressure": set(model.outputs_) >= _PRESSURE and study.fixed.get("profile", "cylinder") == "cylinder",
+    }
+
+
+def _kind(study: Study, model: GaussianProcess, kinds: Kinds) -> dict[str, Any]:
+    """One combination of the categories: the surrogate's columns for it, and whether it shows a pressure."""
+    profile = {**study.fixed, **kinds}.get("profile", "cylinder")
+    return {
+        "names": kinds,
+        "columns": [model.outputs_.index(output(name, kinds)) for name in study.outputs],
+        "pressure": set(study.outputs) >= _PRESSURE and profile == "cylinder",
     }
 
 

@@ -51,17 +51,14 @@ def jobs(project: Project) -> list[psutil.Process]:
 def kill_within(project: Project, run: subprocess.Popen[bytes], victim: Victim, dice: random.Random) -> bool:
     """SIGKILL at a random moment after the first job has started; whether there still was something to kill.
 
-    With Snakemake dies the command that started it; its jobs are left behind as orphans, as by a killed terminal or
-    the kernel's out-of-memory killer.
+    Snakemake's jobs are left behind as orphans, as by a killed terminal or the kernel's out-of-memory killer.
     """
     while run.poll() is None and not jobs(project):
         time.sleep(0.1)
     time.sleep(dice.uniform(0, 5))
     if victim == "snakemake":
         killed = run.poll() is None
-        for process in [*psutil.Process(run.pid).children(), psutil.Process(run.pid)] if killed else []:
-            with suppress(psutil.NoSuchProcess):
-                process.kill()
+        run.kill()
     else:
         running = jobs(project)
         killed = bool(running)

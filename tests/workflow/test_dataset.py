@@ -3,7 +3,6 @@
 import json
 import os
 import tracemalloc
-from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -53,16 +52,6 @@ def folder(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def exact(study: Study) -> xr.Dataset:
     return factorial.exact(study, dict(factorial.levels(study)), study.dataset.positions.values())
-
-
-@pytest.mark.parametrize("cases", [1, 3, 7, 28, 100, 168, 1000])
-@pytest.mark.parametrize("lengths", [[5, 6, 4, 7], [4], [3, 8]])
-def test_regions_fill_the_factorial_in_order(lengths: list[int], cases: int) -> None:
-    seen = np.arange(prod(lengths)).reshape(lengths)
-    blocks = [seen[region].ravel() for region in dataset._regions(lengths, cases)]
-    np.testing.assert_array_equal(np.concatenate(blocks), seen.ravel())
-    assert all(block.size <= cases for block in blocks)
-    assert all(block[0] // prod(lengths[1:]) == block[-1] // prod(lengths[1:]) for block in blocks)
 
 
 def test_the_opened_data_set_is_the_exact_solution(folder: Path, exact: xr.Dataset) -> None:

@@ -1,5 +1,10 @@
 """The hash of a script follows the sources that the script reaches, and nothing else."""
 
+import subprocess
+import sys
+
+import pytest
+
 from workflow import provenance
 
 SCRIPTS = provenance.ROOT / "workflow" / "scripts"
@@ -20,6 +25,18 @@ def test_a_design_reaches_solver_and_surrogate() -> None:
     files = reached("target.py")
     assert {"solver/contact.py", "surrogate/optimise.py", "workflow/design.py"} <= files
     assert "workflow/report.py" not in files
+
+
+def test_models_that_are_imported_when_asked_for_are_reached() -> None:
+    assert {"surrogate/gridgp.py", "surrogate/persistence.py"} <= reached("sensitivity.py")
+    assert "surrogate/gridgp.py" in reached("surrogate.py")
+
+
+@pytest.mark.parametrize("module", ["solver", "workflow.dataset", "workflow.datacard", "workflow.launch"])
+def test_jobs_without_models_and_figures_start_without_their_libraries(module: str) -> None:
+    code = f"import sys, {module}; print(*{{'sklearn', 'matplotlib', 'jinja2'}} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ""
 
 
 def test_the_page_does_not_reach_the_design_search() -> None:

@@ -15,7 +15,7 @@ from workflow.study import Study, load
 
 @pytest.fixture(scope="module")
 def study() -> Study:
-    whole = load(Path("config/sensor.yaml"))
+    whole = load(Path("config/sensor.yaml")).narrowed({"composite": "fibrous"})
     levels = {"volume_fraction": 16, "friction": 6, "radius": 6, "load": 8}
     factors = {name: axis.model_copy(update={"levels": levels[name]}) for name, axis in whole.factors.items()}
     factors["volume_fraction"] = factors["volume_fraction"].model_copy(update={"low": 0.6, "high": 0.75})

@@ -5,6 +5,8 @@ import json
 import re
 import shutil
 import subprocess
+from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +14,10 @@ import numpy as np
 import pytest
 
 import surrogate
+from solver import solve
 from surrogate.netcdf import read_whole
 from tests.workflow.conftest import Project
+from workflow.dataset import open_results
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium: the browser tests are left out")
@@ -215,3 +219,102 @@ def test_sliders_move_numbers_that_are_those_of_python(ran: Project, tmp_path: P
     design = read_whole(ran.folder / "results/small/design/sensor.nc")
     for name, value in found["presets"][0]["inputs"].items():
         assert float(value) == pytest.approx(float(design["worst"].sel(factor=name)[0]), rel=1e-9)
+
+
+#: A study whose punch and composite are chosen from lists.
+CHOSEN = """\
+title: A choice
+fixed: {friction: 0.2, load: 1e4}
+categories: {composite: [fibrous, laminate], profile: [cylinder, half_cylinder]}
+factors:
+  volume_fraction: {low: 0.5, high: 0.7, levels: 6}
+  radius: {low: 0.02, high: 0.2, levels: 4, scale: log}
+dataset: {slabs: 2, positions: {inside: 12, outside: 8}}
+surrogate: {outputs: [voltage_sensitivity, trailing_tension]}
+validation: {cases: 200, calibration: 400, tolerance: 1e-2}
+design:
+  best:
+    maximise: abs(voltage_sensitivity)
+    over: [volume_fraction, radius, composite, profile]
+    subject_to: [trailing_tension <= 30 MPa]
+  held:
+    maximise: abs(voltage_sensitivity)
+    over: [radius]
+    at: {volume_fraction: 0.6, composite: laminate, profile: half_cylinder}
+"""
+
+#: Chooses every combination of the panel's lists, then presses the buttons, and reads the panel each time.
+CHOOSE = """
+<script>
+addEventListener("load", () => {
+  const root = document.getElementById("whatif"), choosers = [...root.querySelectorAll("select[data-category]")];
+  const all = (where, key, value) =>
+    Object.fromEntries([...root.querySelectorAll(where)].map((one) => [one.dataset[key], one.dataset[value]]));
+  const read = () => ({
+    names: choosers.map((one) => one.value),
+    inputs: all("output[data-input]", "input", "value"),
+    mean: all("tr[data-output]", "output", "mean"),
+  });
+  const seen = [];
+  const [one, other] = choosers;
+  for (const first of one.options) for (const second of other.options) {
+    one.value = first.value;
+    other.value = second.value;
+    other.dispatchEvent(new Event("change"));
+    seen.push(read());
+  }
+  root.querySelectorAll("button[data-case]").forEach((button) => { button.click(); seen.push(read()); });
+  const pre = document.createElement("pre");
+  pre.id = "probe";
+  pre.textContent = JSON.stringify({ seen, complaints, text: document.body.innerText });
+  document.body.replaceChildren(pre);
+});
+</script>
+"""
+
+
+@pytest.fixture(scope="module")
+def chosen(copy: Callable[[str], Project]) -> Project:
+    """A copy in which the study with categories has run to its report."""
+    project = copy("chosen")
+    (project.folder / "config/chosen.yaml").write_text(CHOSEN, encoding="utf-8")
+    project.run("meecontact", "run", "chosen", "--cores", "2")
+    return project
+
+
+def test_the_data_set_has_an_axis_a_category(chosen: Project) -> None:
+    with open_results(chosen.folder / "results/chosen") as data:
+        assert data["contact_pressure"].dims == ("volume_fraction", "radius", "composite", "profile", "position")
+        one = {"volume_fraction": data["volume_fraction"][4], "radius": data["radius"][1]}
+        for composite, profile in product(("fibrous", "laminate"), ("cylinder", "half_cylinder")):
+            kinds = {"composite": composite, "profile": profile}
+            exact = solve({**one, **kinds, "friction": 0.2, "load": 1e4}, data["position"].values)
+            stored = data.isel(volume_fraction=4, radius=1).sel(kinds)
+            for name in ("contact_pressure", "stress_xx", "depth"):
+                np.testing.assert_allclose(stored[name].values, exact[name].values, rtol=1e-12)
+    card = json.loads((chosen.folder / "results/chosen/datacard.json").read_text(encoding="utf-8"))
+    assert card["categories"] == {"composite": ["fibrous", "laminate"], "profile": ["cylinder", "half_cylinder"]}
+    assert card["cases"] == 96
+
+
+@needs_browser
+def test_lists_choose_what_the_panel_shows(chosen: Project, tmp_path: Path) -> None:
+    folder = chosen.folder / "results/chosen"
+    model = surrogate.load(folder / "surrogate.nc")
+    found = opened((folder / "report.html").read_text(encoding="utf-8"), tmp_path, 1000, CHOOSE)
+    assert found["complaints"] == []
+    assert len(found["seen"]) == 6
+    assert len({tuple(one["names"]) for one in found["seen"][:4]}) == 4
+    for one in found["seen"]:
+        answer = model.predict({name: float(value) for name, value in one["inputs"].items()})
+        for name, value in one["mean"].items():
+            expected = float(answer[f"{name}[{', '.join(one['names'])}]"])
+            assert float(value) == pytest.approx(expected, rel=1e-9)
+    assert found["seen"][-1]["names"] == ["laminate", "half_cylinder"]
+    assert "Best of every choice, on the surrogate: fibrous, cylinder" in found["text"]
+    words = ["--maximise", "abs(voltage_sensitivity)", "--over", "radius,composite", "--at", "volume_fraction=0.6"]
+    told = chosen.run("meecontact", "design", "results/chosen", *words).stdout
+    assert "  composite                                    fibrous                   variable\n" in told
+    assert "  profile                                      cylinder                  given\n" in told
+    rows = (folder / "design.csv").read_text(encoding="utf-8").splitlines()
+    assert "held,given,composite,,,,laminate,,," in rows

@@ -28,7 +28,7 @@ def sections(*names):
     return lambda wildcards: study_of(wildcards).digest(*names)
 
 
-PHYSICS = ("phases", "materials", "fixed", "factors")
+PHYSICS = ("phases", "materials", "fixed", "factors", "categories")
 
 
 def targets_of(name):

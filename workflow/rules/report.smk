@@ -143,6 +143,7 @@ rule provenance:
         "results/{study}/provenance.json",
     params:
         study=lambda wildcards: study_of(wildcards).digest(*type(study_of(wildcards)).model_fields),
+        seed=lambda wildcards: study_of(wildcards).validation.seed,
         code=provenance.code("workflow/scripts/provenance.py"),
     log:
         "logs/{study}/provenance.log",

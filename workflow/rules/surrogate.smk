@@ -24,7 +24,7 @@ rule surrogate:
     output:
         "results/{study}/surrogate.nc",
     params:
-        study=sections("surrogate", "factors"),
+        study=sections("surrogate", "factors", "categories"),
         code=provenance.code("workflow/scripts/surrogate.py"),
     log:
         "logs/{study}/surrogate.log",

@@ -4,11 +4,10 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from workflow import joblog, provenance, study
+from workflow import joblog, provenance
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-config = study.named(snakemake.wildcards.study)
 results = [Path(result) for result in snakemake.input]
-provenance.write(Path(snakemake.output[0]), snakemake.params.study, config.validation.seed, results)
+provenance.write(Path(snakemake.output[0]), snakemake.params.study, snakemake.params.seed, results)

@@ -5,12 +5,12 @@ from pathlib import Path
 from snakemake.iocontainers import Snakemake
 
 from surrogate.netcdf import read_whole
-from workflow import joblog, learning, study
+from workflow import factorial, joblog, learning, study
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
 config = study.named(snakemake.wildcards.study)
 model = learning.fit(config, read_whole(Path(snakemake.input.quantities)))
-model.calibrate(read_whole(Path(snakemake.input.calibration)))
+model.calibrate(factorial.learned(config, read_whole(Path(snakemake.input.calibration))))
 model.save(Path(snakemake.output[0]))

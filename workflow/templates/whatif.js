@@ -53,15 +53,19 @@ function startWhatIf(root) {
   const data = JSON.parse(document.getElementById("whatif-data").textContent);
   const model = loadSurrogate(data.surrogate), sliders = [...root.querySelectorAll("input[type=range]")];
   const point = [...data.start]; // finer than a slider's step
+  const choosers = [...root.querySelectorAll("select[data-category]")], svg = root.querySelector("svg");
+  let kind = data.kinds[data.kind]; // one combination of the categories
 
   function show() {
-    const { mean, std } = predict(model, point), values = { ...data.fixed };
+    const answer = predict(model, point), values = { ...data.fixed };
+    const [mean, std] = [answer.mean, answer.std].map((all) => kind.columns.map((column) => all[column]));
     model.inputs.forEach((input, k) => { values[input.name] = fromUnit(input, point[k]); });
-    model.outputs.forEach((output, p) => { values[output.name] = mean[p]; });
+    data.quantities.forEach((output, p) => { values[output.name] = mean[p]; });
     showInputs(values);
     showOutputs(mean, std);
     showLimits(values);
-    if (data.pressure) drawPressure(root.querySelector("svg"), values);
+    if (svg) svg.closest("figure").hidden = !kind.pressure;
+    if (kind.pressure) drawPressure(svg, values);
   }
 
   function showInputs(values) {
@@ -75,14 +79,14 @@ function startWhatIf(root) {
   }
 
   function showOutputs(mean, std) {
-    model.outputs.forEach((output, p) => {
+    data.quantities.forEach((output, p) => {
       const row = root.querySelector(`tr[data-output="${output.name}"]`), shown = engineering(mean[p], output.units);
       row.dataset.mean = String(mean[p]);
       row.dataset.std = String(std[p]);
       row.cells[1].textContent = digits(mean[p] / shown.size, 6);
       row.cells[2].textContent = `± ${digits((1.959964 * std[p]) / shown.size, 2)}`;
       row.cells[3].textContent = shown.units;
-      const [low, high] = data.ranges[output.name], share = high > low ? (mean[p] - low) / (high - low) : 0.5;
+      const [low, high] = data.ranges[kind.columns[p]], share = high > low ? (mean[p] - low) / (high - low) : 0.5;
       row.querySelector("i").style.left = `${100 * Math.min(Math.max(share, 0), 1)}%`;
     });
   }
@@ -99,8 +103,14 @@ function startWhatIf(root) {
   }
 
   sliders.forEach((slider, k) => slider.addEventListener("input", () => { point[k] = Number(slider.value); show(); }));
+  choosers.forEach((one) => one.addEventListener("change", () => {
+    kind = data.kinds.find(({ names }) => choosers.every((other) => names[other.dataset.category] === other.value));
+    show();
+  }));
   root.querySelectorAll("button[data-case]").forEach((button) => button.addEventListener("click", () => {
-    const chosen = data.cases[Number(button.dataset.case)].values;
+    const { values: chosen, kind: k } = data.cases[Number(button.dataset.case)];
+    kind = data.kinds[k];
+    choosers.forEach((one) => { one.value = kind.names[one.dataset.category]; });
     model.inputs.forEach((input, k) => {
       point[k] = Math.min(Math.max(toUnit(input, chosen[input.name]), -1), 1); // finer than a slider's step
       sliders[k].value = String(point[k]);

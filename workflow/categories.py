@@ -1,0 +1,39 @@
+"""Categories of a study: composite, profile, material and the like, which take one of a few names.
+
+A Gaussian process over continuous factors knows no names. It learns every quantity of every combination of them as an
+output of its own, ``quantity[names]``: all of them share the factorial, and a query answers them at once.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import product
+
+import xarray as xr
+
+#: The name that every category takes.
+Kinds = dict[str, str]
+
+
+def combinations(categories: Mapping[str, Sequence[str]]) -> list[Kinds]:
+    """Every combination of names; one without any where there are no categories."""
+    return [dict(zip(categories, names, strict=True)) for names in product(*categories.values())]
+
+
+def named(kinds: Mapping[str, str]) -> str:
+    """A combination in words."""
+    return ", ".join(kinds.values())
+
+
+def output(quantity: str, kinds: Mapping[str, str]) -> str:
+    """What the surrogate calls a quantity of one combination."""
+    return f"{quantity}[{named(kinds)}]" if kinds else quantity
+
+
+def apart(data: xr.Dataset, categories: Mapping[str, Sequence[str]], quantities: Iterable[str]) -> xr.Dataset:
+    """Quantities without the categories' dimensions: each of every combination as a variable of its own."""
+    parts: dict[str, xr.DataArray] = {}
+    for kinds in combinations(categories):
+        for name in quantities:
+            array = data[name].sel(kinds).drop_vars(list(kinds))
+            words = f", {named(kinds)}" if kinds else ""
+            parts[output(name, kinds)] = array.assign_attrs(long_name=f"{array.attrs['long_name']}{words}")
+    return xr.Dataset(parts, attrs=data.attrs)
