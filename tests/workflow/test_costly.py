@@ -1,6 +1,7 @@
 """Designs whose limits and goals are searched for, milliseconds a case: affordable, no regret, no broken limit."""
 
-from collections.abc import Sequence
+import json
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
@@ -10,10 +11,12 @@ from scipy.optimize import brentq
 
 from solver import find, solve
 from surrogate import GaussianProcess
+from surrogate.netcdf import read_whole
 from surrogate.pareto import hypervolume
 from tests.oracles import interior
 from tests.oracles.half_plane import CONSTANTS
 from tests.solver import micromechanics
+from tests.workflow.conftest import Project
 from workflow import adhoc, costly, design, factorial, learning
 from workflow.question import Question
 from workflow.sources import Exact, Factors, Predicted, shape
@@ -258,3 +261,45 @@ def test_table_and_json_say_how_it_was_polished(model: GaussianProcess) -> None:
     answer = design.answer(STUDY, "sensor", target(worst_case=RANGE, subject_to=[YIELD]), model)
     assert "\npolish: on the exact solver; peak_von_mises led by the surrogate" in adhoc.as_text(answer)
     assert '"polish": "on the exact solver; peak_von_mises led by the surrogate' in adhoc.as_json(answer)
+
+
+CRACKS = """\
+title: Cracks
+fixed: {composite: fibrous, load: 5e4}
+factors:
+  volume_fraction: {low: 0.5, high: 0.8, levels: 6}
+  friction: {low: 0.1, high: 0.4, levels: 8}
+  radius: {low: 0.02, high: 0.15, levels: 4, scale: log}
+dataset: {peaks: true, slabs: 2, positions: {inside: 8, outside: 4}}
+surrogate: {outputs: [voltage_sensitivity, peak_von_mises, peak_principal_tension]}
+validation: {cases: 20, calibration: 60, tolerance: 2e-2}
+design:
+  uncracked:
+    maximise: abs(voltage_sensitivity)
+    over: [volume_fraction, radius]
+    worst_case: {friction: [0.1, 0.4]}
+    subject_to: [peak_principal_tension <= 60 MPa]
+"""
+
+
+def test_from_the_study_to_the_page_and_the_command(copy: Callable[[str], Project]) -> None:
+    project = copy("cracks")
+    (project.folder / "config" / "cracks.yaml").write_text(CRACKS, encoding="utf-8")
+    project.run("meecontact", "run", "cracks", "--cores", "2")
+    answer = read_whole(project.folder / "results/cracks/design/uncracked.nc")
+    assert bool(answer["feasible"])
+    assert 0 <= float(answer["margin"].sel(term=CRACK)) <= 1e-6
+    page = (project.folder / "results/cracks/report.html").read_text(encoding="utf-8")
+    assert f"Polish: {answer.attrs['polish']}." in page
+    assert "peak_principal_tension led by the surrogate, limits shifted to exact values (" in answer.attrs["polish"]
+    words = ["--maximise", "abs(voltage_sensitivity)", "--over", "radius,volume_fraction", "--worst-case"]
+    words += ["friction=0.1:0.4", "--limit", "peak_von_mises < 120 MPa", "--json"]
+    found = json.loads(project.run("meecontact", "design", "results/cracks", *words).stdout)
+    at = {name: one["value"] for name, one in found["factors"].items()}
+    worst = solve({**at, "composite": "fibrous", "load": 5e4, "friction": [0.1, 0.2, 0.3, 0.4]}, peaks=True)
+    assert 120e6 * (1 - 1e-5) <= float(worst["peak_von_mises"].max()) <= 120e6
+    assert found["polish"].startswith("on the exact solver; peak_von_mises led by the surrogate")
+    asked = ["--minimise", "peak_von_mises_depth", "--over", "radius", "--at", "volume_fraction=0.6,friction=0.2"]
+    refused = project.run("meecontact", "design", "results/cracks", *asked, check=False)
+    assert refused.returncode == 2
+    assert refused.stderr == "meecontact: design: 'peak_von_mises_depth' is not one of surrogate.outputs\n"
