@@ -134,7 +134,7 @@ def _asked(study: Study, name: str, target: Target, model: GaussianProcess, choi
     kinds = {key: str(choice[key]) for key in study.categories}
     held = {key: float(value) for key, value in choice.items() if key not in kinds}
     wanted = [output(one, kinds) for one in target.names() if one in EVERY_QUANTITY]
-    own, source = study.narrowed(kinds), Predicted(model.only(wanted), kinds)
+    own, source = study.narrowed(kinds), Predicted(model.only(wanted) if wanted else model, kinds)
     return _Found(choice, ask(own, name, target, source, held), source, Exact(own))
 
 

@@ -316,5 +316,12 @@ def test_lists_choose_what_the_panel_shows(chosen: Project, tmp_path: Path) -> N
     told = chosen.run("meecontact", "design", "results/chosen", *words).stdout
     assert "  composite                                    fibrous                   variable\n" in told
     assert "  profile                                      cylinder                  given\n" in told
+    both = chosen.run("meecontact", "query", "results/chosen/surrogate.nc", "--at", "volume_fraction=0.6,radius=0.1",
+                      "--exact", "chosen").stdout.splitlines()  # fmt: skip
+    assert len(both) == 8
+    for line in both:
+        assert float(line.split(" exact ")[1].split()[0]) == pytest.approx(
+            float(line.split("]")[1].split()[0]), rel=1e-3
+        )
     rows = (folder / "design.csv").read_text(encoding="utf-8").splitlines()
     assert "held,given,composite,,,,laminate,,," in rows
