@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 _ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios say
 _AWAY = 1e-10  # relative distance kept from a limit, beyond rounding
 _NEAR = 1e-6  # relative distance at which a limit binds
+_LOST = 0.01  # share of the objective that no polish costs
 _SCANNED = 1 << 17  # most evaluations of the surrogate in one scan
 
 
@@ -235,6 +236,8 @@ def _polish(found: _Found) -> _Found:
         judged = np.array([float(term.oriented(value)) for term, value in zip(limits, values, strict=True)])
         searched = judgement.excesses(question, best.x, near)
         bound, spent = searched + slack > -_NEAR, spent + cases
+        if last is not None and best.objective < last.objective - _LOST * abs(last.objective):
+            break  # a search that went astray
         last = best if np.all(judged <= 0) else last
         done = not best.feasible or np.all((judged <= 0) & ((judged > -_NEAR) | ~bound))
         if (k > 0 and done) or k == rounds or spent + cases > costly.AFFORDABLE:
