@@ -67,7 +67,7 @@ def write_slab(study: Study, index: int, path: Path) -> None:
                 yield region, {str(one): array.values for one, array in part(region).data_vars.items()}
                 bar.update(prod(some.stop - some.start for some in region))
 
-    one_case = part(tuple(slice(0, 1) for _ in axes))
+    one_case = part(tuple(slice(0, None if one in study.categories else 1) for one in axes))
     chunks = {"position": _CHUNK_POSITIONS, **dict(zip(axes, chunk, strict=True))}
     write_blocks(path, _frame(one_case, axes, study.dataset.precision), blocks, chunks)
     log.info("%s: %d cases of %d", name, cases, study.cases)
