@@ -68,7 +68,9 @@ def _map(answer: xr.Dataset) -> Figure:
 def _slices(answer: xr.Dataset) -> Figure:
     """The first objective along each variable through the design: as it counts, and its band over the scenarios."""
     names = [str(name) for name in answer["slice"].values]
-    figure, axes = plt.subplots(1, len(names), figsize=(2.6 * len(names) + 0.6, 3.0), squeeze=False, sharey=True)
+    figure, axes = plt.subplots(
+        1, len(names), figsize=(max(2.6 * len(names) + 0.6, 4.6), 3.0), squeeze=False, sharey=True
+    )
     size, label = _objective(answer)
     lowest, highest = float(answer["slice_low"].min()) / size, float(answer["slice_high"].max()) / size
     pad = 0.05 * (highest - lowest)

@@ -48,9 +48,10 @@ def main_effects(sensitivity: xr.Dataset, outputs: list[str]) -> Figure:
     for row, output in zip(axes, shown, strict=True):
         for ax, name in zip(row, inputs, strict=True):
             _curve(ax, sensitivity.sel(output=output, input=name), name)
-        row[0].set_ylabel(
-            f"{output.replace('_', ' ')}\n[{sensitivity.sel(output=output)['units'].item()}]", fontsize=7.5
-        )
+        quantity, bracket, kinds = output.partition("[")
+        units = sensitivity.sel(output=output)["units"].item()
+        lines = [quantity.replace("_", " "), f"{bracket}{kinds}"] if kinds else [quantity.replace("_", " ")]
+        row[0].set_ylabel("\n".join([*lines, f"[{units}]"]), fontsize=6.5 if kinds else 7.5)
     for ax, name in zip(axes[-1], inputs, strict=True):
         unit = FACTORS[name].units
         ax.set_xlabel(name.replace("_", " ") + (f" [{unit}]" if unit != "1" else ""))
