@@ -25,7 +25,7 @@ Indices = NDArray[np.intp]
 AFFORDABLE = 1000
 _MOST = 256  # of one value of one term
 _LEAST = 9  # designs of a front
-_BATCH = 12  # scenarios solved at a time, at least: a batch costs a case as little as three alone
+_BATCH = 12  # scenarios solved at a time, at least: a dozen cost as much as three alone
 _AWAY = 3e-7  # relative distance kept from a limit: near a kink a shift leaves 0.14 of what it corrects
 _REST = 1e-3  # share of all weight that scenarios may have which are not among those that decide
 
