@@ -75,7 +75,7 @@ def test_progress_shows_on_a_terminal_and_stays_out_of_a_log(tmp_path: Path) -> 
         text += part
     assert shown.wait() == 0
     assert b"slab 1 of 2" in text
-    assert b"/11200" in text
+    assert b"/20800" in text
 
 
 def test_positions_of_slabs_hold_both_sides(study: Study) -> None:
