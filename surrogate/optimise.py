@@ -99,8 +99,12 @@ def improve(problem: Problem, x: Array, scale: float) -> Optimum:
         Size of the objective's variation.
     """
     local = _Local(problem, scale)
-    start = local.relax(x)
-    return _settled(local, _best(problem, [x, start, local.climb(start)]))
+    best = _best(problem, [x, local.climb(x)])
+    if not best.feasible:
+        # the least excess may be far from the best design, and a climb from there may fail: not the first thing to try
+        start = local.relax(best.x)
+        best = _best(problem, [best.x, start, local.climb(start)])
+    return _settled(local, best)
 
 
 def _settled(local: "_Local", best: Optimum) -> Optimum:

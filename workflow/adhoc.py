@@ -98,7 +98,7 @@ def _usual(study: Study, name: str) -> str:
 
 def as_text(answer: xr.Dataset) -> str:
     """The answer as a table."""
-    lines = [str(answer.attrs["goal"]), str(answer["status"].values)]
+    lines = [str(answer.attrs["goal"]), str(answer["status"].values), f"polish: {answer.attrs['polish']}"]
     lines += [f"note: {answer['flags'].values}"] if str(answer["flags"].values) else []
     lines += [f"  {name:44s} {kind:25s} {role}" for name, kind, role in answers.kinds(answer)]
     for name in answer["factor"].values:
@@ -122,7 +122,7 @@ def as_text(answer: xr.Dataset) -> str:
 
 def as_json(answer: xr.Dataset) -> str:
     """The answer as JSON; what is not a number is null."""
-    out: dict[str, Any] = {"goal": answer.attrs["goal"]}
+    out: dict[str, Any] = {key: answer.attrs[key] for key in ("goal", "polish")}
     out |= {key: answer[key].item() for key in ("status", "flags", "feasible")}
     out["factors"] = {
         str(name): {"value": float(one["value"]), "role": str(one["role"].values), "units": FACTORS[name].units}

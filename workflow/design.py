@@ -12,7 +12,7 @@ from solver.names import EVERY_QUANTITY
 from surrogate import GaussianProcess
 from surrogate.optimise import Optimum, Problem, improve, maximise
 from surrogate.pareto import Front, scalarised
-from workflow import contactfields, front, judgement, landscape
+from workflow import contactfields, costly, front, judgement, landscape
 from workflow.categories import output
 from workflow.inputs import InputError
 from workflow.question import Question, ask
@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 _ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios say
 _AWAY = 1e-10  # relative distance kept from a limit, beyond rounding
 _NEAR = 1e-6  # relative distance at which a limit binds
+_LOST = 0.01  # share of the objective that no polish costs
 _SCANNED = 1 << 17  # most evaluations of the surrogate in one scan
 
 
@@ -56,7 +57,7 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> x
     """Answer any target on the study's factors; see `solve_target`."""
     asked = [_asked(study, name, target, model, choice) for choice in choices(study, target)]
     found = _search(asked)
-    best = _polish(max(found, key=lambda one: _rank(one.best)))
+    best = _first_feasible(sorted(found, key=lambda one: _rank(one.best), reverse=True))
     question, x = best.question, best.best.x
     parts = [judgement.judge(question, x, best.source, best.exact), landscape.landscape(question, x, best.source)]
     if any(one.front is not None for one in found):
@@ -73,6 +74,7 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> x
         "goal": " and ".join(goals),
         "objective": str(target.objectives[0]),
         "statistic": str(target.statistic),
+        "polish": best.polish,
     }
     return out.assign_coords(target=name)
 
@@ -96,6 +98,8 @@ class _Found:
         The Pareto front, where there are several objectives.
     measure
         Reference and weights of the one objective that stands for them.
+    polish, cases
+        How the best design was polished, and in how many cases that are searched for.
     """
 
     choice: dict[str, float | str]
@@ -105,6 +109,8 @@ class _Found:
     best: Optimum = _NOTHING
     front: Front | None = None
     measure: tuple[Array, Array] | None = None
+    polish: str = ""
+    cases: int = 0
 
     def problem(self, source: Source, slack: Array | None = None) -> Problem:
         """The question for the optimiser; several objectives as the compromise that the fronts measure."""
@@ -168,7 +174,9 @@ def _climbed(found: _Found) -> _Found:
 
 def _front(found: list[_Found]) -> xr.Dataset:
     """The exact front of all choices."""
-    parts = {_words(one): front.solved(one.question, one.front, one.source, one.exact) for one in found if one.front}
+    traced = [(one, one.front) for one in found if one.front]
+    share = 1 / len(traced)
+    parts = {_words(one): front.solved(one.question, own, one.source, one.exact, share) for one, own in traced}
     return front.together(parts, np.array([one.sign for one in found[0].question.target.objectives]))
 
 
@@ -200,20 +208,45 @@ def _words(found: _Found) -> str:
     )
 
 
+def _first_feasible(ranked: list[_Found]) -> _Found:
+    """The best choice that stays feasible on the exact solver, or else the first one, polished."""
+    first, spent = None, 0
+    for found in ranked:
+        polished = _polish(found)
+        first, spent = first or polished, spent + polished.cases
+        if polished.best.feasible:
+            return polished
+        if not found.best.feasible or spent > costly.AFFORDABLE:
+            break
+    return first or ranked[0]
+
+
 def _polish(found: _Found) -> _Found:
-    """The same on the exact solver, until many more scenarios say what the few of the search say."""
-    question, best, exact = found.question, found.best, found.exact
-    slack = np.full(len(question.target.limits), _AWAY)
-    for _ in range(_ROUNDS if question.inputs else 0):
-        best = improve(found.problem(exact, slack), best.x, abs(best.objective) or 1.0)
-        searched = judgement.excesses(question, best.x, exact, question.searched)
-        judged = judgement.excesses(question, best.x, exact, question.judged)
-        bound = searched + slack > -_NEAR
-        if not best.feasible or np.all((judged <= 0) & ((judged > -_NEAR) | ~bound)):
+    """The same on the exact solver, until many more scenarios say what the few of the search say.
+
+    What is too costly for the optimiser it takes from the surrogate, shifted to what the exact solver says.
+    """
+    question, best, source, exact = found.question, found.best, found.source, found.exact
+    limits = [term for term in question.terms if term.limited]
+    near, away = costly.spared(question, source, exact), costly.away(question, _AWAY)
+    slack, last, spent = np.zeros(len(limits)), None, 0
+    rounds = _ROUNDS if question.inputs else 0
+    for k in range(rounds + 1):
+        values, cases = judgement.settled(question, limits, best.x, source, exact)
+        judged = np.array([float(term.oriented(value)) for term, value in zip(limits, values, strict=True)])
+        searched = judgement.excesses(question, best.x, near)
+        bound, spent = searched + slack > -_NEAR, spent + cases
+        if last is not None and best.objective < last.objective - _LOST * abs(last.objective):
+            break  # a search that went astray
+        last = best if np.all(judged <= 0) else last
+        done = not best.feasible or np.all((judged <= 0) & ((judged > -_NEAR) | ~bound))
+        if (k > 0 and done) or k == rounds or spent + cases > costly.AFFORDABLE:
             break
         # what a few scenarios make of a limit differs from what many do: shift it by that
-        slack = judged - searched + _AWAY
-    return replace(found, best=best)
+        slack = judged - searched + away
+        best = improve(found.problem(near, slack), best.x, abs(best.objective) or 1.0)
+    best, moved = (replace(best, feasible=False) if last is None else last), last is not found.best and rounds > 0
+    return replace(found, best=best, cases=spent, polish=costly.words(question, spent, moved))
 
 
 def _only(problem: Problem) -> Optimum:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from surrogate.optimise import Optimum, Problem
 from surrogate.pareto import Front, front, non_dominated
-from workflow import judgement
+from workflow import costly, judgement
 from workflow.question import Question
 from workflow.sources import Exact, Predicted
 
@@ -53,8 +53,11 @@ def best_of(traced: Front, problem: Problem) -> Optimum:
     return Optimum(traced.x[best], float(objective[best].min()), excess[best], True)
 
 
-def solved(question: Question, traced: Front, source: Predicted, exact: Exact) -> xr.Dataset:
+def solved(question: Question, traced: Front, source: Predicted, exact: Exact, share: float = 1.0) -> xr.Dataset:
     """The front of one choice solved again exactly; what breaks a limit is left out.
+
+    What is searched for, milliseconds a case, is solved in the scenarios that decide, for fewer designs if need be:
+    ``share`` says how much of what a question can afford is for this choice.
 
     Returns
     -------
@@ -63,14 +66,16 @@ def solved(question: Question, traced: Front, source: Predicted, exact: Exact) -
         the variables).
     """
     wanted = len(question.target.objectives)
-    sets = question.searched
-    factors = {drawn: question.factors(traced.x, chosen) for drawn, chosen in sets.items()}
-    found, guessed = (judgement.count(question, factors, sets, one) for one in (exact, source))
+    sets, near = question.searched, costly.spared(question, source, exact)
+    x, some = costly.thinned(question, traced.x, source, share)
+    factors = {drawn: question.factors(x, chosen) for drawn, chosen in sets.items()}
+    found, guessed = (judgement.count(question, factors, sets, one) for one in (near, source))
+    found = costly.corrected(question, x, found, some, source, exact)
     excess = np.stack(
         [t.oriented(found[:, k]) for k, t in enumerate(question.terms) if t.limited] or [np.zeros(len(found))]
     )
     kept = np.flatnonzero(excess.max(0) <= _KEPT)
-    variables = question.physical(traced.x[kept]) | {
+    variables = question.physical(x[kept]) | {
         name: np.full(kept.size, value) for name, value in question.held.items() if name in question.target.variables
     }
     return xr.Dataset(

@@ -1,6 +1,6 @@
 """The verdict on a design: predicted against exact, margins, what binds, and what small errors in building it cost."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from solver.names import EVERY_QUANTITY, FACTORS, PEAKS
-from workflow import factorial
+from workflow import costly, factorial
 from workflow.question import Question
 from workflow.scenarios import Scenarios
 from workflow.sources import Exact, Factors, Predicted, Source, shape
@@ -37,20 +37,36 @@ class Counted:
 
 def count(question: Question, factors: Mapping[bool, Factors], sets: Mapping[bool, Scenarios], source: Source) -> Array:
     """Every term's deciding value at some designs, (n, terms)."""
-    out = []
-    for term in question.terms:
-        value = question.values(source, factors[term.drawn], sets[term.drawn], [term])[0]
-        out.append(term.worst(term.statistic.rows(value)))
-    return np.stack(out, -1)
+    out: dict[int, Array] = {}
+    for drawn, chosen in sets.items():
+        members = [(k, term) for k, term in enumerate(question.terms) if term.drawn == drawn]
+        terms = [term for _, term in members]
+        values = question.values(source, factors[drawn], chosen, terms) if terms else []
+        for (k, term), value in zip(members, values, strict=True):
+            out[k] = term.worst(term.statistic.rows(value))
+    return np.stack([out[k] for k in range(len(question.terms))], -1)
 
 
-def excesses(question: Question, x: Array, source: Source, sets: Mapping[bool, Scenarios]) -> Array:
-    """Relative excess of every limit at a design over some scenarios; (k,)."""
-    factors = {drawn: question.factors(x[None], chosen) for drawn, chosen in sets.items()}
-    values = count(question, factors, sets, source)[0]
-    return np.array(
-        [float(term.oriented(value)) for term, value in zip(question.terms, values, strict=True) if term.limited]
-    )
+def settled(question: Question, terms: Sequence[Term], x: Array, source: Predicted, exact: Exact) -> tuple[Array, int]:
+    """Exact values of some terms at one design over the scenarios of the verdict, and the searched cases they took."""
+    factors = {drawn: question.factors(x[None], chosen) for drawn, chosen in question.judged.items()}
+    values, cases = [], 0
+    for term in terms:
+        if costly.names(term):
+            found = costly.settle(question, x, term, source, exact)
+            values.append(found.value)
+            cases += found.cases
+        else:
+            value = question.values(exact, factors[term.drawn], question.judged[term.drawn], [term])[0]
+            values.append(float(term.worst(term.statistic.rows(value))[0]))
+    return np.array(values), cases
+
+
+def excesses(question: Question, x: Array, source: Source) -> Array:
+    """Relative excess of every limit at a design over the scenarios of the search; (k,)."""
+    factors = {drawn: question.factors(x[None], chosen) for drawn, chosen in question.searched.items()}
+    values = count(question, factors, question.searched, source)[0]
+    return np.array([float(t.oriented(value)) for t, value in zip(question.terms, values, strict=True) if t.limited])
 
 
 def doubts(question: Question, x: Array, source: Predicted) -> Array:
@@ -113,13 +129,13 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
     question_terms, sets = question.terms, question.judged
     factors = {drawn: question.factors(x[None], chosen) for drawn, chosen in sets.items()}
     guessed = _counted(question, x, source, sets)
-    solved = count(question, factors, sets, exact)[0]
+    solved, _ = settled(question, question_terms, x, source, exact)
     limits = np.array([term.bound for term in question_terms])
     scales = np.array([term.scale for term in question_terms])
     signs = np.array([term.sign for term in question_terms])
     margin = signs * (limits - solved) / scales
     half = _NORMAL * guessed.stds + _tolerances(question, x, source)
-    corner = exact.values(factors[False], exact.quantities)
+    corner = _corners(question, x, exact)
     worst = [_case(question, factors[t.drawn], s) for t, s in zip(question_terms, guessed.scenarios, strict=True)]
     out = xr.Dataset(
         {
@@ -134,8 +150,8 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
             "margin": ("term", margin),
             "units": ("term", [term.units for term in question_terms]),
             "worst": (("term", "factor"), np.array([list(case.values()) for case in worst])),
-            "exact_low": ("quantity", [float(corner[name].min()) for name in exact.quantities]),
-            "exact_high": ("quantity", [float(corner[name].max()) for name in exact.quantities]),
+            "exact_low": ("quantity", [float(one.min()) for one in corner.values()]),
+            "exact_high": ("quantity", [float(one.max()) for one in corner.values()]),
             "feasible": bool(np.all(margin[~np.isnan(margin)] >= 0)),
             "status": _status(question, x, margin),
             "flags": "; ".join(_flags(corner, worst[0].get("radius", np.nan))),
@@ -143,10 +159,19 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
         coords={
             "factor": list(worst[0]),
             "term": [term.label for term in question_terms],
-            "quantity": exact.quantities,
+            "quantity": list(corner),
         },
     )
-    return out.merge(_sensitivities(question, x, exact, list(worst[0])))
+    return out.merge(_sensitivities(question, x, solved, costly.spared(question, source, exact), list(worst[0])))
+
+
+def _corners(question: Question, x: Array, exact: Exact) -> dict[str, Array]:
+    """Every quantity of a design, exactly, over many corners of the ranges; what is searched for over a few."""
+    out: dict[str, Array] = {}
+    for sets, searched_for in ((question.judged, False), (question.searched, True)):
+        names = [name for name in exact.quantities if (name in PEAKS) == searched_for]
+        out |= exact.values(question.factors(x[None], sets[False]), names) if names else {}
+    return out
 
 
 def outside(answer: xr.Dataset) -> str:
@@ -216,18 +241,23 @@ def _flags(corner: Mapping[str, Array], radius: float) -> list[str]:
     return flags
 
 
-def _sensitivities(question: Question, x: Array, exact: Exact, factors: list[str]) -> xr.Dataset:
-    """Elasticity of every term, and what a 1 % error costs, for every continuous variable."""
+def _sensitivities(question: Question, x: Array, solved: Array, near: Source, factors: list[str]) -> xr.Dataset:
+    """Elasticity of every term, and what a 1 % error costs, for every continuous variable.
+
+    By differences on ``near``, from the exact values ``solved`` at the design.
+    """
     names = list(question.inputs)
     design = {name: one[0] for name, one in question.physical(x[None]).items()}
     shares = np.array([1.0, *(1 + step for _ in names for step in (-_STEP, _STEP, -_ERROR, _ERROR))])
     varied = {name: np.full(shares.size, value) for name, value in design.items()}
     for k, name in enumerate(names):
         mine = slice(1 + 4 * k, 5 + 4 * k)
-        varied[name][mine] = np.clip(design[name] * shares[mine], *_physical_range(name))
-    costly = any(name in PEAKS for term in question.terms for name in term.expression.names())
-    sets = question.searched if costly else question.judged
-    values = count(question, {drawn: question.at(varied, chosen) for drawn, chosen in sets.items()}, sets, exact)
+        # the surrogate, where it stands in, knows no case beyond its box
+        low, high = _physical_range(name) if isinstance(near, Exact) else _box(question, name)
+        varied[name][mine] = np.clip(design[name] * shares[mine], low, high)
+    sets = question.judged
+    values = count(question, {drawn: question.at(varied, chosen) for drawn, chosen in sets.items()}, sets, near)
+    values += solved - values[0]
     here, around = values[0], values[1:].reshape(len(names), 4, len(question.terms))
     elasticity, cost, left = (np.full((len(factors), *rest), np.nan) for rest in ((len(question.terms),), (), ()))
     wanted = len(question.target.objectives)
@@ -247,3 +277,7 @@ def _sensitivities(question: Question, x: Array, exact: Exact, factors: list[str
 
 def _physical_range(name: str) -> tuple[float, float]:
     return FACTORS[name].low, FACTORS[name].high
+
+
+def _box(question: Question, name: str) -> tuple[float, float]:
+    return question.study.factors[name].low, question.study.factors[name].high

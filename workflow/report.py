@@ -212,6 +212,7 @@ def _design(data: xr.Dataset) -> dict[str, Any]:
     return {
         "target": str(data["target"].values),
         "goal": str(data.attrs["goal"]),
+        "polish": str(data.attrs["polish"]),
         "statistic": str(data.attrs["statistic"]),
         "flags": str(data["flags"].values),
         "status": str(data["status"].values),

@@ -172,7 +172,8 @@ class Study(Strict):
                 raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
         for name in target.names():
             if name in EVERY_QUANTITY and name not in self.outputs:
-                raise ValueError(f"{where}: {name!r} is not one of surrogate.outputs")
+                needs = "needs dataset: peaks: true" if name in PEAKS and not self.dataset.peaks else ""
+                raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
 
     def check_values(self, where: str, name: str, values: Sequence[float | str]) -> None:
         """Whether the study has a factor or category, and values are among what it has of it."""

@@ -60,7 +60,8 @@ def kill_within(project: Project, run: subprocess.Popen[bytes], victim: Victim, 
         killed = run.poll() is None
         run.kill()
     else:
-        running = jobs(project)
+        while not (running := jobs(project)) and run.poll() is None:  # between two jobs
+            time.sleep(0.05)
         killed = bool(running)
         if killed:
             with suppress(psutil.NoSuchProcess):

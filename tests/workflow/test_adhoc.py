@@ -26,8 +26,11 @@ def test_answers_as_a_table_and_as_json(ran: Project) -> None:
     words = ["--maximise", "abs(voltage_sensitivity)", "--over", "radius,volume_fraction", "--at", "load=1e4"]
     words += ["--worst-case", "friction=0.1:0.4", "--limit", "trailing_tension<5e7"]
     table = asked(ran, *words)
-    assert table.startswith("maximise abs(voltage_sensitivity)\nfeasible; binding: trailing_tension<5e7\n")
+    assert table.startswith(
+        "maximise abs(voltage_sensitivity)\nfeasible; binding: trailing_tension<5e7\npolish: on the exact solver\n"
+    )
     found = json.loads(asked(ran, *words, "--json"))
+    assert found["polish"] == "on the exact solver"
     at = {name: one["value"] for name, one in found["factors"].items()}
     friction = np.linspace(0.1, 0.4, 61)
     exact = solve({**at, "friction": friction, "composite": "fibrous"})
@@ -80,6 +83,8 @@ def test_uncertain_factors_choices_and_defaults(ran: Project) -> None:
         (["--maximise", "depth", "--over", "radius=b", "--at", "load=1e4"], "--over: radius: 'b' is not a number"),
         (["--maximise", "depth", "--over", "radius", "--at", "load"], "--at: load: '' is not a number"),
         (["--maximise", "depth", "--over", "radius,radius"], "--over: radius: given twice"),
+        (["--maximise", "peak_pressure", "--over", "radius", "--at", "load=1e4,volume_fraction=0.5", "--limit",
+          "peak_von_mises < 100 MPa"], "design: 'peak_von_mises' needs dataset: peaks: true"),
         (["--over", "radius"], "design: maximise or minimise: missing"),
         (["--maximise", "depth", "--over", "radius", "--uncertain", "friction=0.2"], "--uncertain: friction: '0.2' is"),
         (["--maximise", "depth", "--over", "radius", "--worst-case", "friction=0.2"], "--worst-case: friction: '0.2'"),

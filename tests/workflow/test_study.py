@@ -211,7 +211,9 @@ factors: {volume_fraction: {low: 0.2, high: 0.8, levels: 4}, friction: {low: 0.0
     for extra, expected in (
         ("surrogate: {outputs: [voltage]}", "surrogate: outputs: some of these cases have no 'voltage'"),
         ("surrogate: {outputs: [peak_von_mises]}", "surrogate: outputs: 'peak_von_mises' needs dataset: peaks: true"),
-    ):
+        ("design: {least: {minimise: depth, over: [volume_fraction, friction], subject_to: [peak_von_mises <= 1 MPa]}}",
+         "design: least: 'peak_von_mises' needs dataset: peaks: true"),
+    ):  # fmt: skip
         path.write_text(f"{text}{extra}\n", encoding="utf-8")
         with pytest.raises(InputError, match=expected):
             load(path)
