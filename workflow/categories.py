@@ -34,6 +34,7 @@ def apart(data: xr.Dataset, categories: Mapping[str, Sequence[str]], quantities:
     for kinds in combinations(categories):
         for name in quantities:
             array = data[name].sel(kinds).drop_vars(list(kinds))
-            words = f", {named(kinds)}" if kinds else ""
-            parts[output(name, kinds)] = array.assign_attrs(long_name=f"{array.attrs['long_name']}{words}")
+            if kinds:
+                array = array.assign_attrs(long_name=f"{array.attrs['long_name']}, {named(kinds)}")
+            parts[output(name, kinds)] = array
     return xr.Dataset(parts, attrs=data.attrs)

@@ -4,9 +4,9 @@ from math import prod
 from typing import Annotated, Self
 
 import numpy as np
+import scipy  # scipy.stats, slow to import, when a distribution is asked for
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
-from scipy import stats
 
 from solver.names import FACTORS
 from workflow import targets
@@ -71,9 +71,9 @@ class Distribution(Strict):
         low, high = self.support
         if self.normal:
             mean, std = self.normal
-            return np.asarray(stats.truncnorm.ppf(share, -CUT, CUT, mean, std))
+            return np.asarray(scipy.stats.truncnorm.ppf(share, -CUT, CUT, mean, std))
         if self.triangular:
-            return np.asarray(stats.triang.ppf(share, (self.triangular[1] - low) / (high - low), low, high - low))
+            return np.asarray(scipy.stats.triang.ppf(share, (self.triangular[1] - low) / (high - low), low, high - low))
         return np.asarray(low + (high - low) * share)
 
 
