@@ -111,12 +111,11 @@ def as_text(answer: xr.Dataset) -> str:
         shown = "" if np.isnan(margin) else f"{100 * margin:.3g} %"
         numbers = f"{float(one['exact']):<14.8g} {float(one['predicted']):<14.8g}"
         lines.append(f"  {name:44s} {numbers} {shown:10s} {one['units'].values}")
-    if "choice" in answer.dims:
-        rows = zip(
-            answer["choice"].values, answer["choice_objective"].values, answer["choice_feasible"].values, strict=True
-        )
-        lines += ["best of every choice, on the surrogate"]
-        lines += [f"  {name:44s} {value:<14.8g} {'' if feasible else 'infeasible'}" for name, value, feasible in rows]
+    rows = answers.choices(answer)
+    lines += ["best of every choice, on the surrogate"] if rows else []
+    lines += [
+        f"  {name:44s} {value:<14.8g} {'' if feasible else 'infeasible'}".rstrip() for name, value, feasible in rows
+    ]
     return "\n".join(lines)
 
 
@@ -130,14 +129,10 @@ def as_json(answer: xr.Dataset) -> str:
         for one in [answer.sel(factor=name)]
     }
     out["categories"] = {name: {"value": kind, "role": role} for name, kind, role in answers.kinds(answer)}
-    if "choice" in answer.dims:
-        rows = zip(
-            answer["choice"].values, answer["choice_objective"].values, answer["choice_feasible"].values, strict=True
-        )
-        out["choices"] = [
-            {"choice": str(name), "objective": _plain(float(value)), "feasible": bool(feasible)}
-            for name, value, feasible in rows
-        ]
+    out["choices"] = [
+        {"choice": name, "objective": _plain(value), "feasible": feasible}
+        for name, value, feasible in answers.choices(answer)
+    ]
     keys = ("exact", "predicted", "predicted_std", "limit", "margin")
     out["terms"] = {
         str(name): {key: _plain(float(one[key])) for key in keys}

@@ -29,6 +29,14 @@ def kinds(answer: xr.Dataset) -> list[tuple[str, str, str]]:
     return [(str(name), str(kind), str(role)) for name, kind, role in zip(*columns, strict=True)]
 
 
+def choices(answer: xr.Dataset) -> list[tuple[str, float, bool]]:
+    """Every choice in words, its best objective on the surrogate, and whether that is feasible."""
+    if "choice" not in answer.dims:
+        return []
+    columns = (answer[key].values for key in ("choice", "choice_objective", "choice_feasible"))
+    return [(str(name), float(value), bool(feasible)) for name, value, feasible in zip(*columns, strict=True)]
+
+
 def _missing(answers: list[xr.Dataset]) -> dict[str, object]:
     """What stands where a target has no such term or factor."""
     kinds = {str(name): one.dtype.kind for answer in answers for name, one in answer.data_vars.items()}

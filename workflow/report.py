@@ -221,20 +221,10 @@ def _design(data: xr.Dataset) -> dict[str, Any]:
         "limits": terms[1:],
         "variables": variables,
         "kinds": answers.kinds(data),
-        "choices": _choices(data),
+        "choices": answers.choices(data),
         "compromise": "objective" in data.dims,
         "ranges": _ranges(data),
     }
-
-
-def _choices(data: xr.Dataset) -> list[dict[str, Any]]:
-    if "choice" not in data.dims:
-        return []
-    keys = ("choice", "choice_objective", "choice_feasible")
-    return [
-        {"name": str(name), "objective": float(objective), "feasible": bool(feasible)}
-        for name, objective, feasible in zip(*(data[key].values for key in keys), strict=True)
-    ]
 
 
 def _ranges(data: xr.Dataset) -> list[dict[str, Any]]:
