@@ -163,6 +163,7 @@ class Material:
         ])  # fmt: skip
         return Q, R, T
 
+    @np.errstate(all="ignore")  # products beyond double precision compare as infinite
     def check(self) -> None:
         """Refuse an inadmissible material (theory section 7): an energy that is not positive definite.
 

@@ -1,5 +1,6 @@
 """Malformed and inadmissible materials: an error that names the constant, its value, the condition, the likely fix."""
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -147,3 +148,12 @@ def test_isotropic_material_on_its_bounds(poisson: float) -> None:
 def test_isotropic_material_without_stiffness(young: float) -> None:
     with pytest.raises(solver.MaterialError, match="isotropic: "):
         solver.Material.isotropic(young, 0.3)
+
+
+@pytest.mark.parametrize("name", ["c11", "c33", "eps11", "mu33"])
+def test_constants_near_the_end_of_the_range_of_numbers_warn_of_nothing(name: str) -> None:
+    constants = {"c11": 2.7e11, "c12": 1.2e11, "c13": 1.2e11, "c33": 2.7e11, "c44": 7.7e10, "eps11": 1e-8, "mu33": 1e-5}
+    material = solver.Material.from_mapping({"name": "mine", **constants, name: 1.7976931348623157e308})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        material.check()  # admissible by the inequalities, whatever their products come to
