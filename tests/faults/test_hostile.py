@@ -209,6 +209,13 @@ def test_a_file_that_never_ends_or_crashes_the_library_is_refused(place: Path, m
             trial.try_to_read(place / "surrogate.nc")
 
 
+def test_a_file_that_asks_for_gigabytes_is_refused(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    limit = f"import resource; resource.setrlimit(resource.RLIMIT_AS, ({trial.MEMORY}, {trial.MEMORY}))\n"
+    monkeypatch.setattr(trial, "CHILD", f"{limit}bytearray({trial.MEMORY})")
+    with pytest.raises(FormatError, match=r"surrogate\.nc: .*cannot read it within its limits"):
+        trial.try_to_read(place / "surrogate.nc")
+
+
 def test_the_guard_sees_what_it_should(place: Path) -> None:
     with hostile.guarded(place), pytest.raises(AssertionError, match=r"led to os\.system"):
         os.system("true")
