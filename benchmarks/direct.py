@@ -23,6 +23,7 @@ class Job:
 
     script: str
     given: Any
+    priority: int
 
     def run(self) -> None:
         """Run the script in this process."""
@@ -49,6 +50,7 @@ def planned(target: str, cores: int) -> tuple[dict[int, Job], dict[int, set[int]
                     job.input, job.output, job.params, job.wildcards, job.threads, job.resources, job.log, {},
                     job.rule.name, None,
                 ),
+                dag.priority(job),
             )
             for job, number in needed.items()
         }  # fmt: skip
@@ -57,13 +59,17 @@ def planned(target: str, cores: int) -> tuple[dict[int, Job], dict[int, set[int]
 
 
 def run(jobs: dict[int, Job], waits: dict[int, set[int]], cores: int) -> None:
-    """Run every job once those are done that it waits for, as many at a time as there are cores."""
+    """Run every job once those are done that it waits for, as many at a time as there are cores, by priority."""
     order = TopologicalSorter(waits)
     order.prepare()
+    ready: list[int] = []
     running: dict[Future[None], int] = {}
     with ProcessPoolExecutor(cores, mp_context=get_context("spawn")) as pool:
         while order.is_active():
-            running |= {pool.submit(jobs[number].run): number for number in order.get_ready()}
+            ready = sorted([*ready, *order.get_ready()], key=lambda number: jobs[number].priority)
+            while ready and len(running) < cores:
+                number = ready.pop()
+                running[pool.submit(jobs[number].run)] = number
             for done in wait(running, return_when=FIRST_COMPLETED).done:
                 done.result()
                 order.done(running.pop(done))

@@ -55,12 +55,15 @@ def test_the_runner_writes_whole_files_and_refuses_unknown_names(
     assert "alone" in (tmp_path / "benchmarks.html").read_text(encoding="utf-8")
 
 
-def test_the_plain_driver_runs_scripts_after_those_that_they_wait_for(tmp_path: Path) -> None:
+@pytest.mark.parametrize("cores", [1, 2])
+def test_the_plain_driver_runs_scripts_after_those_that_they_wait_for(cores: int, tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
         "from pathlib import Path\n"
         "found = [Path(one).read_text() for one in snakemake.input]\n"
-        "Path(snakemake.output[0]).write_text('+'.join([*found, snakemake.params.name]))\n",
+        "Path(snakemake.output[0]).write_text('+'.join([*found, snakemake.params.name]))\n"
+        "with Path(snakemake.params.order).open('a') as file:\n"
+        "    file.write(snakemake.params.name)\n",
         encoding="utf-8",
     )
     files = {name: str(tmp_path / "made" / name) for name in "abcd"}
@@ -73,13 +76,15 @@ def test_the_plain_driver_runs_scripts_after_those_that_they_wait_for(tmp_path: 
                 input=[files[one] for one in before[name]],
                 output=[files[name]],
                 log=[str(tmp_path / "logs" / name)],
-                params=SimpleNamespace(name=name),
+                params=SimpleNamespace(name=name, order=tmp_path / "order"),
             ),
+            priority=int(name == "c"),
         )
         for name in before
     }
-    direct.run(jobs, {numbers[name]: {numbers[one] for one in waits} for name, waits in before.items()}, 2)
+    direct.run(jobs, {numbers[name]: {numbers[one] for one in waits} for name, waits in before.items()}, cores)
     assert Path(files["d"]).read_text(encoding="utf-8") == "a+b+a+c+d"
+    assert cores > 1 or (tmp_path / "order").read_text(encoding="utf-8") == "acbd"
 
 
 def test_overhead_is_not_measured_between_different_results(tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ rule slab:
         levels=levels_of,
     output:
         "results/{study}/fields/slab_{slab}.nc",
+    priority: 2
     resources:
         mem_mb=factorial.SLAB_MEMORY,
     params:
@@ -39,6 +40,7 @@ rule quantities:
         lambda wildcards: slabs_of(wildcards, "results/{study}/fields/slab_{slab}.nc"),
     output:
         "results/{study}/quantities.nc",
+    priority: 1
     params:
         code=provenance.code("workflow/scripts/quantities.py"),
     log:

@@ -5,6 +5,7 @@ rule cases:
     output:
         calibration="results/{study}/cases/calibration.nc",
         validation="results/{study}/cases/validation.nc",
+    priority: 1
     params:
         study=sections(*PHYSICS, "validation"),
         code=provenance.code("workflow/scripts/cases.py"),
@@ -22,6 +23,7 @@ rule surrogate:
         calibration="results/{study}/cases/calibration.nc",
     output:
         "results/{study}/surrogate.nc",
+    priority: 1
     params:
         study=sections("surrogate", "factors", "categories"),
         code=provenance.code("workflow/scripts/surrogate.py"),
@@ -42,6 +44,7 @@ rule validation:
     output:
         validation="results/{study}/validation.nc",
         timing="results/{study}/timing.json",
+    priority: 1
     params:
         study=sections(*PHYSICS, "validation"),
         code=provenance.code("workflow/scripts/validation.py"),

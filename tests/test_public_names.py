@@ -1,0 +1,20 @@
+"""What the rooms offer by name, though it is imported only when asked for."""
+
+import sys
+from importlib import import_module
+from subprocess import run
+
+import pytest
+
+
+@pytest.mark.parametrize("room", ["solver", "surrogate"])
+def test_every_public_name_is_there_and_no_other(room: str) -> None:
+    module = import_module(room)
+    assert all(getattr(module, name).__module__.startswith(f"{room}.") for name in module.__all__)
+    with pytest.raises(AttributeError, match="has no attribute 'solved'"):
+        module.solved  # noqa: B018
+
+
+def test_names_of_quantities_are_had_without_the_solution() -> None:
+    code = "import solver.names, sys; sys.exit('scipy' in sys.modules or 'numpy' in sys.modules)"
+    assert run([sys.executable, "-c", code], check=False).returncode == 0
