@@ -32,9 +32,9 @@ REPORT = str(RESULTS / "report.html")
 NOT_COMPARED = {"timing.json", "datacard.json", "datacard.md", "provenance.json", "report.html"}
 
 
-def contents(project: Project) -> dict[str, bytes]:
-    """Bytes of every file of the tiny study's results, hidden ones too, that a fault must not change."""
-    results = project.folder / RESULTS
+def contents(project: Project, study: str = "tiny") -> dict[str, bytes]:
+    """Bytes of every file of a study's results, hidden ones too, that a fault must not change."""
+    results = project.folder / "results" / study
     files = [file for file in results.rglob("*") if file.is_file() and file.name not in NOT_COMPARED]
     return {str(file.relative_to(results)): file.read_bytes() for file in files}
 
