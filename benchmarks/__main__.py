@@ -11,6 +11,7 @@ from pathlib import Path
 from time import perf_counter
 
 from benchmarks import page
+from benchmarks.history import printed
 from workflow.files import write_text
 from workflow.provenance import ROOT, versions
 
@@ -35,6 +36,7 @@ def main(names: list[str]) -> int:
         print(f"{name} ...", flush=True)
         start = perf_counter()
         found[name] = import_module(f"benchmarks.{name}").measure()
+        print(printed(found[name]))
         print(f"{name}: {perf_counter() - start:.0f} s", flush=True)
     found |= {"machine": platform.platform(), "processor": platform.machine(), "versions": versions()}
     write_text(path, json.dumps(found, indent=2) + "\n")

@@ -16,6 +16,7 @@ from time import perf_counter
 import netCDF4
 import numpy as np
 
+from benchmarks.history import printed
 from surrogate.netcdf import PACKED, read_whole
 from workflow import dataset, factorial
 from workflow.provenance import ROOT
@@ -134,5 +135,4 @@ def _processor() -> float:
 
 
 if __name__ == "__main__":
-    for key, value in measure(*(int(word) for word in sys.argv[1:])).items():
-        print(f"{key:28s} {value:.6g}")
+    print(printed(measure(*(int(word) for word in sys.argv[1:]))))

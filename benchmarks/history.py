@@ -30,6 +30,11 @@ def numbers(found: Mapping[str, Any]) -> Iterator[tuple[str, str, float]]:
                     yield measurement, name, float(value)
 
 
+def printed(content: Mapping[str, Any]) -> str:
+    """The numbers of one measurement, a line each, for a terminal."""
+    return "\n".join(f"  {name:50s} {value:.6g}" for _, name, value in numbers({"": content}))
+
+
 def appended(history: str, found: Mapping[str, Any], date: str, commit: str, cores: int) -> str:
     """The history with today's rows."""
     text = io.StringIO()

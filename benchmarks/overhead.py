@@ -20,6 +20,7 @@ from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from time import perf_counter
 
+from benchmarks.history import printed
 from workflow.provenance import ROOT
 
 PARTS = ("solver", "surrogate", "workflow", "benchmarks", "config", "profiles")
@@ -105,5 +106,4 @@ def _processor() -> float:
 
 
 if __name__ == "__main__":
-    for key, value in (measure(tuple(sys.argv[1:])) if sys.argv[1:] else measure()).items():
-        print(f"{key:50s} {value:.6g}")
+    print(printed(measure(tuple(sys.argv[1:])) if sys.argv[1:] else measure()))

@@ -51,6 +51,7 @@ def test_the_runner_writes_whole_files_and_refuses_unknown_names(
     assert "'exakt' is none of" in capsys.readouterr().err
     monkeypatch.setattr("benchmarks.exact.measure", lambda: {"alone": 0.5})
     assert runner.main(["exact"]) == 0
+    assert capsys.readouterr().out.splitlines()[1].split() == ["alone", "0.5"]
     assert json.loads((tmp_path / "benchmarks.json").read_text(encoding="utf-8"))["exact"] == {"alone": 0.5}
     assert "alone" in (tmp_path / "benchmarks.html").read_text(encoding="utf-8")
 
