@@ -2,6 +2,7 @@
 
 import io
 import re
+from collections.abc import Sequence
 from itertools import cycle
 from pathlib import Path
 from typing import Any
@@ -67,13 +68,21 @@ def save(figure: Figure, path: Path) -> None:
 
 
 @styled
-def fields(slab: xr.Dataset) -> Figure:
-    """Surface fields of a few cases of a slab: its first axis at both ends and in the middle, the others in theirs."""
-    factors = [str(dim) for dim in slab["contact_pressure"].dims if dim != "position"]
-    varied = factors[1] if len(factors) > 1 else factors[0]
+def fields(slabs: Sequence[xr.Dataset]) -> Figure:
+    """Surface fields of a few cases: every factor in its middle but the second, or the only one, which varies.
+
+    The slabs are parts of the whole along its first axis; their number does not change the figure.
+    """
+    first, *others = (str(dim) for dim in slabs[0]["contact_pressure"].dims if dim != "position")
+    if not others:
+        return _field_panels(xr.concat(slabs, first), first)
+    varied = others[0]
+    starts = np.cumsum([0, *(slab.sizes[first] for slab in slabs)])
+    sizes = {first: int(starts[-1]), **{name: slabs[0].sizes[name] for name in others[1:]}}
     # categories have no middle: the first of their names
-    places = {name: slab.sizes[name] // 2 if name in FACTORS else 0 for name in factors if name != varied}
-    chosen = slab.isel(places)
+    places = {name: size // 2 if name in FACTORS else 0 for name, size in sizes.items()}
+    holds = int(np.searchsorted(starts, places[first], side="right")) - 1
+    chosen = slabs[holds].isel({**places, first: places[first] - starts[holds]})
     held = ", ".join(f"{name} {_shown(chosen[name].item())}" for name in places)
     figure = _field_panels(chosen, varied)
     figure.suptitle(f"one case a curve: {held}", fontsize=9)

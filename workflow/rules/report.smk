@@ -3,7 +3,7 @@
 
 rule figure_fields:
     input:
-        "results/{study}/fields/slab_0.nc",
+        lambda wildcards: slabs_of(wildcards, "results/{study}/fields/slab_{slab}.nc"),
     output:
         report(
             "results/{study}/figures/fields.svg",

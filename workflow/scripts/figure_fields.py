@@ -1,5 +1,6 @@
 """Rule figure_fields: surface fields of some cases of the data set."""
 
+from contextlib import ExitStack
 from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
@@ -10,5 +11,6 @@ from workflow import figures, joblog
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-with read_whole(Path(snakemake.input[0]), lazy=True) as slab:
-    figures.save(figures.fields(slab), Path(snakemake.output[0]))
+with ExitStack() as stack:
+    slabs = [stack.enter_context(read_whole(Path(file), lazy=True)) for file in snakemake.input]
+    figures.save(figures.fields(slabs), Path(snakemake.output[0]))
