@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.names import FACTORS
-from workflow import hover
+from workflow import engineering, hover
 from workflow.files import write_bytes
 from workflow.inline import INK, PAPER
 
@@ -83,14 +83,14 @@ def fields(slabs: Sequence[xr.Dataset]) -> Figure:
     places = {name: size // 2 if name in FACTORS else 0 for name, size in sizes.items()}
     holds = int(np.searchsorted(starts, places[first], side="right")) - 1
     chosen = slabs[holds].isel({**places, first: places[first] - starts[holds]})
-    held = ", ".join(f"{name} {_shown(chosen[name].item())}" for name in places)
+    held = ", ".join(f"{name.replace('_', ' ')} {_said(name, chosen[name].item())}" for name in places)
     figure = _field_panels(chosen, varied)
     figure.suptitle(f"one case a curve: {held}", fontsize=9)
     return figure
 
 
-def _shown(value: float | str) -> str:
-    return value if isinstance(value, str) else f"{value:.3g}"
+def _said(factor: str, value: float | str) -> str:
+    return value if isinstance(value, str) else engineering.shown(value, FACTORS[factor].units, digits=3)
 
 
 @styled
@@ -163,7 +163,7 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
         inside_only = name in ("contact_pressure", "electric_displacement_y", "magnetic_induction_y")
         shown = np.abs(X) < 1 if inside_only else np.abs(X) < np.inf
         for curve, value, colour in zip(curves, values, colours, strict=False):
-            text = f"{value:g}" if numeric else str(value)
+            text = _said(varied, value)
             for part in (X < -1, np.abs(X) < 1, X > 1):  # no line across an edge
                 use = part & shown
                 if use.any():
@@ -176,9 +176,8 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
             ax.set_xlim(-3, 3)
     for ax in axes[1]:
         ax.set_xlabel("X = (x - c)/h   (trailing edge at X = 1)")
-    unit = FACTORS[varied].units if varied in FACTORS else ""
-    title = f"{varied.replace('_', ' ')}" + (f" [{unit}]" if unit not in ("", "1") else "")
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside right upper", title=title)
+    handles = axes[0, 0].get_legend_handles_labels()
+    figure.legend(*handles, loc="outside right upper", title=varied.replace("_", " "))
     return figure
 
 
