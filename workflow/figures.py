@@ -90,7 +90,7 @@ def fields(slabs: Sequence[xr.Dataset]) -> Figure:
 
 
 def _said(factor: str, value: float | str) -> str:
-    return value if isinstance(value, str) else engineering.shown(value, FACTORS[factor].units, digits=3)
+    return value if isinstance(value, str) else engineering.shown(value, FACTORS[factor].units, digits=4)
 
 
 @styled
@@ -121,7 +121,6 @@ def interior(data: xr.Dataset) -> Figure:
     names, values = data.attrs["fields"].split(), data[varied].values
     size = (3.3 * len(values) + 1.0, 0.4 + 2.0 * len(names))
     figure, axes = plt.subplots(len(names), len(values), figsize=size, squeeze=False, sharex=True, sharey=True)
-    unit = FACTORS[varied].units if varied in FACTORS else "1"
     for row, name in zip(axes, names, strict=True):
         scale, label = _INSIDE.get(name, (1.0, f"{name.replace('_', ' ')} [{data[name].attrs['units']}]"))
         shown = data[name].transpose(varied, "y", "x").values * scale
@@ -141,8 +140,7 @@ def interior(data: xr.Dataset) -> Figure:
         figure.colorbar(filled, ax=list(row), label=label, format="%.3g", pad=0.01, shrink=0.9)
         row[0].set_ylabel("y/h")
     for ax, value in zip(axes[0], values, strict=True):
-        text = f"{value:g}" if np.issubdtype(values.dtype, np.number) else str(value)
-        ax.set_title(f"{varied.replace('_', ' ')} = {text}" + (f" {unit}" if unit != "1" else ""))
+        ax.set_title(f"{varied.replace('_', ' ')} = {_said(varied, value)}")
     for ax in axes[-1]:
         ax.set_xlabel("(x - c)/h")
     return figure
