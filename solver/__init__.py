@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from solver.labelled_interior import solve_interior
     from solver.library import find, materials
     from solver.material import Material, MaterialError
+    from solver.precision import PrecisionWarning
     from solver.profile import Profile
     from solver.speed import limiting_speed
 
@@ -17,6 +18,7 @@ __all__ = [
     "FactorError",
     "Material",
     "MaterialError",
+    "PrecisionWarning",
     "Profile",
     "fibrous",
     "find",
@@ -32,6 +34,7 @@ _MODULES = {
     "FactorError": "factors",
     "Material": "material",
     "MaterialError": "material",
+    "PrecisionWarning": "precision",
     "Profile": "profile",
     "fibrous": "composite",
     "find": "library",

@@ -10,6 +10,7 @@ from solver.contact import Contact
 from solver.factors import FactorError, align, contact_of
 from solver.material import Material, MaterialError
 from solver.names import FACTORS
+from solver.precision import warn_of_rounding
 from solver.pressing import ContactError
 from solver.profile import Profile
 
@@ -25,6 +26,11 @@ def contact_of_cases(
     ------
     FactorError
         What cannot be a case, a contact that does not exist among it.
+
+    Warns
+    -----
+    PrecisionWarning
+        Rounding costs digits: constants many decades apart, a speed next to the limiting one.
     """
     aligned, sizes = align(arrays)
     with np.errstate(all="ignore"):  # what is not finite is named in the outputs
@@ -33,6 +39,7 @@ def contact_of_cases(
             _ = contact.pressing
         except ContactError as error:
             raise FactorError(str(error)) from None
+    warn_of_rounding(contact.halfplane)
     return contact, datum, tuple(sizes), tuple(sizes.values())
 
 

@@ -91,6 +91,14 @@ class HalfPlane:
         return S @ L_inv, (L_inv + np.swapaxes(L_inv, -1, -2)) / 2
 
     @property
+    def condition(self) -> Array:
+        """Frobenius condition number of the scaled L; (...)."""
+        inverse = self._barnett_lothe[1]
+        return np.asarray(
+            np.linalg.norm(inverse, axis=(-2, -1)) * np.linalg.norm(np.linalg.inv(inverse), axis=(-2, -1))
+        )
+
+    @property
     def surface_impedance(self) -> ComplexArray:
         """A B^-1 = -S L^-1 - i L^-1, scaled as the Stroh matrix is; (..., 4, 4)."""
         local, nonlocal_ = self._barnett_lothe

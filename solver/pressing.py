@@ -18,6 +18,9 @@ _NEWTON_STEPS = 100
 _TOLERANCE = 4e-16
 _TENSION = 1e-12  # of the largest factor of the pressure: rounding at the limit of tension
 _SAMPLES = np.cos(np.pi * np.arange(257) / 256)
+_NO_ODD_POWER = (
+    "slope: an even power of x alone has no smooth edge on one side; a punch without corners needs an odd one"
+)
 
 
 class ContactError(ValueError):
@@ -132,7 +135,7 @@ def _centre(smooth: tuple[bool, bool], angle: FrictionAngle, n: int) -> Array:
         return np.array(1.0 if smooth[0] else -1.0)
     centre = -2 * angle.delta
     if n % 2 == 0:
-        raise ContactError("slope: an even power of x has no smooth edge on one side")
+        raise ContactError(_NO_ODD_POWER)
     for _ in range(_NEWTON_STEPS if n > 1 else 0):
         step = imbalance(angle, _shifted_power(centre, n)) / imbalance(angle, n * _shifted_power(centre, n - 1))
         centre = centre - step
@@ -144,7 +147,10 @@ def _centre(smooth: tuple[bool, bool], angle: FrictionAngle, n: int) -> Array:
 def _searched(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -> Pressing:
     """Any other slope: Newton's iteration for log h and c / h, from the contact of the steepest power alone."""
     smooth = profile.smooth
-    n = max(k for k, c in enumerate(profile.slope) if np.any(c) and (k % 2 or not all(smooth)))
+    powers = [k for k, c in enumerate(profile.slope) if np.any(c) and (k % 2 or not all(smooth))]
+    if not powers:
+        raise ContactError(_NO_ODD_POWER)
+    n = powers[-1]
     start = _similar(Profile((*(np.zeros(()),) * n, profile.slope[n]), smooth), angle, lam, load)
     half, centre = np.broadcast_arrays(*(np.asarray(v) for v in (start.half_width, start.centre + 0 * load)))
     half, centre = np.array(half + 0 * sum(profile.slope)), np.array(centre + 0 * sum(profile.slope))

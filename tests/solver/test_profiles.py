@@ -171,6 +171,9 @@ REFUSED = [
     ({"profile": "sphere", "radius": 0.05}, "^profile: 'sphere' is not one of cylinder, flat"),
     ({"profile": solver.Profile.polynomial((0.0, -1.0), (True, True))}, "^slope: .*no load"),
     ({"profile": solver.Profile.polynomial((0.0, 0.0, 1.0), (True, True))}, "^slope: an even power"),
+    ({"profile": solver.Profile.polynomial((0.1, 0.0), (True, True))}, "^slope: an even power .*needs an odd one"),
+    ({"profile": solver.Profile.polynomial((0.1, 0.0, 1.0, 0.0), (True, True))}, "^slope: an even power"),
+    ({"profile": solver.Profile.polynomial((0.0, 0.0), (True, True))}, "^slope: .*no load"),
 ]
 
 
