@@ -100,7 +100,7 @@ def test_a_speed_at_or_above_the_limit_is_refused_by_both_numbers() -> None:
     case = {"material": "steel", "radius": 0.05, "load": 1e5}
     with pytest.raises(solver.FactorError, match=r"^speed: 3000 m/s is not below the limiting speed 2903\.13 m/s"):
         solver.solve(case | {"speed": [0.0, 3000.0]})
-    assert solver.solve(case | {"speed": limit * (1 - 1e-5)})["contact_trailing"] > 0
+    assert solver.solve(case | {"speed": limit * (1 - 1e-4)})["contact_trailing"] > 0
     with pytest.raises(solver.FactorError, match=r"^speed: "):
         solver.solve(case | {"speed": limit})
 
