@@ -4,6 +4,8 @@ Snakemake reads a study once and records its digests; a job that read the file a
 study under the digest of another, and the next run would find nothing to be done.
 """
 
+from pathlib import Path
+
 from workflow import partition, running
 from workflow import study as studies
 from workflow.inputs import InputError
@@ -33,7 +35,7 @@ def study(name: str, parameter: str) -> Study:
     raise InputError(f"{found.path}: was changed ({sections}) after this job was planned; run the study again")
 
 
-def begun(name: str) -> Study | None:
+def begun(name: str, results: str | Path = running.RESULTS) -> Study | None:
     """The study as it was when its run began; None where there is no run."""
-    frozen = running.begun(name)
+    frozen = running.begun(name, results)
     return None if frozen is None else studies.thawed(frozen)

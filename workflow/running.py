@@ -61,9 +61,9 @@ def release() -> None:
         file.close()
 
 
-def begun(name: str) -> Any:
+def begun(name: str, results: str | Path = RESULTS) -> Any:
     """The frozen content with which the run of a study began; None where there is no run."""
-    return _read(RESULTS / name / _LOCK).get("study")
+    return _read(Path(results) / name / _LOCK).get("study")
 
 
 def sweep(folder: Path, orphans: Iterable[Path]) -> None:
