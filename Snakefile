@@ -30,12 +30,14 @@ include: "workflow/rules/report.smk"
 localrules: all, design, figure_fields, figure_errors, figure_design, figure_effect, provenance, report
 
 onstart:
-    # one run a study at a time; `nolock` in the profile leaves this to us
+    # one run a study at a time, of the study as it is now; `nolock` in the profile leaves this to us
     try:
-        running.claim(STUDIES)
-    except running.BusyError as error:
+        running.claim({name: study_named(name).frozen() for name in STUDIES})
+    except (running.BusyError, OSError) as error:
         raise WorkflowError(str(error))
-    running.sweep(STUDIES)
+    for name in STUDIES:
+        folder = running.RESULTS / name
+        running.sweep(folder, partition.orphans(study_named(name), folder))
 
 
 rule all:

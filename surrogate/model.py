@@ -36,6 +36,8 @@ class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # s
         `units` and `long_name` of every output.
     calibration_ : Calibration or None
         What `calibrate` has learnt; None before.
+    made_from_ : str
+        A word of the caller's that tells what the model was made from, kept in its file; empty by default.
     """
 
     engine: ClassVar[str]
@@ -43,6 +45,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # s
     outputs_: tuple[str, ...]
     attrs_: dict[str, dict[str, str]]
     calibration_: Calibration | None
+    made_from_: str = ""
 
     @abstractmethod
     def fit(self, X: xr.Dataset, y: None = None) -> Self:

@@ -46,6 +46,8 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
         coords={"input": [one.name for one in inputs], "output": list(outputs)},
         attrs={"Conventions": "CF-1.11", "format": FORMAT, "format_version": VERSION, "engine": model.engine},
     )
+    if model.made_from_:
+        common.attrs["made_from"] = model.made_from_
     if model.calibration_ is not None:
         common = common.assign(model.calibration_.state())
     write_whole(common.merge(model.state(), combine_attrs="no_conflicts"), path)
@@ -75,6 +77,7 @@ def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
         _check_numbers(stored)
         model = engine.restore(stored, _inputs(stored), _outputs(stored))
         model.calibration_ = Calibration.restore(stored, model.parts, len(model.inputs_), len(model.outputs_))
+        model.made_from_ = str(attrs.get("made_from", ""))
         points = stored["probe_point"].transpose("probe", "input").values
         mean, std = model.predict_array(points, return_std=True)
     except FAILURES as error:

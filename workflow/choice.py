@@ -8,7 +8,7 @@ import xarray as xr
 
 from surrogate.netcdf import read_whole
 from surrogate.pilot import explore
-from workflow import factorial
+from workflow import factorial, partition
 from workflow.inputs import InputError
 from workflow.joblog import log
 from workflow.parts import Axis
@@ -51,7 +51,7 @@ def choose(study: Study) -> xr.Dataset:
     names = list(study.factors)
     counts = dict(choice.counts)
     # every slab needs a level of the first axis
-    counts[names[0]] = max(counts[names[0]], factorial.slab_count(study))
+    counts[names[0]] = max(counts[names[0]], partition.count(study))
     return choice.decay.assign(
         levels=("input", [counts[name] for name in names]),
         pilot_levels=("input", [pilot.levels[name] for name in names]),
@@ -71,5 +71,4 @@ def resolved(study: Study, files: Sequence[str | Path]) -> Study:
         name: axis.model_copy(update={"levels": int(chosen.sel(input=name))}) for name, axis in study.factors.items()
     }
     # as many slabs as the rules counted before any level was chosen
-    dataset = study.dataset.model_copy(update={"slabs": factorial.slab_count(study)})
-    return study.model_copy(update={"factors": axes, "dataset": dataset})
+    return partition.settled(study).model_copy(update={"factors": axes})

@@ -23,7 +23,7 @@ from solver.names import FIELDS
 from surrogate.blocks import Region, write_blocks
 from surrogate.netcdf import MAX_BYTES, read_whole
 from surrogate.sealed import check_seal
-from workflow import factorial, tiling
+from workflow import factorial, partition, tiling
 from workflow.joblog import log
 from workflow.study import Study
 
@@ -48,12 +48,12 @@ def write_slab(study: Study, index: int, path: Path) -> None:
     """
     axes = factorial.axes(study)
     first = next(iter(axes))
-    axes[first] = np.array_split(axes[first], factorial.slab_count(study))[index]
+    axes[first] = np.array_split(axes[first], partition.count(study))[index]
     positions = study.dataset.positions.values()
     lengths, block = [levels.size for levels in axes.values()], max(1, _BLOCK // positions.size)
     chunk = tiling.chunk_lengths(lengths, min(block, _CHUNK_CASES))
     regions = list(tiling.regions(lengths, chunk, block))
-    name = f"slab {index + 1} of {factorial.slab_count(study)}"
+    name = f"slab {index + 1} of {partition.count(study)}"
     cases = prod(levels.size for levels in axes.values())
 
     def part(region: Region) -> xr.Dataset:

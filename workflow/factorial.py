@@ -1,6 +1,5 @@
-"""The factorial of a study: its axes, its slabs of exact cases, and random cases in the same box."""
+"""The factorial of a study: its axes, its exact cases, and random cases in the same box."""
 
-import os
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -13,15 +12,8 @@ from surrogate import Input, chebyshev_levels
 from workflow import categories
 from workflow.study import Study
 
-#: What a job that solves a slab takes at most, whatever its size [MB].
-SLAB_MEMORY = 1500
-
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
-
-
-#: Slabs of a study whose first axis is open, at most and if it does not say: `choice.choose` gives it as many levels.
-MOST_SLABS, USUAL_SLABS = 8, 4
 
 
 def inputs(study: Study) -> list[Input]:
@@ -48,22 +40,6 @@ def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
         name: chebyshev_levels(axis.low, axis.high, axis.levels or 0, axis.scale)
         for name, axis in study.factors.items()
     }
-
-
-def slab_count(study: Study) -> int:
-    """Number of slabs: what the study asks for, or one for each job that cores and memory let run at once.
-
-    At most one a level of the first axis. The cores and the memory are this machine's (or what the process may use);
-    on a cluster the study should say it.
-    """
-    first = next(iter(study.factors.values()), None)
-    if first is None:
-        return 0
-    if first.levels is None:  # its levels follow from the slabs, and must not from the machine
-        return min(study.dataset.slabs or USUAL_SLABS, MOST_SLABS)
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2**20
-    at_once = min(len(os.sched_getaffinity(0)), memory // SLAB_MEMORY)
-    return min(study.dataset.slabs or max(1, at_once), first.levels)
 
 
 def cases(study: Study, name: str) -> xr.Dataset:

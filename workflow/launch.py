@@ -1,12 +1,15 @@
 """A study from its check to its report: Snakemake, started with the profile that is asked for."""
 
+import json
 import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
 
+from workflow import partition
 from workflow import study as studies
 from workflow.inputs import InputError
+from workflow.study import Study
 from workflow.targets import nearest
 
 
@@ -32,7 +35,8 @@ def launch(name: str, cores: str, profile: str, *, dry: bool) -> int:
     Raises
     ------
     InputError
-        Unknown or bad study, unknown profile, or a tolerance that no budget reaches.
+        Unknown or bad study, unknown profile, a tolerance that no budget reaches, or results that Snakemake finds up
+        to date but that are of another state of the study.
     """
     study = studies.named(name)
     if study.verification and (absent := [one for one in ("mpmath", "skfem") if not find_spec(one)]):
@@ -49,8 +53,19 @@ def launch(name: str, cores: str, profile: str, *, dry: bool) -> int:
     quiet = ["--dry-run", "--quiet", "host"] if dry else ["--quiet", "rules", "host", "reason"]
     status = _snakemake([*options, *quiet, "--", report, *others])
     if status == 0 and not dry:
+        _check_origin(study, Path(report).with_name("provenance.json"))
         print(f"report: {report}")
     return status
+
+
+def _check_origin(study: Study, provenance: Path) -> None:
+    """Whether results that are up to date are of the study: Snakemake knows only the times of what others have made."""
+    made = json.loads(provenance.read_text(encoding="utf-8"))["study_sha256"]
+    if made != partition.settled(study).digest(*Study.model_fields):
+        raise InputError(
+            f"{provenance.parent}: was made from another state of the study, and not by this checkout; "
+            "remove that folder, and run again"
+        )
 
 
 def _snakemake(arguments: list[str]) -> int:

@@ -4,7 +4,7 @@ import xarray as xr
 
 from surrogate import GaussianProcess, GridGP, levels, metrics
 from workflow import factorial
-from workflow.study import Study
+from workflow.study import PHYSICS, Study
 
 
 def compression(study: Study) -> float:
@@ -12,9 +12,15 @@ def compression(study: Study) -> float:
     return min(1e-9, 1e-3 * study.validation.tolerance)
 
 
+def origin(study: Study) -> str:
+    """What a surrogate of the study says that it was made from: its cases and the physics that answered them."""
+    return study.digest(*PHYSICS)
+
+
 def fit(study: Study, quantities: xr.Dataset) -> GridGP:
     """Gaussian process of the study's outputs on its factorial."""
     model = GridGP(study.surrogate.kernel, factorial.inputs(study), study.learned, compression=compression(study))
+    model.made_from_ = origin(study)
     return model.fit(factorial.learned(study, quantities))
 
 

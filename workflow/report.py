@@ -1,6 +1,7 @@
 """The report: one self-contained HTML page from the files of a study."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
 from surrogate import load
 from surrogate.netcdf import read_whole
 from workflow import answers, pictures, whatif
+from workflow.dataset import CARD
 from workflow.engineering import shown
 from workflow.inline import inlined
 from workflow.study import CHECK_GROUPS, Study
@@ -26,7 +28,9 @@ CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
 
 
-def page(study: Study, name: str, folder: Path, figures: list[Path], provenance: Path) -> str:
+def page(
+    study: Study, name: str, folder: Path, figures: list[Path], provenance: Path, levels: Sequence[str | Path] = ()
+) -> str:
     """The page as text.
 
     Parameters
@@ -39,6 +43,8 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         SVG files, in the order of the page.
     provenance
         ``provenance.json``.
+    levels
+        Holds ``levels.nc`` where the study leaves levels open.
     """
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
@@ -73,7 +79,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
     if study.factors:
         content["dataset"] = _dataset(folder)
         content["surface"] = _surface(folder / "surface_validation.nc") if study.surrogate.fields else None
-        content["levels"] = _levels(folder / "levels.nc") if (folder / "levels.nc").exists() else None
+        content["levels"] = _levels(Path(levels[0])) if levels else None
         content["validation"] = _validation(folder)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = by_quantity(study, times)
@@ -106,7 +112,7 @@ def _verification(folder: Path) -> dict[str, Any]:
 
 def _dataset(folder: Path) -> dict[str, Any]:
     data = read_whole(folder / "quantities.nc")
-    slabs = sorted((folder / "fields").glob("slab_*.nc"))
+    card = json.loads((folder / CARD).read_text(encoding="utf-8"))
     rows = [
         {
             "name": str(name),
@@ -117,7 +123,7 @@ def _dataset(folder: Path) -> dict[str, Any]:
         }
         for name, array in data.data_vars.items()
     ]
-    return {"rows": rows, "slabs": len(slabs), "bytes": sum(slab.stat().st_size for slab in slabs)}
+    return {"rows": rows, "slabs": len(card["files"]), "bytes": card["bytes"]}
 
 
 def _surface(path: Path) -> list[dict[str, Any]]:

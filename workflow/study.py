@@ -1,5 +1,6 @@
 """The study: one strict model of everything that a run can be asked for."""
 
+import dataclasses
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
@@ -7,6 +8,7 @@ from math import prod
 from pathlib import Path
 from typing import Annotated, Any, Self
 
+import numpy as np
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from solver import FactorError, Material, MaterialError, solve
@@ -26,6 +28,8 @@ _SMOOTH = {"profile": "cylinder", "electric": "conducting", "magnetic": "conduct
 CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "digits")
 #: Those with convergence curves.
 CONVERGING = ("integral_equations", "finite_elements")
+#: Sections that decide what a case is and what the solver answers.
+PHYSICS = ("phases", "materials", "fixed", "factors", "categories")
 
 
 class Study(Strict):
@@ -50,8 +54,15 @@ class Study(Strict):
     effects: Effects | None = Field(None, description="one factor at a time, as figures")
     verification: Verification | None = Field(None, description="checks of the solver against independent methods")
 
+    _path: Path = PrivateAttr(default=Path())
+    _content: dict[str, Any] = PrivateAttr(default_factory=dict)
     _own: dict[str, Material] = PrivateAttr(default_factory=dict)
     _absent: set[str] = PrivateAttr(default_factory=set)
+
+    @property
+    def path(self) -> Path:
+        """The file that the study was read from."""
+        return self._path
 
     @property
     def own_materials(self) -> dict[str, Material]:
@@ -202,8 +213,22 @@ class Study(Strict):
         content = self.model_dump(mode="json", include=set(sections))
         text = json.dumps(content, sort_keys=True)
         if "phases" in sections:
-            text += json.dumps({name: repr(material) for name, material in self._own.items()}, sort_keys=True)
+            text += json.dumps(self._plain_materials(), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    def frozen(self) -> dict[str, Any]:
+        """The study and its own materials as plain data, from which `thawed` makes the same study again."""
+        materials, slabs = self._plain_materials(), self.dataset.slabs
+        return {"path": str(self._path), "study": self._content, "materials": materials, "slabs": slabs}
+
+    def _plain_materials(self) -> dict[str, dict[str, Any]]:
+        """Every constant exactly: JSON gives a float the digits that tell it from its neighbours."""
+        return {
+            name: {
+                entry.name: np.asarray(getattr(material, entry.name)).tolist() for entry in dataclasses.fields(material)
+            }
+            for name, material in self._own.items()
+        }
 
 
 def named(name: str) -> Study:
@@ -229,12 +254,31 @@ def load(path: str | Path) -> Study:
         One line that names file, key, value and what is allowed.
     """
     path = Path(path)
-    content = read_yaml(path)
+    study = _modelled(path, read_yaml(path))
+    study._own.update(read_material(path.parent / name) for name in study.materials)
+    return _tried(path, study)
+
+
+def thawed(frozen: Mapping[str, Any]) -> Study:
+    """The study as it was when it was `frozen`; no file is read."""
+    path = Path(frozen["path"])
+    study = _modelled(path, frozen["study"])
+    study._own.update((name, Material(**entries)) for name, entries in frozen["materials"].items())
+    dataset = study.dataset.model_copy(update={"slabs": frozen["slabs"]})
+    return _tried(path, study.model_copy(update={"dataset": dataset}))
+
+
+def _modelled(path: Path, content: dict[str, Any]) -> Study:
     try:
         study = Study.model_validate(content)
     except ValidationError as error:
         raise InputError(f"{path}: {first_problem(error, Study, content)}") from None
-    study._own.update(read_material(path.parent / name) for name in study.materials)
+    study._path, study._content = path, content
+    return study
+
+
+def _tried(path: Path, study: Study) -> Study:
+    """The study, once the solver has answered at every corner of its box."""
     try:
         if study.factors:
             known = solve(study.corners(), materials=study.own_materials, phases=study.phases)

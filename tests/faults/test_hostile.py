@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import json
 import os
 import random
 import resource
@@ -124,6 +125,7 @@ def test_studies(content: bytes, place: Path) -> None:
     with hostile.guarded(place), contextlib.suppress(InputError):
         study = studies.named("tiny")
         assert study.cases <= MOST_CASES
+        assert studies.thawed(json.loads(json.dumps(study.frozen()))).cases == study.cases
     assert not (place / hostile.CANARY).exists()
 
 

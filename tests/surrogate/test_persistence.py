@@ -41,6 +41,9 @@ def test_a_loaded_model_predicts_the_same_bits(kind: str, tmp_path: Path) -> Non
     again.save(tmp_path / "b.nc")
     fitted(kind).save(tmp_path / "c.nc")
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes() == (tmp_path / "c.nc").read_bytes()
+    again.made_from_ = "some state"
+    again.save(tmp_path / "d.nc")
+    assert (model.made_from_, load(tmp_path / "d.nc").made_from_) == ("", "some state")
 
 
 def edit(path: Path, change: Callable[[xr.Dataset], xr.Dataset]) -> None:

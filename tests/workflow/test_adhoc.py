@@ -122,5 +122,20 @@ def test_results_must_be_there_and_of_this_study(ran: Project, tmp_path: Path) -
     results = tmp_path / "results/small"
     results.mkdir(parents=True)
     (results / "surrogate.nc").write_bytes((ran.folder / "results/small/surrogate.nc").read_bytes())
-    with pytest.raises(InputError, match="was made from another state of the study"):
-        adhoc.results(results)
+    for edited in (text, text.replace("high: 0.21,", "high: 0.2,").replace("fibrous", "laminate")):
+        (tmp_path / "config/small.yaml").write_text(edited, encoding="utf-8")
+        with pytest.raises(InputError, match="was made from another state of the study"):
+            adhoc.results(results)
+
+
+def test_results_may_be_a_link_to_another_disk(ran: Project, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "disk/small").mkdir(parents=True)
+    (tmp_path / "disk/small/surrogate.nc").write_bytes((ran.folder / "results/small/surrogate.nc").read_bytes())
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here/config").symlink_to(ran.folder / "config")
+    (tmp_path / "here/results").symlink_to(tmp_path / "disk")
+    monkeypatch.chdir(tmp_path / "here")
+    for folder in (Path("results/small"), tmp_path / "here/results/small"):
+        study, model = adhoc.results(folder)
+        assert study.title == "A small study"
+        assert model.made_from_

@@ -9,7 +9,7 @@ import pytest
 from surrogate.levels import UnreachableError
 from surrogate.netcdf import read_whole, write_whole
 from tests.workflow.conftest import Project
-from workflow import choice, dataset, factorial, gathering, learning
+from workflow import choice, dataset, factorial, gathering, learning, partition
 from workflow.inputs import InputError
 from workflow.study import Study, load
 
@@ -48,8 +48,8 @@ def test_chosen_levels_reach_the_tolerance(tmp_path: Path) -> None:
     assert ready.factors["charge"].levels == 2
     assert chosen["affine"].sel(input="charge") == 1
     assert ready.cases == int(chosen["levels"].prod()) <= 20000
-    assert factorial.slab_count(ready) == factorial.slab_count(config)  # the rules counted them before
-    slabs = [tmp_path / f"slab_{k}.nc" for k in range(factorial.slab_count(ready))]
+    assert partition.count(ready) == partition.count(config)  # the rules counted them before
+    slabs = [tmp_path / f"slab_{k}.nc" for k in range(partition.count(ready))]
     for k, slab in enumerate(slabs):
         dataset.write_slab(ready, k, slab)
     quantities = gathering.gather([read_whole(slab, names=ready.outputs) for slab in slabs])
@@ -70,7 +70,7 @@ def test_the_first_axis_has_a_level_for_every_slab(tmp_path: Path) -> None:
         config.model_copy(update={"validation": config.validation.model_copy(update={"tolerance": 1e-3})})
     )
     assert chosen["affine"].sel(input="magnetic_charge") == 1
-    assert chosen["levels"].sel(input="magnetic_charge") == factorial.slab_count(config) == 3
+    assert chosen["levels"].sel(input="magnetic_charge") == partition.count(config) == 3
 
 
 def test_too_few_given_levels_are_named(tmp_path: Path) -> None:

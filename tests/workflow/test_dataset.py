@@ -13,7 +13,7 @@ import xarray as xr
 
 from solver.names import FIELDS, QUANTITIES
 from surrogate.netcdf import read_whole, write_whole
-from workflow import datacard, dataset, factorial, gathering
+from workflow import datacard, dataset, factorial, gathering, partition
 from workflow.study import Study, load
 
 STUDY = """\
@@ -151,8 +151,8 @@ def test_slabs_follow_cores_and_memory(study: Study, monkeypatch: pytest.MonkeyP
         pages = {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": gigabytes * 2**18}
         monkeypatch.setattr(os, "sched_getaffinity", lambda _, cores=cores: set(range(cores)))
         monkeypatch.setattr(os, "sysconf", pages.__getitem__)
-        assert factorial.slab_count(free) == slabs
-    assert factorial.slab_count(study) == 2
+        assert partition.count(free) == slabs
+    assert partition.count(study) == 2
 
 
 def test_memory_of_a_slab_does_not_grow_with_it(study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,7 +15,7 @@ import xarray as xr
 
 from solver.names import QUANTITIES
 from surrogate.netcdf import read_whole
-from workflow import dataset, factorial, gathering
+from workflow import dataset, factorial, gathering, partition
 from workflow.provenance import ROOT
 from workflow.study import Study, load
 
@@ -35,7 +35,7 @@ def study() -> Study:
 def test_slabs_make_up_the_factorial(study: Study, count: int, tmp_path: Path) -> None:
     small = study.model_copy(update={"dataset": study.dataset.model_copy(update={"slabs": count})})
     axes = dict(factorial.levels(small))
-    assert factorial.slab_count(small) == min(count, 26)
+    assert partition.count(small) == min(count, 26)
     if count > 3:
         return
     for index in range(count):

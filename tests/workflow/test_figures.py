@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from surrogate.netcdf import read_whole
-from workflow import dataset, factorial, figures
+from workflow import dataset, figures, partition
 from workflow.study import load
 
 ONE = "factors: {friction: {low: 0.0, high: 0.6, levels: 7}}"
@@ -24,7 +24,7 @@ def test_the_number_of_slabs_does_not_change_the_figure_of_fields(factors: str, 
         file.write_text(f"title: Some\n{factors}\nfixed: {fixed}\ndataset: {{slabs: {slabs}}}\n", encoding="utf-8")
         study = load(file)
         parts = []
-        for index in range(factorial.slab_count(study)):
+        for index in range(partition.count(study)):
             dataset.write_slab(study, index, tmp_path / f"{index}.nc")
             parts.append(read_whole(tmp_path / f"{index}.nc"))
         with warnings.catch_warnings():

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -110,6 +111,21 @@ def test_provenance_names_versions_hashes_and_seed(ran: Project) -> None:
 def test_a_second_run_does_nothing(ran: Project) -> None:
     done = ran.snakemake(REPORT)
     assert "Nothing to be done" in done.stdout + done.stderr
+
+
+def test_results_of_another_checkout_are_not_taken_for_those_of_this_study(
+    ran: Project, copy: Callable[[str], Project]
+) -> None:
+    project = copy("other")
+    shutil.copytree(ran.folder / "results", project.folder / "disk")
+    (project.folder / "results").symlink_to("disk")
+    study = project.folder / "config/small.yaml"
+    assert "report: results/small/report.html" in project.run("meecontact", "run", "small").stdout
+    study.write_text(study.read_text(encoding="utf-8").replace("fibrous", "laminate"), encoding="utf-8")
+    done = project.run("meecontact", "run", "small", check=False)  # Snakemake knows only that these files are there
+    assert done.returncode == 2
+    assert "meecontact: results/small: was made from another state of the study" in done.stderr
+    assert "report:" not in done.stdout
 
 
 def test_edits_rerun_exactly_what_depends_on_them(copy: Callable[[str], Project]) -> None:

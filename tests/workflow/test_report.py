@@ -190,6 +190,20 @@ def test_text_from_the_study_is_escaped(ran: Project) -> None:
     assert "&lt;script&gt;" in text
 
 
+def test_the_page_tells_nothing_of_earlier_states_of_the_study(ran: Project, tmp_path: Path) -> None:
+    from workflow import report, study
+
+    results = tmp_path / "results/small"
+    shutil.copytree(ran.folder / "results/small", results)
+    for orphan in ("fields/slab_2.nc", "fields/slab_3.nc", "levels.nc"):
+        (results / orphan).write_bytes(b"old")
+    config = study.load(ran.folder / "config/small.yaml")
+    text = report.page(config, "small", results, [], results / "provenance.json")
+    size = sum((results / f"fields/slab_{number}.nc").stat().st_size for number in range(2))
+    assert re.search(rf"positions each, in 2\s+slabs of {size / 2e6:.3g}", text)
+    assert "Why these levels" not in text
+
+
 @needs_browser
 def test_sliders_move_numbers_that_are_those_of_python(ran: Project, tmp_path: Path) -> None:
     model = surrogate.load(ran.folder / "results/small/surrogate.nc")

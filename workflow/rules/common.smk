@@ -5,18 +5,18 @@
 
 from functools import cache
 
-from workflow import factorial, provenance, running
+from workflow import partition, planned, provenance, running
 from workflow import study as studies
-from workflow.study import CHECK_GROUPS, CONVERGING
+from workflow.study import CHECK_GROUPS, CONVERGING, PHYSICS
 
 STUDIES = set()  # those that this run needs
 
 
 @cache
 def study_named(name):
-    """The checked study; bad input ends the run with one line."""
+    """The checked study, on a cluster's node as it was when the run began; bad input ends the run with one line."""
     try:
-        return studies.named(name)
+        return (workflow.remote_exec and planned.begun(name)) or partition.settled(studies.named(name))
     except studies.InputError as error:
         raise WorkflowError(str(error))
 
@@ -27,11 +27,8 @@ def study_of(wildcards):
 
 
 def sections(*names):
-    """A parameter that changes when these sections of the study change."""
-    return lambda wildcards: study_of(wildcards).digest(*names)
-
-
-PHYSICS = ("phases", "materials", "fixed", "factors", "categories")
+    """A parameter that changes when these sections of the study change, all of them by default; see `planned`."""
+    return lambda wildcards: planned.parameter(study_of(wildcards), *names)
 
 
 def targets_of(name):
@@ -77,4 +74,4 @@ def captions_of(*kinds):
 
 
 def slabs_of(wildcards, file):
-    return expand(file, study=wildcards.study, slab=range(factorial.slab_count(study_of(wildcards))))
+    return expand(file, study=wildcards.study, slab=range(partition.count(study_of(wildcards))))

@@ -23,7 +23,7 @@ rule slab:
         "results/{study}/fields/slab_{slab}.nc",
     priority: 2
     resources:
-        mem_mb=factorial.SLAB_MEMORY,
+        mem_mb=partition.MEMORY,
     params:
         study=sections(*PHYSICS, "dataset"),
         code=provenance.code("workflow/scripts/slab.py"),

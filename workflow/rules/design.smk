@@ -7,7 +7,7 @@ rule target:
     output:
         "results/{study}/design/{name}.nc",
     params:
-        study=sections(*PHYSICS, "design"),
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation", "design"),
         code=provenance.code("workflow/scripts/target.py"),
     log:
         "logs/{study}/target/{name}.log",
@@ -48,7 +48,7 @@ rule readout:
             labels={"figure": "read-out", "target": "{name}"},
         ),
     params:
-        study=sections(*PHYSICS, "validation", "readout"),
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation", "readout"),
         code=provenance.code("workflow/scripts/readout.py"),
     log:
         "logs/{study}/readout/{name}.log",

@@ -166,6 +166,7 @@ rule report:
     output:
         "results/{study}/report.html",
     params:
+        study=sections(),
         code=provenance.code(
             "workflow/scripts/report.py",
             *captions_of(

@@ -7,7 +7,7 @@ rule cases:
         validation="results/{study}/cases/validation.nc",
     priority: 1
     params:
-        study=sections(*PHYSICS, "validation"),
+        study=sections(*PHYSICS, "dataset", "validation"),
         code=provenance.code("workflow/scripts/cases.py"),
     log:
         "logs/{study}/cases.log",
@@ -25,7 +25,7 @@ rule surrogate:
         "results/{study}/surrogate.nc",
     priority: 1
     params:
-        study=sections("surrogate", "factors", "categories"),
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation"),
         code=provenance.code("workflow/scripts/surrogate.py"),
     log:
         "logs/{study}/surrogate.log",
@@ -46,7 +46,7 @@ rule validation:
         timing="results/{study}/timing.json",
     priority: 1
     params:
-        study=sections(*PHYSICS, "validation"),
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation"),
         code=provenance.code("workflow/scripts/validation.py"),
     log:
         "logs/{study}/validation.log",
@@ -78,7 +78,7 @@ rule surface:
         model="results/{study}/surface.nc",
         validation="results/{study}/surface_validation.nc",
     params:
-        study=sections(*PHYSICS, "surrogate", "validation"),
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation"),
         code=provenance.code("workflow/scripts/surface.py"),
     log:
         "logs/{study}/surface.log",

@@ -5,14 +5,14 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from workflow import choice, datacard, joblog, study
+from workflow import choice, datacard, joblog, planned
 from workflow.files import write_text
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
 name = snakemake.wildcards.study
-config = choice.resolved(study.named(name), snakemake.input.levels)
+config = choice.resolved(planned.study(name, snakemake.params.study), snakemake.input.levels)
 slabs = [Path(slab) for slab in snakemake.input.slabs]
 card = datacard.card(config, name, slabs, [Path(file) for file in snakemake.params.benchmarks])
 write_text(Path(snakemake.output.json), json.dumps(card, indent=1) + "\n")

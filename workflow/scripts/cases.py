@@ -5,11 +5,11 @@ from pathlib import Path
 from snakemake.iocontainers import Snakemake
 
 from surrogate.netcdf import write_whole
-from workflow import factorial, joblog, study
+from workflow import factorial, joblog, planned
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-config = study.named(snakemake.wildcards.study)
+config = planned.study(snakemake.wildcards.study, snakemake.params.study)
 for sample in factorial.SAMPLES:
     write_whole(factorial.cases(config, sample), Path(snakemake.output[sample]))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from workflow import joblog, study
+from workflow import joblog, planned
 from workflow.files import write_text
 from workflow.provenance import ROOT
 
@@ -15,7 +15,7 @@ snakemake: Snakemake
 joblog.start(snakemake.log[0])
 sys.path.insert(0, str(ROOT))  # the tests are not installed
 tests = import_module("tests.verification")
-asked = study.named(snakemake.wildcards.study).verification
+asked = planned.study(snakemake.wildcards.study, snakemake.params.study).verification
 assert asked is not None
 findings = tests.GROUPS[snakemake.wildcards.group](tests.Sizes(**asked.model_dump()))
 write_text(Path(snakemake.output[0]), findings.to_json())

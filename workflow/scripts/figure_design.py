@@ -5,12 +5,12 @@ from pathlib import Path
 from snakemake.iocontainers import Snakemake
 
 from surrogate.netcdf import read_whole
-from workflow import designfigures, figures, joblog, study
+from workflow import designfigures, figures, joblog, planned
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-target = study.named(snakemake.wildcards.study).design[snakemake.wildcards.name]
+target = planned.study(snakemake.wildcards.study, snakemake.params.study).design[snakemake.wildcards.name]
 folder = Path(snakemake.output[0])
 folder.mkdir()
 for kind, figure in designfigures.figures_of(read_whole(Path(snakemake.input[0])), target).items():

@@ -5,10 +5,10 @@ from pathlib import Path
 from snakemake.iocontainers import Snakemake
 
 from surrogate.netcdf import write_whole
-from workflow import choice, joblog, study
+from workflow import choice, joblog, planned
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-config = study.named(snakemake.wildcards.study)
+config = planned.study(snakemake.wildcards.study, snakemake.params.study)
 write_whole(choice.choose(config), Path(snakemake.output[0]))

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from workflow import choice, joblog, report, study
+from workflow import choice, joblog, planned, report
 from workflow.files import write_text
 
 snakemake: Snakemake
@@ -14,6 +14,6 @@ output = Path(snakemake.output[0])
 name = snakemake.wildcards.study
 figures = [Path(figure) for figure in snakemake.input.figures]
 figures += [figure for folder in snakemake.input.folders for figure in sorted(Path(folder).glob("*.svg"))]
-config = choice.resolved(study.named(name), snakemake.input.levels)
-page = report.page(config, name, output.parent, figures, Path(snakemake.input.provenance))
+config = choice.resolved(planned.study(name, snakemake.params.study), snakemake.input.levels)
+page = report.page(config, name, output.parent, figures, Path(snakemake.input.provenance), snakemake.input.levels)
 write_text(output, page)

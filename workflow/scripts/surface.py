@@ -5,12 +5,12 @@ from pathlib import Path
 from snakemake.iocontainers import Snakemake
 
 from surrogate.netcdf import write_whole
-from workflow import choice, joblog, study, surface
+from workflow import choice, joblog, planned, surface
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-config = choice.resolved(study.named(snakemake.wildcards.study), snakemake.input.levels)
+config = choice.resolved(planned.study(snakemake.wildcards.study, snakemake.params.study), snakemake.input.levels)
 model = surface.fit(config)
 model.save(Path(snakemake.output.model))
 write_whole(surface.validate(config, model), Path(snakemake.output.validation))

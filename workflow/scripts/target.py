@@ -6,11 +6,11 @@ from snakemake.iocontainers import Snakemake
 
 from surrogate import load
 from surrogate.netcdf import write_whole
-from workflow import design, joblog, study
+from workflow import design, joblog, planned
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-config = study.named(snakemake.wildcards.study)
+config = planned.study(snakemake.wildcards.study, snakemake.params.study)
 answer = design.solve_target(config, snakemake.wildcards.name, load(snakemake.input[0]))
 write_whole(answer, Path(snakemake.output[0]))

@@ -7,13 +7,13 @@ from snakemake.iocontainers import Snakemake
 
 from surrogate import load
 from surrogate.netcdf import read_whole, write_whole
-from workflow import choice, joblog, learning, study, timing
+from workflow import choice, joblog, learning, planned, timing
 from workflow.files import write_text
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-config = choice.resolved(study.named(snakemake.wildcards.study), snakemake.input.levels)
+config = choice.resolved(planned.study(snakemake.wildcards.study, snakemake.params.study), snakemake.input.levels)
 quantities = read_whole(Path(snakemake.input.quantities))
 model = load(snakemake.input.surrogate)
 cases = read_whole(Path(snakemake.input.cases))
