@@ -5,6 +5,7 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
+from workflow import location
 from workflow import study as studies
 from workflow.inputs import InputError
 from workflow.targets import nearest
@@ -72,4 +73,4 @@ def _choose_levels(name: str, options: list[str]) -> None:
     for line in told.stderr.splitlines():
         kind, colon, reason = line.partition(": ")
         if told.returncode and colon and kind in ("UnreachableError", "InputError"):
-            raise InputError(f"{studies.FOLDER / name}.yaml: {reason}")
+            raise InputError(f"{location.location(name)}: {reason}")
