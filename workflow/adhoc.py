@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from solver.names import CHOICES, FACTORS
 from surrogate import GaussianProcess, load
 from surrogate.inversion import Inversion
-from workflow import answers, design, factorial
+from workflow import answers, design, factorial, location
 from workflow import study as studies
 from workflow.categories import output
 from workflow.inputs import InputError
@@ -34,7 +34,7 @@ def results(folder: Path) -> tuple[Study, GaussianProcess]:
     surrogate = folder / "surrogate.nc"
     if not surrogate.is_file():
         raise InputError(f"{folder}: holds no surrogate.nc; run `make run STUDY={folder.name}` first")
-    study = studies.load(folder.resolve().parent.parent / "config" / f"{folder.resolve().name}.yaml")
+    study = studies.load(location.of_results(folder))
     model = load(surrogate)
     if list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.learned:
         raise InputError(f"{surrogate}: was made from another state of the study; run `make run STUDY={folder.name}`")

@@ -47,8 +47,8 @@ def claim(studies: Iterable[str]) -> None:
         _held.append(file)
 
 
-def sweep(studies: Iterable[str]) -> None:
+def sweep(studies: Iterable[str], results: str | Path = RESULTS) -> None:
     """Remove the temporary files that killed writers left in the results of studies which this process has claimed."""
     for name in studies:
-        for left in (RESULTS / name).rglob(f".*{PARTIAL}"):
+        for left in (Path(results) / name).rglob(f".*{PARTIAL}"):
             left.unlink(missing_ok=True)
