@@ -1,46 +1,7 @@
-# The whole pipeline: one study (config/<study>.yaml) becomes results/<study>/report.html.
+# The pipeline stands in the package, so that an installed program has all that it runs: workflow/Snakefile shows it whole.
 #
-#   slab -> quantities -> surrogate -> validation -> design -> figures -> report        (a study with `factors`)
-#   effect -> figures -> report                                                        (a study with `effects`)
-#   check -> figures -> report -> verdict                                              (a study with `verification`)
-#
-# `make run STUDY=name` or `snakemake results/name/report.html`; any file below results/ can be asked for by name.
+# `make run STUDY=name` or `snakemake results/name/report.html`; `snakemake --rulegraph` draws it.
 
-from snakemake.utils import min_version
+include: "workflow/Snakefile"
 
-min_version("9.20")
-
-report: "workflow/captions/workflow.rst"
-
-wildcard_constraints:
-    study="[A-Za-z0-9][A-Za-z0-9_-]*",
-    slab="[0-9]+",
-    name="[A-Za-z0-9_]+",
-    group="[a-z_]+",
-
-include: "workflow/rules/common.smk"
-include: "workflow/rules/dataset.smk"
-include: "workflow/rules/surrogate.smk"
-include: "workflow/rules/design.smk"
-include: "workflow/rules/effects.smk"
-include: "workflow/rules/verification.smk"
-include: "workflow/rules/report.smk"
-
-# seconds each: not worth a job on a cluster
-localrules: all, design, figure_fields, figure_errors, figure_design, figure_effect, provenance, report
-
-onstart:
-    # one run a study at a time, of the study as it is now; `nolock` in the profile leaves this to us
-    try:
-        running.claim({name: study_named(name).frozen() for name in STUDIES})
-    except (running.BusyError, OSError) as error:
-        raise WorkflowError(str(error))
-    for name in STUDIES:
-        folder = running.RESULTS / name
-        running.sweep(folder, partition.orphans(study_named(name), folder))
-
-
-rule all:
-    default_target: True
-    input:
-        targets_of(config.get("study", "quickstart")),
+workflow.default_target = "all"  # which an include keeps to itself

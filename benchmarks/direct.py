@@ -39,7 +39,7 @@ def planned(target: str, cores: int) -> tuple[dict[int, Job], dict[int, set[int]
     from snakemake.settings.types import DAGSettings, OutputSettings, Quietness, ResourceSettings
 
     with SnakemakeApi(OutputSettings(quiet={Quietness.ALL})) as snakemake:
-        flow = snakemake.workflow(ResourceSettings(cores=cores), snakefile=Path("Snakefile"))
+        flow = snakemake.workflow(ResourceSettings(cores=cores), snakefile=Path("workflow/Snakefile"))
         flow.dag(DAGSettings(targets={target})).execute_workflow(executor="dryrun")
         dag = flow._workflow.dag  # the interface tells no job's script
         needed = {job: number for number, job in enumerate(dag.needrun_jobs(exclude_finished=False)) if job.rule.script}

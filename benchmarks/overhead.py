@@ -23,7 +23,7 @@ from time import perf_counter
 from benchmarks.history import printed
 from workflow.provenance import ROOT
 
-PARTS = ("solver", "surrogate", "workflow", "benchmarks", "config", "profiles")
+PARTS = ("solver", "surrogate", "workflow", "benchmarks", "config")
 # what holds measured times
 NOT_COMPARED = {"timing.json", "datacard.json", "datacard.md", "provenance.json", "report.html"}
 
@@ -50,8 +50,7 @@ def measure(studies: tuple[str, ...] = ("quickstart", "large"), repeats: int = 2
 def _copy(folder: Path) -> None:
     for part in PARTS:
         shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
-    for part in ("Snakefile", "pyproject.toml"):
-        shutil.copy(ROOT / part, folder / part)
+    shutil.copy(ROOT / "pyproject.toml", folder)
 
 
 def _run(folder: Path, study: str, cores: int) -> dict[str, float]:

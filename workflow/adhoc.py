@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from solver.names import CHOICES, FACTORS
 from surrogate import GaussianProcess, load
 from surrogate.inversion import Inversion
-from workflow import answers, design, factorial, learning
+from workflow import answers, design, factorial, learning, location
 from workflow import study as studies
 from workflow.categories import output
 from workflow.inputs import InputError
@@ -34,8 +34,7 @@ def results(folder: Path) -> tuple[Study, GaussianProcess]:
     surrogate = folder / "surrogate.nc"
     if not surrogate.is_file():
         raise InputError(f"{folder}: holds no surrogate.nc; run `make run STUDY={folder.name}` first")
-    place = folder.absolute()  # not resolved: the results may be a link to another disk
-    study = studies.load(place.parent.parent / "config" / f"{place.name}.yaml")
+    study = studies.load(location.of_results(folder))
     model = load(surrogate)
     as_now = model.made_from_ == learning.origin(study)
     if not as_now or list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.learned:

@@ -20,7 +20,7 @@ from solver.names import QUANTITIES
 from surrogate import FormatError, OutOfBoxError
 from surrogate.netcdf import write_whole
 from surrogate.trial import try_to_read
-from workflow import factorial
+from workflow import factorial, location
 from workflow import study as studies
 from workflow.files import write_text
 from workflow.inputs import InputError, one_line, read_cases, read_material
@@ -95,7 +95,7 @@ def _parser() -> _Parser:
     command.add_argument("-o", "--output", type=Path, metavar="OUT.csv")
     command.add_argument("--extrapolate", action="store_true", help="answer outside the trained box too, flagged")
     command.add_argument(
-        "--exact", metavar="STUDY", help="also the exact answers, by the formula: name of the study that it came from"
+        "--exact", metavar="STUDY", help="also the exact answers, by the formula: the study that it came from"
     )
     command.set_defaults(run=_query)
 
@@ -124,9 +124,11 @@ def _parser() -> _Parser:
     command.set_defaults(run=_invert)
 
     command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
-    command.add_argument("study", help="name of a study in config/")
+    command.add_argument("study", help="name of a study in config/, or path of a study's file (.yaml)")
     command.add_argument("--cores", default="all", help="cores of this machine to use at most")
-    command.add_argument("--profile", default="default", metavar="NAME", help="a folder of profiles/, such as slurm")
+    command.add_argument(
+        "--profile", default="default", metavar="NAME", help="slurm, or a folder of your own profiles/"
+    )
     command.add_argument("-n", "--dry-run", action="store_true", help="only say what would be done")
     command.set_defaults(run=_run)
     return parser
@@ -195,7 +197,7 @@ def _query(options: argparse.Namespace) -> None:
     except ValueError as error:
         raise InputError(f"{where}: {error}") from None
     if options.exact is not None:
-        answer = _with_exact(answer, named, studies.named(options.exact), list(model.outputs_))
+        answer = _with_exact(answer, named, studies.named(location.given(options.exact)), list(model.outputs_))
     if options.at is not None and options.output is None:
         _print_answer(answer, list(model.outputs_))
     else:

@@ -2,6 +2,7 @@
 
 import csv
 import re
+import unicodedata
 from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,12 @@ _LARGEST_TABLE = 1 << 28
 _DEEPEST = (
     40  # brackets or indents within each other; a study needs five, and the reader's time grows with their square
 )
+
+_MOST_DIGITS = 40  # of an integer; a number of thousands of digits is no input, and breaks what formats it
+_INTEGER = re.compile(r"[-+]?(?:0|[1-9][0-9]*)")
+_FLOAT = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
+# what a file's name, a figure and a file's attribute bear: no $, which begins a formula in figures
+_MATERIAL_NAME = re.compile(r"[\w(][\w ()+.,:/%-]{0,59}")
 
 #: Factors whose values are names.
 TEXT_FACTORS = ("material", *CHOICES)
@@ -37,6 +44,9 @@ class _Loader(yaml.SafeLoader):
     def fetch_flow_collection_start(self, kind: type[yaml.Token]) -> None:
         self._check_depth(self.flow_level)
         super().fetch_flow_collection_start(kind)
+
+    def fetch_tag(self) -> None:  # `!!int ''`: a text forced to be what it is not
+        raise yaml.scanner.ScannerError(None, None, "tags, as !!int, are not allowed", self.get_mark())
 
     def add_indent(self, column: int) -> bool:
         self._check_depth(len(self.indents))
@@ -60,12 +70,33 @@ class _Loader(yaml.SafeLoader):
             raise yaml.composer.ComposerError(None, None, "aliases are not allowed", None)
         return super().compose_node(parent, index)
 
+    def decimal(self, node: yaml.ScalarNode) -> int | float:
+        """A number as people read it: YAML 1.1 takes 010 for 8, 1:30 for 90, 0b11 for 3 and 1_0 for 10."""
+        text = node.value
+        if _INTEGER.fullmatch(text):
+            if len(text) > _MOST_DIGITS:
+                reason = f"a number of {len(text)} digits; at most {_MOST_DIGITS}, or write it as 1e{len(text) - 1}"
+                raise yaml.constructor.ConstructorError(None, None, reason, node.start_mark)
+            return int(text)
+        if not _FLOAT.fullmatch(text) or text.lstrip("+-").isdigit():
+            reason = f"{text[:_MOST_DIGITS]!r} is not a decimal number; in quotes it is a text"
+            raise yaml.constructor.ConstructorError(None, None, reason, node.start_mark)
+        return super().construct_yaml_float(node)
 
-_Loader.add_implicit_resolver(
-    "tag:yaml.org,2002:float",
-    re.compile(r"^[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?$|^[-+]?\.(?:inf|Inf|INF)$|^\.(?:nan|NaN|NAN)$"),
-    list("-+.0123456789"),
-)
+    def text(self, node: yaml.ScalarNode) -> str:
+        """A text that every later file can hold: not half of a surrogate pair, nor what commands a terminal."""
+        text = super().construct_yaml_str(node)
+        bad = next((one for one in text if unicodedata.category(one) in ("Cs", "Cc") and one not in "\n\t"), None)
+        if bad is not None:
+            reason = f"a text must not hold the character {bad!r}"
+            raise yaml.constructor.ConstructorError(None, None, reason, node.start_mark)
+        return str(text)
+
+
+_Loader.add_implicit_resolver("tag:yaml.org,2002:float", re.compile(f"^(?:{_FLOAT.pattern})$"), list("-+.0123456789"))
+for _tag in ("int", "float"):
+    _Loader.add_constructor(f"tag:yaml.org,2002:{_tag}", _Loader.decimal)
+_Loader.add_constructor("tag:yaml.org,2002:str", _Loader.text)
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
@@ -111,6 +142,10 @@ def read_material(path: Path) -> tuple[str, Material]:
         material = Material.from_mapping({"name": path.stem, **content})
     except MaterialError as error:
         raise InputError(f"{path}: {error}") from None
+    if not _MATERIAL_NAME.fullmatch(material.name):
+        raise InputError(
+            f"{path}: name: {material.name[:80]!r} must be up to 60 letters, digits, blanks and any of _()+.,:/%-"
+        )
     return material.name, material
 
 

@@ -6,24 +6,27 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-from workflow import partition
+from workflow import location, partition
 from workflow import study as studies
 from workflow.inputs import InputError
+from workflow.provenance import ROOT
 from workflow.study import Study
 from workflow.targets import nearest
 
+SNAKEFILE = Path(__file__).with_name("Snakefile")
 
-def launch(name: str, cores: str, profile: str, *, dry: bool) -> int:
-    """Check a study and run it.
+
+def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
+    """Check a study and run it; its results go below the current folder.
 
     Parameters
     ----------
-    name
-        A study of ``config/``.
+    text
+        A study of ``config/``, or the path of a study's file.
     cores
         Cores of this machine to use at most, or ``all``; a cluster's profile counts jobs instead.
     profile
-        A folder of ``profiles/``.
+        A folder of ``profiles/``, here or of the program.
     dry
         Only say what would be done.
 
@@ -38,13 +41,13 @@ def launch(name: str, cores: str, profile: str, *, dry: bool) -> int:
         Unknown or bad study, unknown profile, a tolerance that no budget reaches, or results that Snakemake finds up
         to date but that are of another state of the study.
     """
+    name = location.given(text)
     study = studies.named(name)
-    if study.verification and (absent := [one for one in ("mpmath", "skfem") if not find_spec(one)]):
-        raise InputError(f"study: {name!r} needs {', '.join(absent)} of requirements/dev.txt; `make run` installs them")
-    profiles = sorted(file.parent.name for file in Path("profiles").glob("*/config.yaml"))
-    if profile not in profiles:
-        raise InputError(f"--profile: {profile!r} is unknown; {nearest(profile, profiles)}")
-    options = ["--workflow-profile", f"profiles/{profile}"]
+    if study.verification:
+        _check_verifiable(name)
+    options = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(_profile(profile))]
+    if name != text:
+        options += ["--config", f"study={json.dumps(str(location.location(name)))}"]
     if profile == "default":
         options += ["--cores", cores]
     if study.open and not dry:
@@ -68,6 +71,23 @@ def _check_origin(study: Study, provenance: Path) -> None:
         )
 
 
+def _check_verifiable(name: str) -> None:
+    """The independent methods are tests of the project, and need what these need."""
+    if not (ROOT / "tests/verification").is_dir():
+        raise InputError(f"study: {name!r} needs the folder tests/ of a checkout of the project: run it there")
+    if absent := [one for one in ("mpmath", "skfem") if not find_spec(one)]:
+        raise InputError(f"study: {name!r} needs {', '.join(absent)} of requirements/dev.txt; `make run` installs them")
+
+
+def _profile(name: str) -> Path:
+    """The folder of a profile: of the current folder before the program's own."""
+    found = {file.parent.name: file.parent for file in SNAKEFILE.parent.glob("profiles/*/config.yaml")}
+    found |= {file.parent.name: file.parent for file in Path("profiles").glob("*/config.yaml")}
+    if name not in found:
+        raise InputError(f"--profile: {name!r} is unknown; {nearest(name, sorted(found))}")
+    return found[name]
+
+
 def _snakemake(arguments: list[str]) -> int:
     """Snakemake in this process, which has imported by now what the Snakefile needs; its exit status."""
     from snakemake.cli import main  # slow to import, and not for every command
@@ -87,4 +107,4 @@ def _choose_levels(name: str, options: list[str]) -> None:
     for line in told.stderr.splitlines():
         kind, colon, reason = line.partition(": ")
         if told.returncode and colon and kind in ("UnreachableError", "InputError"):
-            raise InputError(f"{studies.FOLDER / name}.yaml: {reason}")
+            raise InputError(f"{location.location(name)}: {reason}")

@@ -10,6 +10,14 @@ from workflow.fields import FieldName, InputName, Number, QuantityName, Strict, 
 
 #: Most cases of a factorial.
 MOST_CASES = 20_000_000
+#: Most corners of a factorial's box, over all categories: the check solves every one.
+MOST_CORNERS = 2**18
+#: Most values of one field on disk: cases times positions.
+MOST_VALUES = 2_000_000_000
+#: Most values of one field that are learned, in memory at once: cases times angles.
+MOST_LEARNED = 20_000_000
+#: Most curves of a figure of effects, points of all of its curves, and points of a grid below the punch.
+_MOST_CURVES, _MOST_POINTS, _MOST_GRID = 200, 200_000, 250_000
 
 
 class Axis(Strict):
@@ -37,6 +45,11 @@ class Positions(Strict):
     inside: int = Field(40, ge=1, le=10_000, description="Chebyshev-Gauss positions under the punch, |X| < 1")
     outside: int = Field(24, ge=0, le=10_000, description="positions beside it, dense near the edges; even")
     reach: Number = Field(4.0, gt=1, le=1e3, description="largest |X|")
+
+    @property
+    def count(self) -> int:
+        """Number of the positions."""
+        return self.inside + 2 * (self.outside // 2)
 
     def values(self) -> Vector:
         """The positions, ascending; none is -1 or 1."""
@@ -89,6 +102,12 @@ class Interior(Strict):
         min_length=1, description="fields shown as contours",
     )  # fmt: skip
 
+    @model_validator(mode="after")
+    def _bounded(self) -> Self:
+        if self.across * self.down > _MOST_GRID:
+            raise ValueError(f"across x down: {self.across} x {self.down} points are more than {_MOST_GRID}")
+        return self
+
     def grid(self) -> tuple[Vector, Vector]:
         """(x - c)/h and y/h < 0."""
         down = (np.arange(1, self.down + 1) / self.down) ** 1.5
@@ -104,6 +123,18 @@ class Effects(Strict):
         default_factory=lambda: Positions(inside=200, outside=200), description="positions of the curves"
     )
     interior: Interior | None = Field(None, description="grid of contour plots below the punch")
+
+    @model_validator(mode="after")
+    def _bounded(self) -> Self:
+        for name, values in self.vary.items():
+            if not 1 <= len(values) <= _MOST_CURVES:
+                raise ValueError(f"vary: {name}: {len(values)} values; must be 1 to {_MOST_CURVES}, each is a curve")
+            positions = self.positions.count
+            if len(values) * positions > _MOST_POINTS:
+                raise ValueError(
+                    f"vary: {name}: {len(values)} values x {positions} positions are more than {_MOST_POINTS}"
+                )
+        return self
 
     def case(self, factor: str) -> dict[str, Any]:
         """Factors of one effect: a material and a composite replace each other, and a profile takes what is its own."""

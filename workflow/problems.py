@@ -22,7 +22,7 @@ def first_problem(error: ValidationError, model: type[BaseModel], content: Mappi
     where = ".".join(place)
     message = found["msg"].removeprefix("Value error, ")
     if found["type"] == "extra_forbidden":
-        return f"{where}: unknown key; {nearest(place[-1], _keys_at(model, found['loc'][:-1]))}"
+        return f"{where}: unknown key; {nearest(place[-1], _keys_at(model, place[:-1]))}"
     if found["type"] == "missing":
         return f"{'.'.join([*place, str(found['loc'][-1])])}: missing"
     if found["type"] == "value_error":
@@ -42,14 +42,28 @@ def _written(loc: tuple[int | str, ...], content: Any) -> list[str]:
     return place
 
 
-def _keys_at(model: type[BaseModel], loc: tuple[int | str, ...]) -> list[str]:
-    """Names of the fields that a model allows at a location."""
-    node: Any = model
-    for part in loc:
-        node = node.model_fields[str(part)].annotation if _is_model(node) else get_args(node)[-1]
-        while get_origin(node) in (Annotated, Union, UnionType):
-            node = get_args(node)[0]
-    return list(node.model_fields) if _is_model(node) else []
+def _keys_at(model: type[BaseModel], place: list[str]) -> list[str]:
+    """Names of the fields that a model allows at a place in the file, whichever branch of a union it is in."""
+    nodes: list[Any] = [model]
+    for part in place:
+        nodes = [inner for node in nodes for inner in _within(node, part)]
+    return [name for node in nodes if _is_model(node) for name in node.model_fields]
+
+
+def _within(node: Any, part: str) -> list[Any]:
+    """What a type may hold under a key or an index."""
+    if _is_model(node):
+        return _branches(node.model_fields[part].annotation) if part in node.model_fields else []
+    return _branches(get_args(node)[-1]) if get_origin(node) in (dict, list) else []
+
+
+def _branches(node: Any) -> list[Any]:
+    """A type without what only annotates it; each one of a union."""
+    if get_origin(node) is Annotated:
+        return _branches(get_args(node)[0])
+    if get_origin(node) in (Union, UnionType):
+        return [branch for one in get_args(node) for branch in _branches(one)]
+    return [node]
 
 
 def _is_model(node: object) -> bool:

@@ -66,9 +66,13 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
 
 
-def write(path: Path, study_digest: str, seed: int, results: list[Path]) -> None:
-    """Write ``provenance.json``: versions, hashes of sources, study and results, the seed and the machine."""
+def write(path: Path, study: str, study_digest: str, seed: int, results: list[Path]) -> None:
+    """Write ``provenance.json``: versions, hashes of sources, study and results, the seed and the machine.
+
+    ``study`` is the path of its file, relative to the results' folder.
+    """
     content = {
+        "study": study,
         "study_sha256": study_digest,
         "seed": seed,
         "sources_sha256": _hash([file for room in ROOMS for file in _room(room)]),

@@ -3,6 +3,7 @@
 import dataclasses
 import hashlib
 import json
+import re
 from collections.abc import Mapping, Sequence
 from math import prod
 from pathlib import Path
@@ -13,16 +14,27 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from solver import FactorError, Material, MaterialError, solve
 from solver.names import EVERY_QUANTITY, PEAKS, QUANTITIES
-from workflow import targets
 from workflow.categories import Kinds, combinations, output
 from workflow.fields import CategoryName, FactorName, InputName, Number, Strict
 from workflow.inputs import InputError, read_material, read_yaml
+from workflow.location import location
 from workflow.measuring import Readout
-from workflow.parts import MOST_CASES, Axis, DataSet, Effects, Surrogate, Validation, Verification
+from workflow.parts import (
+    MOST_CASES,
+    MOST_CORNERS,
+    MOST_LEARNED,
+    MOST_VALUES,
+    Axis,
+    DataSet,
+    Effects,
+    Surrogate,
+    Validation,
+    Verification,
+)
 from workflow.problems import first_problem
 from workflow.target import Target
 
-FOLDER = Path("config")
+_LABEL = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 _SMOOTH = {"profile": "cylinder", "electric": "conducting", "magnetic": "conducting"}
 #: Groups of checks in tests/verification, in the order of the page.
 CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "digits")
@@ -121,8 +133,7 @@ class Study(Strict):
     def _complete(self) -> Self:
         if not self.factors and self.effects is None and self.verification is None:
             raise ValueError("factors: a study needs factors, effects or verification")
-        if self.cases > MOST_CASES:
-            raise ValueError(f"factors: {self.cases} cases are more than {MOST_CASES}")
+        self._check_size()
         for name in self.fixed:
             if name in self.factors or name in self.categories:
                 part = "factors" if name in self.factors else "categories"
@@ -131,11 +142,30 @@ class Study(Strict):
             if len(set(names)) < len(names):
                 raise ValueError(f"categories: {name}: {', '.join(names)}: a name is given twice")
         for label in (*self.design, *self.readout):
-            if not label.isidentifier():
+            if not _LABEL.fullmatch(label):  # names files
                 part = "design" if label in self.design else "readout"
-                raise ValueError(f"{part}: {label!r} must be letters, digits and underscores")
+                raise ValueError(f"{part}: {label!r} must be letters, digits and underscores, at most 60 of ASCII")
         self._check_quantities()
         return self
+
+    def _check_size(self) -> None:
+        """Whether what the study asks for can be computed and stored at all."""
+        if self.cases > MOST_CASES:
+            raise ValueError(f"factors: {self.cases} cases are more than {MOST_CASES}")
+        corners = 2 ** len(self.factors) * len(self.combinations)
+        if corners > MOST_CORNERS:
+            raise ValueError(f"factors: a box of {corners} corners, over all categories, has more than {MOST_CORNERS}")
+        if not self.factors:
+            return
+        cases, positions = self.cases or self.dataset.budget, self.dataset.positions.count
+        if cases * positions > MOST_VALUES:
+            raise ValueError(
+                f"dataset: {cases} cases x {positions} positions are more than {MOST_VALUES} values of each field"
+            )
+        if cases * self.surrogate.fields > MOST_LEARNED:
+            raise ValueError(
+                f"surrogate: fields: {cases} cases x {self.surrogate.fields} angles are more than {MOST_LEARNED}"
+            )
 
     def _check_quantities(self) -> None:
         """Whether the data set holds what the surrogate and the designs ask for."""
@@ -232,17 +262,14 @@ class Study(Strict):
 
 
 def named(name: str) -> Study:
-    """The study ``config/<name>.yaml`` of this folder.
+    """The checked study of a name, wherever its file is.
 
     Raises
     ------
     InputError
         Also for a name that is unknown or no plain name.
     """
-    known = sorted(file.stem for file in FOLDER.glob("*.yaml"))
-    if name not in known:
-        raise InputError(f"study: {name!r} is unknown; {targets.nearest(name, known)}")
-    return load(FOLDER / f"{name}.yaml")
+    return load(location(name))
 
 
 def load(path: str | Path) -> Study:

@@ -7,6 +7,7 @@ behind it, ``%``, and the decimal prefixes of the SI (BIPM, The International Sy
 import re
 from dataclasses import dataclass
 from fractions import Fraction
+from math import isfinite
 from typing import Self
 
 _PREFIXES = {
@@ -28,7 +29,8 @@ _SYMBOLS: dict[str, tuple[float, tuple[int, int, int, int]]] = {  # exponents of
     "T": (1.0, (0, 1, -2, -1)),
     "Wb": (1.0, (2, 1, -2, -1)),
 }
-_PART = re.compile(r"(?P<over>/)?\s*(?P<symbol>%|1|[A-Za-zµμ]+)\^?(?P<power>[-+]?\d+(?:/\d+)?)?")
+_PART = re.compile(r"(?P<over>/)?\s*(?P<symbol>%|1|[A-Za-zµμ]+)\^?(?P<power>[-+]?[0-9]+(?:/[0-9]+)?)?")
+_LARGEST_POWER, _LONGEST = 9, 100  # an exponent, also of its denominator; characters of a unit
 
 
 @dataclass(frozen=True)
@@ -75,15 +77,27 @@ def parse(text: str) -> Unit:
     """
     unit, position = Unit.none(), 0
     text = text.strip()
+    if len(text) > _LONGEST:
+        raise ValueError(f"a unit of {len(text)} characters is longer than {_LONGEST}")
     while position < len(text):
         match = _PART.match(text, position)
         if match is None:
             raise ValueError(f"{text[position:]!r} is not a unit")
-        power = Fraction(match["power"] or 1)
+        power = _power(match["power"] or "1")
         unit *= _symbol(match["symbol"]).power(-power if match["over"] else power)
         position = match.end()
         position += len(text[position:]) - len(text[position:].lstrip(" *·"))
+    if not (isfinite(unit.factor) and unit.factor > 0):
+        raise ValueError(f"{text!r} is beyond the range of numbers")
     return unit
+
+
+def _power(text: str) -> Fraction:
+    over, _, under = text.partition("/")
+    top, bottom = int(over), int(under or 1)
+    if abs(top) > _LARGEST_POWER or not 1 <= bottom <= _LARGEST_POWER:
+        raise ValueError(f"{text!r}: an exponent must be a whole number from -9 to 9, or one over 2 to 9")
+    return Fraction(top, bottom)
 
 
 def _symbol(text: str) -> Unit:

@@ -134,7 +134,15 @@ def test_studies(content: bytes, place: Path) -> None:
 @given(name=st.one_of(st.text(max_size=30), st.sampled_from(hostile.PAYLOADS)))
 def test_names_of_studies(name: str, place: Path) -> None:
     (place / "outside.yaml").write_text(hostile.STUDY, encoding="utf-8")
-    for word in (name, f"../{name}", "../outside", str(place / "outside"), "tiny/../../outside", f"{name}\0"):
+    for word in (
+        name,
+        f"../{name}",
+        "../outside",
+        str(place / "outside"),
+        "tiny/../../outside",
+        f"{name}\0",
+        f"no {name}.yaml",
+    ):
         if not word.startswith("-"):
             assert run(place, "run", word) == 2
 

@@ -49,11 +49,12 @@ class Project:
     """A copy of the project's files with room for results of its own."""
 
     folder: Path
+    modules: Path | None = None  # where Python finds the project's packages; by default in the copy
 
     def run(self, *command: str, check: bool = True) -> subprocess.CompletedProcess[str]:
         """Run a command of the virtual environment inside the copy."""
         program = Path(sys.executable).with_name(command[0])
-        environment = {**os.environ, "PYTHONPATH": str(self.folder), "OMP_NUM_THREADS": "1"}
+        environment = {**os.environ, "PYTHONPATH": str(self.modules or self.folder), "OMP_NUM_THREADS": "1"}
         done = subprocess.run(
             [program, *command[1:]], cwd=self.folder, env=environment, capture_output=True, text=True, check=False
         )
@@ -81,10 +82,9 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Project]:
 
     def make(name: str) -> Project:
         folder = tmp_path_factory.mktemp(name)
-        for part in ("solver", "surrogate", "workflow", "config", "profiles"):
+        for part in ("solver", "surrogate", "workflow", "config"):
             shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
-        for part in ("Snakefile", "pyproject.toml"):
-            shutil.copy(ROOT / part, folder / part)
+        shutil.copy(ROOT / "pyproject.toml", folder)
         (folder / "config" / "small.yaml").write_text(SMALL, encoding="utf-8")
         return Project(folder)
 

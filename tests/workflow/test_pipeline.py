@@ -1,19 +1,24 @@
 """The pipeline as real processes: what it makes, when it runs again, and that equal inputs give equal bytes."""
 
+import ast
 import json
 import re
 import shutil
+import sys
 from collections.abc import Callable
+from importlib.metadata import packages_distributions
 from pathlib import Path
 
 import numpy as np
 import pytest
+import snakemake
 
 import surrogate
 from solver import solve
 from solver.names import FIELDS, QUANTITIES
 from surrogate.netcdf import read_whole
 from tests.workflow.conftest import Project
+from workflow.provenance import ROOT
 
 REPORT = "results/small/report.html"
 
@@ -188,6 +193,45 @@ def test_snakemake_report_shows_the_figures_with_captions(ran: Project) -> None:
     page = (ran.folder / "snakemake-report.html").read_text(encoding="utf-8")
     for word in ("lies among all designs", "Exact surface fields while one factor varies", "parity"):
         assert word in page
+
+
+def test_the_run_environment_holds_what_snakemakes_report_imports() -> None:
+    sources = (Path(snakemake.__file__).parent / "report").rglob("*.py")
+    nodes = [node for file in sources for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))]
+    names = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
+    names |= {str(node.module) for node in nodes if isinstance(node, ast.ImportFrom) and node.level == 0}
+    needed = {name.partition(".")[0] for name in names} - sys.stdlib_module_names
+    assert needed >= {"pygments", "jinja2"}
+    known = packages_distributions()
+    for file in ("run", "slurm"):
+        text = (ROOT / f"requirements/{file}.txt").read_text(encoding="utf-8")
+        pinned = set(re.findall(r"^([a-z0-9._-]+)==", text, re.MULTILINE))
+        for name in needed:
+            assert {one.lower() for one in known[name]} & pinned, f"{file}.txt: {name}"
+
+
+def test_as_a_module_with_a_prefix_it_sweeps_and_tells_times(copy: Callable[[str], Project]) -> None:
+    project = copy("module")
+    (project.folder / "far").mkdir()
+    (project.folder / "config/small.yaml").rename(project.folder / "far/mine.yaml")
+    text = 'module meecontact:\n    snakefile: "workflow/Snakefile"\n    prefix: "mee"\n'
+    text += '    config: {"study": "far/mine.yaml"}\n\nuse rule * from meecontact as mee_*\n'
+    (project.folder / "Snakefile").write_text(text, encoding="utf-8")
+    results = project.folder / "mee/results/mine"
+    results.mkdir(parents=True)
+    (results / ".left.partial").touch()
+    project.snakemake("--nolock", "mee/results/mine/datacard.json")
+    assert json.loads((results / "datacard.json").read_text(encoding="utf-8"))["seconds_of_jobs"] > 0
+    assert not (results / ".left.partial").exists()
+
+
+def test_another_directory_without_studies_says_what_to_do(ran: Project, tmp_path: Path) -> None:
+    done = ran.snakemake("--directory", str(tmp_path), "-n", "results/small/report.html", check=False)
+    assert done.returncode == 1
+    assert f"study: 'small' is unknown: {tmp_path} has no config/*.yaml; go to a folder that has one" in done.stderr
+    study = f"study={ran.folder / 'config/small.yaml'}"
+    done = ran.snakemake("--directory", str(tmp_path), "--config", study, "-n", "results/small/report.html")
+    assert "surrogate" in done.stdout + done.stderr
 
 
 def test_rulegraph_and_lint(ran: Project) -> None:

@@ -1,5 +1,6 @@
 """The study model: what it accepts, and the one line with which it refuses."""
 
+import json
 import re
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 
 from solver.names import PEAKS
 from workflow import schema
-from workflow.inputs import InputError, read_yaml
+from workflow.inputs import InputError, read_material, read_yaml
 from workflow.study import Study, load
 
 QUICKSTART = Path("config/quickstart.yaml")
@@ -83,6 +84,16 @@ def test_quickstart_is_the_factorial_of_the_documentation() -> None:
         ("{load: 1e4, charge: 0.0}", "{load: 1e4}", "design: sensor: 'charge' is missing; put it in over, at, worst"),
         ("over: [volume_fraction, radius]", "over: [radius, radius]", "design: sensor: 'radius' is given twice"),
         ("  sensor:", "  my sensor:", "design: 'my sensor' must be letters, digits and underscores"),
+        ("  sensor:", "  größe:", "design: 'größe' must be letters, digits and underscores, at most 60 of ASCII"),
+        ("  sensor:", f"  {'s' * 61}:", f"design: '{'s' * 61}' must be letters, digits and underscores, at most 60"),
+        ("over: [volume_fraction, radius]", "over: {volume_fraction: {}, radius: {lo: 0.03}}",
+         "design.sensor.over.radius.lo: unknown key; did you mean 'low'? allowed: low, high, choices"),
+        ("dataset: {slabs: 2}", "dataset: {positions: {insde: 3}}",
+         "dataset.positions.insde: unknown key; did you mean 'inside'? allowed: inside, outside, reach"),
+        ("levels: 5", "levels: 010", "line: not valid YAML: '010' is not a decimal number; in quotes it is a text"),
+        ("radius: {low: 5e-3", "radius: {low: 1:30", "line: not valid YAML: '1:30' is not a decimal number"),
+        ("<= 50 MPa", "<= 50 MPa1/0", "design.sensor: 'trailing_tension <= 50 MPa1/0': '1/0': an exponent must be"),
+        ("<= 50 MPa", "<= 50 MPa999", "design.sensor: 'trailing_tension <= 50 MPa999': '999': an exponent must be"),
         ("cases: 5000", "cases: 5000\n  cases: 4", "line 27: not valid YAML: key 'cases' is given twice"),
         ("\ndesign:", "\n\tdesign:", "line 30: not valid YAML: found character '\\t' that cannot start any token"),
     ],
@@ -100,10 +111,58 @@ def test_refuses_more_cases_than_it_can_hold(tmp_path: Path) -> None:
         load(path)
 
 
+EFFECTS = "title: t\neffects: {{baseline: {{material: PZT-4, radius: 0.05, load: 1e5}}, vary: {}}}\n"
+FACTORIAL = """\
+title: t
+fixed: {{material: PZT-4, radius: 0.05}}
+factors: {{friction: {{low: 0.0, high: 0.5, levels: {}}}, load: {{low: 5e3, high: 5e4, levels: {}}}}}
+{}
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (EFFECTS.format(f"{{friction: [{'0.1, ' * 201}]}}"), "effects: vary: friction: 201 values; must be 1"),
+        (EFFECTS.format("{friction: []}"), "effects: vary: friction: 0 values; must be 1 to 200, each is a curve"),
+        (EFFECTS.format(f"{{friction: [{'0.1, ' * 12}]}}, positions: {{inside: 10000, outside: 10000}}"),
+         "effects: vary: friction: 12 values x 20000 positions are more than 200000"),
+        (EFFECTS.format("{friction: [0, 0.1]}, interior: {across: 2000, down: 2000}"),
+         "effects.interior: across x down: 2000 x 2000 points are more than 250000"),
+        (FACTORIAL.format(1000, 1000, "dataset: {positions: {inside: 2000, outside: 2}}"),
+         "dataset: 1000000 cases x 2002 positions are more than 2000000000 values of each field"),
+        (FACTORIAL.format("null", 1000, "dataset: {budget: 1000000, positions: {inside: 2000, outside: 2}}"),
+         "dataset: 1000000 cases x 2002 positions are more than 2000000000 values of each field"),
+        (FACTORIAL.format(1000, 1000, "surrogate: {fields: 21}"),
+         "surrogate: fields: 1000000 cases x 21 angles are more than 20000000"),
+    ],
+)  # fmt: skip
+def test_refuses_what_no_later_step_could_bear(tmp_path: Path, text: str, expected: str) -> None:
+    path = tmp_path / "large.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load(path)
+    assert str(caught.value).startswith(f"{path}: {expected}")
+
+
+def test_refuses_a_box_of_more_corners_than_are_solved_at_once(tmp_path: Path) -> None:
+    axes = ["volume_fraction", "friction", "radius", "load", "charge", "magnetic_charge", "speed", "width", "slope"]
+    names = "[a, b, c, d, e, f, g, h]"
+    kinds = ", ".join(f"{name}: {names}" for name in ("profile", "electric", "magnetic", "corner"))
+    path = tmp_path / "corners.yaml"
+    ranges = ", ".join(f"{name}: {{low: 0.1, high: 0.2}}" for name in axes)
+    path.write_text(f"title: t\nfactors: {{{ranges}}}\ncategories: {{{kinds}}}\n", encoding="utf-8")
+    with pytest.raises(
+        InputError, match=r"factors: a box of 2097152 corners, over all categories, has more than 262144"
+    ):
+        load(path)
+
+
 def test_numbers_follow_yaml_1_2(tmp_path: Path) -> None:
     path = tmp_path / "numbers.yaml"
-    path.write_text("a: 1e4\nb: -2.5E-3\nc: .5\nd: 7\ne: '1e4'\n", encoding="utf-8")
-    assert read_yaml(path) == {"a": 1e4, "b": -2.5e-3, "c": 0.5, "d": 7, "e": "1e4"}
+    path.write_text("a: 1e4\nb: -2.5E-3\nc: .5\nd: 7\ne: '1e4'\nf: '010'\ng: +0\nh: 007.5\ni: 1٢\n", encoding="utf-8")
+    expected = {"a": 1e4, "b": -2.5e-3, "c": 0.5, "d": 7, "e": "1e4", "f": "010", "g": 0, "h": 7.5, "i": "1٢"}
+    assert read_yaml(path) == expected
 
 
 @pytest.mark.parametrize(
@@ -116,6 +175,20 @@ def test_numbers_follow_yaml_1_2(tmp_path: Path) -> None:
         ("1: 2", "not a mapping of names"),
         ("a: " + "[" * 3000 + "]" * 3000, "nested too deeply"),
         ("a: 2020-13-45", "not valid YAML"),
+        ("a: !!bool maybe", "line 1: not valid YAML: tags, as !!int, are not allowed"),
+        ("a: !!int ''", "tags, as !!int, are not allowed"),
+        ("a: !!timestamp x", "tags, as !!int, are not allowed"),
+        ("a: !!seq {b: 1}", "tags, as !!int, are not allowed"),
+        ("a: " + "9" * 4000, "line 1: not valid YAML: a number of 4000 digits; at most 40, or write it as 1e3999"),
+        ("a: 010", "line 1: not valid YAML: '010' is not a decimal number; in quotes it is a text"),
+        ("a: 1:30", "'1:30' is not a decimal number"),
+        ("a: 1:30.5", "'1:30.5' is not a decimal number"),
+        ("a: 0b11", "'0b11' is not a decimal number"),
+        ("a: 0x1F", "'0x1F' is not a decimal number"),
+        ("a: 1_000", "'1_000' is not a decimal number"),
+        ("a: 1_000.5", "'1_000.5' is not a decimal number"),
+        (r'a: "\ud800"', r"a text must not hold the character '\\ud800'"),
+        (r'"\e[2J": 1', r"a text must not hold the character '\\x1b'"),
     ],
 )
 def test_yaml_is_data_only(tmp_path: Path, text: str, expected: str) -> None:
@@ -157,6 +230,14 @@ def test_own_material_is_read_and_checked(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text(constants + "mu11: -590e-6\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"mine\.yaml: mine: mu11 = -0\.00059 N s2 C-2: must be positive; .*\+590e-6"):
         load(study)
+
+
+@pytest.mark.parametrize("name", ["$x^$", "a\tb", "x" * 61, "a|b"])
+def test_a_material_has_a_name_that_figures_and_files_bear(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(f"name: {json.dumps(name)}\nc11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"mine\.yaml: name: .* must be up to 60 letters, digits, blanks and any of"):
+        read_material(path)
 
 
 def test_positions_never_touch_the_edges() -> None:

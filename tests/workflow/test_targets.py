@@ -175,6 +175,23 @@ def test_every_unit_of_the_interface_is_known() -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("V1/0", "'1/0': an exponent must be a whole number from -9 to 9, or one over 2 to 9"),
+        ("kV999", "'999': an exponent must be"),
+        ("V99999999999999999999", "an exponent must be"),
+        ("V٣", "'٣' is not a unit"),
+        ("kV9 " * 12, "beyond the range of numbers"),
+        ("mV9 " * 12, "beyond the range of numbers"),
+        ("V " * 60, "a unit of 119 characters is longer than 100"),
+    ],
+)
+def test_units_beyond_numbers_are_refused(text: str, reason: str) -> None:
+    with pytest.raises(ValueError, match=reason):
+        units.parse(text)
+
+
+@pytest.mark.parametrize(
     ("one", "other", "ratio"),
     [("kV/mm", "V m-1", 1e6), ("N m-2", "Pa", 1.0), ("V A", "J s-1", 1.0), ("Wb", "V s", 1.0), ("F V", "C", 1.0),
      ("T m2", "Wb", 1.0), ("g", "kg", 1e-3), ("µm", "nm", 1e3), ("%", "1", 0.01), ("C^2", "A2 s2", 1.0)],

@@ -3,13 +3,33 @@
 # Priorities, in all files: the slabs first, then what stands between them and the validation, for which a run waits
 # longest; cards, figures and the rest fill the cores that this leaves idle.
 
+import sys
 from functools import cache
 
-from workflow import partition, planned, provenance, running
+from workflow import location, partition, planned, provenance, running
 from workflow import study as studies
 from workflow.study import CHECK_GROUPS, CONVERGING, PHYSICS
 
+# jobs look for modules where this process does, before the folder of their script, which has a surrogate.py of its own
+sys.path.insert(0, str(provenance.ROOT))
+
 STUDIES = set()  # those that this run needs
+RESULTS = workflow.modifier.path_modifier.replace_prefix("results")  # where a module's `prefix:` puts them
+
+try:
+    STUDY = location.given(str(config.get("study", "quickstart")))
+except studies.InputError as error:
+    raise WorkflowError(str(error))
+
+
+def before(theirs, ours):
+    """A handler that calls ours, then theirs."""
+
+    def both(log):
+        ours()
+        theirs(log)
+
+    return both
 
 
 @cache

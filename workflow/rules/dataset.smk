@@ -61,7 +61,6 @@ rule card:
     params:
         study=sections("title", *PHYSICS, "dataset"),
         code=provenance.code("workflow/scripts/card.py"),
-        benchmarks=lambda wildcards: slabs_of(wildcards, "logs/{study}/slab/{slab}.tsv"),
     log:
         "logs/{study}/card.log",
     script:

@@ -14,6 +14,7 @@ joblog.start(snakemake.log[0])
 name = snakemake.wildcards.study
 config = choice.resolved(planned.study(name, snakemake.params.study), snakemake.input.levels)
 slabs = [Path(slab) for slab in snakemake.input.slabs]
-card = datacard.card(config, name, slabs, [Path(file) for file in snakemake.params.benchmarks])
+times = [Path(snakemake.log[0]).with_name("slab") / f"{number}.tsv" for number in range(len(slabs))]
+card = datacard.card(config, name, slabs, times)
 write_text(Path(snakemake.output.json), json.dumps(card, indent=1) + "\n")
 write_text(Path(snakemake.output.markdown), datacard.markdown(card))

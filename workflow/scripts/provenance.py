@@ -4,10 +4,12 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from workflow import joblog, provenance
+from workflow import joblog, location, provenance
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
 results = [Path(result) for result in snakemake.input]
-provenance.write(Path(snakemake.output[0]), snakemake.params.study, snakemake.params.seed, results)
+output = Path(snakemake.output[0])
+study = location.from_results(snakemake.wildcards.study, output.parent)
+provenance.write(output, study, snakemake.params.study, snakemake.params.seed, results)

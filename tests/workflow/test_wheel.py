@@ -1,0 +1,49 @@
+"""The wheel, away from any checkout: it holds what `meecontact run` needs."""
+
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+from tests.workflow.conftest import Project
+from workflow.provenance import ROOMS, ROOT
+
+MATERIAL = "c11: 166e9\nc12: 77e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\neps11: 11.2e-9\neps33: 12.6e-9\n"
+STUDY = """\
+title: Effects of a material of our own
+materials: [materials/own.yaml]
+effects:
+  baseline: {material: own, radius: 0.05, load: 1e5}
+  vary: {friction: [0.0, 0.4]}
+  positions: {inside: 30, outside: 30}
+"""
+
+
+def test_the_installed_program_runs_a_study_from_anywhere(copy: Callable[[str], Project], tmp_path: Path) -> None:
+    source = copy("wheel").folder
+    (source / "README.md").write_text("# meecontact\n", encoding="utf-8")
+    build = "from setuptools.build_meta import build_wheel; print(build_wheel('.'))"
+    told = subprocess.run([sys.executable, "-c", build], cwd=source, capture_output=True, text=True, check=True)
+    site, work = tmp_path / "site", tmp_path / "work"
+    with zipfile.ZipFile(source / told.stdout.split()[-1]) as wheel:
+        held = {name for name in wheel.namelist() if ".dist-info/" not in name}
+        wheel.extractall(site)
+    files = {file for room in ROOMS for file in (ROOT / room).rglob("*") if file.is_file()}
+    assert held == {str(file.relative_to(ROOT)) for file in files if "__pycache__" not in file.parts}
+
+    study = tmp_path / "studies/mine.yaml"
+    (study.parent / "materials").mkdir(parents=True)
+    study.write_text(STUDY, encoding="utf-8")
+    (study.parent / "materials/own.yaml").write_text(MATERIAL, encoding="utf-8")
+    work.mkdir()
+    installed = Project(work, modules=site)
+    done = installed.run("meecontact", "run", "quickstart", check=False)
+    assert done.returncode == 2
+    assert "has no config/*.yaml; go to a folder that has one, or give the path of a study's file" in done.stderr
+    assert not list(work.iterdir())
+    done = installed.run("meecontact", "run", "../studies/mine.yaml", "--cores", "2")
+    assert str(site / "workflow/profiles/default") in done.stderr
+    assert done.stdout.endswith("report: results/mine/report.html\n")
+    assert "Effects of a material of our own" in (work / "results/mine/report.html").read_text(encoding="utf-8")
+    assert sorted(file.name for file in work.iterdir()) == [".snakemake", "logs", "results"]
