@@ -81,7 +81,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Project]:
 
     def make(name: str) -> Project:
         folder = tmp_path_factory.mktemp(name)
-        for part in ("solver", "surrogate", "workflow", "config", "profiles"):
+        for part in ("solver", "surrogate", "workflow", "config", "profiles", "examples"):
             shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
         for part in ("Snakefile", "pyproject.toml"):
             shutil.copy(ROOT / part, folder / part)
