@@ -32,3 +32,7 @@ def __getattr__(name: str) -> object:
     if name not in _MODELS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{_MODELS[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -28,6 +28,8 @@ from surrogate.quantile import quantile_regression
 Array = NDArray[np.float64]
 
 NOMINAL = 0.95
+# Calibrated standard deviations from the mean to the ends of the nominal interval.
+HALF_WIDTH = float(norm.ppf((1 + NOMINAL) / 2))
 # Share that every slab of every input holds, before its own sampling error.
 GUARD = 0.92
 # Share that level and guard hold together on the cases that they were fitted to: a little is lost on fresh ones.
@@ -147,7 +149,7 @@ def calibrate(errors: Array, parts: Sequence[Array], t: Array) -> Calibration:
         ratio = np.maximum(ratio, ratio.max() - DEPTH)
         trend[:, p] = quantile_regression(A, ratio, NOMINAL)
         level, guard[:, :, p] = _level_and_guard(_cross_fitted(A, ratio, trend[:, p]), slabs)
-        trend[0, p] += level - np.log(norm.ppf((1 + NOMINAL) / 2))
+        trend[0, p] += level - np.log(HALF_WIDTH)
     return Calibration(weights, floor, trend, guard)
 
 

@@ -1,6 +1,6 @@
 """The face that all surrogates share: named, labelled inputs and outputs over scikit-learn's estimator conventions."""
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any, ClassVar, Literal, Self, overload
@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted
 
-from surrogate.conformal import Calibration, calibrate
+from surrogate.conformal import HALF_WIDTH, NOMINAL, Calibration, calibrate
 from surrogate.inputs import Input, unit_coordinates
-from surrogate.points import Points, named_points, outside, require_inside
+from surrogate.points import Points, Queries, named_points, outside, require_inside
 
 Array = NDArray[np.float64]
 
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 BLOCK = 2048
 
 
-class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is untyped
+class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
     """Base of the surrogates: several outputs over named inputs, with mean, standard deviation and gradient.
 
     Subclasses fit on a data set and answer at scaled coordinates; this class checks, labels and scales.
@@ -90,18 +90,17 @@ class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # s
         check_is_fitted(self, "inputs_")
         return {one.name: one for one in self.inputs_}
 
-    def predict(
-        self, points: Mapping[str, Any] | xr.Dataset, return_std: bool = True, *, extrapolate: bool = False
-    ) -> xr.Dataset:
-        """Predict every output, with its standard deviation, at named points.
+    def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
+        """Predict every output, with its standard deviation, at points.
 
         Parameters
         ----------
-        points : mapping or Dataset
+        points : mapping, Dataset, DataFrame or array
             One entry per input, in physical units: a scalar, a 1-d array (dimension `point`), or a DataArray of any
-            dimensions; they broadcast by name.
+            dimensions; they broadcast by name. A DataFrame has a column an input; an array is (n, d) in their order.
         return_std : bool
-            Add `<output>_std`.
+            Add `<output>_std`, the scale of `interval`: one of it to either side holds far less than 68 %, since
+            interpolation errors are not Gaussian.
         extrapolate : bool
             Answer outside the trained box too, and add the boolean variable `extrapolated`.
 
@@ -115,7 +114,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # s
         OutOfBoxError
             A point outside the trained box, unless `extrapolate`.
         ValueError
-            Missing or unknown inputs, NaN, lengths or coordinates that do not agree.
+            Missing or unknown inputs, NaN, lengths, shapes or coordinates that do not agree.
         """
         check_is_fitted(self, "inputs_")
         named = named_points(points, self.inputs_)
@@ -131,6 +130,27 @@ class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # s
         if outer is not None:
             answer["extrapolated"] = named.labelled(outer, {"long_name": "outside the trained box"})
         return xr.Dataset(answer)
+
+    def interval(self, points: Queries, level: float = NOMINAL, *, extrapolate: bool = False) -> xr.Dataset:
+        """Return the ends of the interval that holds the true value of an output in a share `level` of the cases.
+
+        Parameters and errors as for `predict`, and ValueError for any other level than 0.95. Returns a Dataset with
+        `<output>_lower` and `<output>_upper`. Before `calibrate` it is the process's own interval, which may not hold.
+        """
+        if level != NOMINAL:
+            raise ValueError(
+                f"level {level!r} is not {NOMINAL}, the only one that is calibrated: errors are not Gaussian, "
+                "and no multiple of the standard deviation holds another share everywhere"
+            )
+        found = self.predict(points, extrapolate=extrapolate)
+        answer: dict[str, xr.DataArray] = {}
+        for name in self.outputs_:
+            attrs, half = found[name].attrs, HALF_WIDTH * found[f"{name}_std"]
+            for end, value in (("lower", found[name] - half), ("upper", found[name] + half)):
+                long_name = f"{end} end of the {NOMINAL:.0%} interval of {attrs.get('long_name', name)}"
+                answer[f"{name}_{end}"] = value.assign_attrs({**attrs, "long_name": long_name.replace("%", " %")})
+        flags = {"extrapolated": found["extrapolated"]} if extrapolate else {}
+        return xr.Dataset(answer | flags)
 
     @overload
     def predict_array(
@@ -157,13 +177,11 @@ class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # s
         mean, std = self._blocks(points, return_std)
         return (mean.T, std.T) if std is not None else mean.T
 
-    def gradient(
-        self, points: Mapping[str, Any] | xr.Dataset, return_std: bool = False, *, extrapolate: bool = False
-    ) -> xr.Dataset:
-        """Return d output/d input at named points, analytically, in physical units.
+    def gradient(self, points: Queries, return_std: bool = False, *, extrapolate: bool = False) -> xr.Dataset:
+        """Return d output/d input at points, analytically, in physical units.
 
         Parameters and errors as for `predict`. Returns a Dataset with `<output>` and, with `return_std`,
-        `<output>_std`, the derivative of the standard deviation, over (`input`, the points' dimensions); the
+        `<output>_std_gradient`, the derivative of the standard deviation, over (`input`, the points' dimensions); the
         coordinates `input` and `input_units` name the inputs and their units. Where the standard deviation is zero it
         has a kink, and 0 is given.
         """
@@ -172,7 +190,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # s
         outer = self._checked(named, extrapolate)
         parts = {"": self._physical_slopes(named.X, self._slopes)}
         if return_std:
-            parts["_std"] = self._physical_slopes(named.X, self._std_slopes)
+            parts["_std_gradient"] = self._physical_slopes(named.X, self._std_slopes)
         coords = {
             "input": [one.name for one in self.inputs_],
             "input_units": ("input", [i.units for i in self.inputs_]),

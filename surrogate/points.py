@@ -3,16 +3,29 @@
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from surrogate.inputs import Input
 
 # Room for rounding at the ends of the box, as a share of its width on the input's own scale.
 SLACK = 1e-12
+
+
+@runtime_checkable
+class Table(Protocol):
+    """What a DataFrame is here: named columns, had by their names."""
+
+    columns: Any
+
+    def __getitem__(self, name: Any, /) -> Any: ...
+
+
+# What a query may be: named inputs, a table with a column an input, or plain points in the order of the inputs.
+Queries: TypeAlias = Mapping[Any, Any] | xr.Dataset | Table | ArrayLike
 
 
 class OutOfBoxError(ValueError):
@@ -49,21 +62,25 @@ class Points:
         return np.asarray(array.broadcast_like(like).transpose(*like.dims).values, dtype=np.float64).ravel()
 
 
-def named_points(points: Mapping[Any, Any] | xr.Dataset, inputs: Sequence[Input]) -> Points:
+def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
     """Broadcast named inputs against each other.
 
     Parameters
     ----------
-    points : mapping or Dataset
-        One entry per input: a scalar, a 1-d array (dimension `point`), or a DataArray of any dimensions.
+    points : mapping, Dataset, DataFrame or array
+        One entry per input: a scalar, a 1-d array (dimension `point`), or a DataArray of any dimensions. A DataFrame
+        has a column an input, in any order; an array is (n, d), columns in the order of the inputs.
     inputs : sequence of Input
         What the model needs.
 
     Raises
     ------
     ValueError
-        A missing or unknown name, arrays of unequal length or coordinates, values that are not finite numbers.
+        A missing or unknown name, arrays of another shape, unequal length or coordinates, values that are not finite
+        numbers.
     """
+    if not isinstance(points, (Mapping, xr.Dataset)):
+        points = _by_name(points, [one.name for one in inputs])
     _check_names(points, [one.name for one in inputs])
     arrays = [_as_array(one.name, points[one.name]) for one in inputs]
     lengths = {one.name: a.sizes["point"] for one, a in zip(inputs, arrays, strict=True) if "point" in a.dims}
@@ -110,6 +127,29 @@ def _margin(one: Input) -> tuple[float, float]:
         return one.low * (1 - slack), one.high * (1 + slack)
     slack = SLACK * (one.high - one.low)
     return one.low - slack, one.high + slack
+
+
+def _by_name(points: Table | ArrayLike, names: Sequence[str]) -> dict[Any, Any]:
+    """The columns of a table or of plain points."""
+    if isinstance(points, Table):
+        if len(set(points.columns)) < len(points.columns):
+            raise ValueError("the table of points has a column twice")
+        return {name: np.asarray(points[name]) for name in points.columns}
+    array = None if isinstance(points, (str, bytes, xr.DataArray)) else _plain(points)
+    if array is None or array.ndim != 2 or array.shape[1] != len(names) or array.dtype.kind not in "iuf":
+        got = type(points).__name__ if array is None else f"{array.dtype} values of shape {array.shape}"
+        raise ValueError(
+            f"points must be named, or an array of numbers of shape (n, {len(names)}) with the columns "
+            f"{', '.join(names)}; got {got}"
+        )
+    return dict(zip(names, array.T, strict=True))
+
+
+def _plain(points: ArrayLike) -> NDArray[Any] | None:
+    try:
+        return np.asarray(points)
+    except ValueError:  # rows of unequal length
+        return None
 
 
 def _check_names(points: Mapping[Any, Any] | xr.Dataset, names: Sequence[str]) -> None:

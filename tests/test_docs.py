@@ -6,7 +6,7 @@ import re
 import shlex
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import ModuleType
 
@@ -19,16 +19,17 @@ from workflow.provenance import ROOT
 __all__ = ["copy"]
 
 PAGES = sorted((ROOT / "docs").glob("*.md"))
+SHOWN = [ROOT / "README.md", *PAGES]  # the README's Python is run by tests/test_documents.py
 BLOCK = re.compile(r"```(\w+)\n(.*?)```", re.DOTALL)
 # run elsewhere: a cluster's by `make slurm`
 ELSEWHERE = {"meecontact run quickstart --profile slurm": "tests/slurm/test_slurm.py"}
 
 
-def blocks(kind: str) -> list[tuple[str, str]]:
+def blocks(kind: str, pages: Sequence[Path] = PAGES) -> list[tuple[str, str]]:
     """Pages and blocks of one kind, in the order of the pages."""
     return [
         (page.name, text)
-        for page in PAGES
+        for page in pages
         for found, text in BLOCK.findall(page.read_text(encoding="utf-8"))
         if found == kind
     ]
@@ -50,13 +51,17 @@ def project(copy: Callable[[str], Project]) -> Project:
     return project
 
 
-@pytest.mark.parametrize(("page", "text"), [*blocks("sh")], ids=lambda part: part if part.endswith(".md") else "")
+@pytest.mark.parametrize(
+    ("page", "text"), [*blocks("sh", SHOWN)], ids=lambda part: part if part.endswith(".md") else ""
+)
 def test_every_command_runs(page: str, text: str, project: Project) -> None:
-    for line in text.strip().splitlines():
+    for line in text.strip().replace("\\\n", " ").splitlines():
         command = shlex.split(line, comments=True)
         if line in ELSEWHERE:
             called = (ROOT / ELSEWHERE[line]).read_text(encoding="utf-8")
             assert ", ".join(f'"{word}"' for word in command) in called
+        elif command[0] == ".":
+            assert command[1:] == [".venv/bin/activate"]  # beside the programs that `project.run` takes
         elif command[0] == "make":
             makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
             assert re.search(rf"^{command[1]}:", makefile, re.MULTILINE)

@@ -20,7 +20,7 @@ from solver.names import QUANTITIES
 from surrogate import FormatError, OutOfBoxError
 from surrogate.netcdf import write_whole
 from surrogate.trial import try_to_read
-from workflow import factorial, location
+from workflow import factorial, location, materials, predictions
 from workflow import study as studies
 from workflow.files import write_text
 from workflow.inputs import InputError, one_line, read_cases, read_material
@@ -86,7 +86,13 @@ def _parser() -> _Parser:
     command.add_argument("--fields", metavar="NAME,...", help="these fields only; strains and potentials by name too")
     command.set_defaults(run=_interior)
 
-    command = commands.add_parser("query", help="mean and standard deviation from a trained surrogate")
+    command = commands.add_parser(
+        "query",
+        help="values and 95 %% intervals from a trained surrogate",
+        description="Values and the intervals that hold the exact ones in 95 %% of cases. Columns written: the inputs, "
+        "then NAME, NAME_std, NAME_lower and NAME_upper of every output. NAME_std is half the interval's width over "
+        "1.96; errors are not Gaussian, and NAME +- NAME_std holds few of them.",
+    )
     command.add_argument("surrogate", type=Path, metavar="surrogate.nc")
     command.add_argument(
         "table", type=Path, nargs="?", metavar="AT.csv", help="one row a point, columns are the inputs"
@@ -99,8 +105,15 @@ def _parser() -> _Parser:
     )
     command.set_defaults(run=_query)
 
-    command = commands.add_parser("material", help="check a material; print roots, compliance and admissibility")
-    command.add_argument("material", metavar="FILE.yaml", help="a material's file, or the name of a built-in one")
+    command = commands.add_parser(
+        "material", help="check a material, print roots and compliance; or list what is built in"
+    )
+    command.add_argument(
+        "material",
+        nargs="?",
+        metavar="FILE.yaml",
+        help="a material's file, or the name of a built-in one; none: a list",
+    )
     command.set_defaults(run=_material)
 
     command = commands.add_parser("design", help="answer a design question from a trained surrogate, in seconds")
@@ -193,9 +206,11 @@ def _query(options: argparse.Namespace) -> None:
             raise InputError(f"{where}: case {points[name].index(None) + 1}: {name}: empty; must be a number")
     named = {name: xr.DataArray(np.asarray(values, dtype=np.float64), dims="point") for name, values in points.items()}
     try:
-        answer = model.predict(named, extrapolate=options.extrapolate)
+        answer = predictions.predicted(model, named, extrapolate=options.extrapolate)
     except ValueError as error:
         raise InputError(f"{where}: {error}") from None
+    if model.calibration_ is None:
+        print("not calibrated: this surrogate's intervals may hold far less than 95 %", file=sys.stderr)
     if options.exact is not None:
         answer = _with_exact(answer, named, studies.named(location.given(options.exact)), list(model.outputs_))
     if options.at is not None and options.output is None:
@@ -219,10 +234,10 @@ def _with_exact(
 def _print_answer(answer: xr.Dataset, outputs: list[str]) -> None:
     if "extrapolated" in answer and bool(answer["extrapolated"].values[0]):
         print("extrapolated: the point lies outside the trained box; its intervals are not to be trusted")
+    said = predictions.table(answer, outputs)
     for name in outputs:
-        mean, std = (float(answer[key].values[0]) for key in (name, f"{name}_std"))
         exact = f"  exact {float(answer[f'{name}_exact'].values[0]): .10g}" if f"{name}_exact" in answer else ""
-        print(f"{name:34s} {mean: .10g}  +- {std:.2g}{exact}  {answer[name].attrs.get('units', '')}")
+        print(f"{said[name]}{exact}  {answer[name].attrs.get('units', '')}")
 
 
 def _write_answer(path: Path, points: dict[str, list[Any]], answer: xr.Dataset) -> None:
@@ -238,6 +253,9 @@ def _write_answer(path: Path, points: dict[str, list[Any]], answer: xr.Dataset) 
 
 
 def _material(options: argparse.Namespace) -> None:
+    if options.material is None:
+        print(materials.listed())
+        return
     path = Path(options.material)
     material = read_material(path)[1] if path.suffix in (".yaml", ".yml") or path.exists() else find(options.material)
     with np.errstate(all="ignore"):  # what is not finite is named below

@@ -10,8 +10,10 @@ from typing import Any
 import yaml
 
 from solver import Material, MaterialError
+from solver.material import UNITS
 from solver.names import CHOICES, FACTORS
 from workflow.targets import nearest
+from workflow.units import in_si
 
 _LARGEST = 1 << 20  # bytes; a study or a material is a few kB
 _LARGEST_TABLE = 1 << 28
@@ -130,16 +132,23 @@ def read_yaml(path: Path) -> dict[str, Any]:
 
 
 def read_material(path: Path) -> tuple[str, Material]:
-    """Name and constants of a user's material file.
+    """Name and constants of a user's material file: numbers in SI, or with a unit, as ``c11: 115 GPa``.
 
     Raises
     ------
     InputError
         One line that names file, constant, value and what is allowed.
     """
-    content = read_yaml(path)
+    content = {"name": path.stem, **read_yaml(path)}
+    for name, units in UNITS.items():
+        text = content.get(name)
+        if isinstance(text, str):
+            try:
+                content[name] = in_si(text, units)
+            except ValueError as error:
+                raise InputError(f"{path}: {content['name']}: {name}: {error}") from None
     try:
-        material = Material.from_mapping({"name": path.stem, **content})
+        material = Material.from_mapping(content)
     except MaterialError as error:
         raise InputError(f"{path}: {error}") from None
     if not _MATERIAL_NAME.fullmatch(material.name):

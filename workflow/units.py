@@ -6,6 +6,7 @@ behind it, ``%``, and the decimal prefixes of the SI (BIPM, The International Sy
 
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from math import isfinite
 from typing import Self
@@ -28,9 +29,11 @@ _SYMBOLS: dict[str, tuple[float, tuple[int, int, int, int]]] = {  # exponents of
     "F": (1.0, (-2, -1, 4, 2)),
     "T": (1.0, (0, 1, -2, -1)),
     "Wb": (1.0, (2, 1, -2, -1)),
+    "H": (1.0, (2, 1, -2, -2)),
 }
 _PART = re.compile(r"(?P<over>/)?\s*(?P<symbol>%|1|[A-Za-zµμ]+)\^?(?P<power>[-+]?[0-9]+(?:/[0-9]+)?)?")
-_LARGEST_POWER, _LONGEST = 9, 100  # an exponent, also of its denominator; characters of a unit
+_QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)(?![\w.])\s*(\S.*)")
+_LARGEST_POWER, _LONGEST = 9, 100  # an exponent, also of its denominator; characters of a unit, or of a number with it
 
 
 @dataclass(frozen=True)
@@ -98,6 +101,28 @@ def _power(text: str) -> Fraction:
     if abs(top) > _LARGEST_POWER or not 1 <= bottom <= _LARGEST_POWER:
         raise ValueError(f"{text!r}: an exponent must be a whole number from -9 to 9, or one over 2 to 9")
     return Fraction(top, bottom)
+
+
+def in_si(text: str, units: str) -> float:
+    """Read a number with its unit, as ``115 GPa``: its value in `units`, which are of the SI.
+
+    What a decimal prefix does is rounded once: ``11.2 nF/m`` is 11.2e-9 to the last bit.
+
+    Raises
+    ------
+    ValueError
+        No number with a unit, a unit that is none, or one of another kind of quantity.
+    """
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is None:
+        raise ValueError(f"{text[:_LONGEST]!r} is not a finite number [{units}], nor one with a unit behind a blank")
+    found = parse(match[2])
+    if not found.fits(parse(units)):
+        raise ValueError(f"{text!r}: unit mismatch: {match[2]!r} does not measure what {units!r} measures")
+    value = float(Decimal(match[1]) * Decimal(repr(found.factor))) if isfinite(float(match[1])) else float("inf")
+    if not isfinite(value):
+        raise ValueError(f"{text!r} is not a finite number [{units}]")
+    return value
 
 
 def _symbol(text: str) -> Unit:

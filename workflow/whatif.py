@@ -10,6 +10,7 @@ from markupsafe import Markup
 
 from solver.names import EVERY_QUANTITY, FACTORS
 from surrogate import GaussianProcess
+from surrogate.conformal import HALF_WIDTH
 from surrogate.plain import plain
 from workflow import answers, factorial
 from workflow.categories import Kinds, output
@@ -41,6 +42,7 @@ def content(
     learned = factorial.learned(study, quantities)
     return {
         "surrogate": stored,
+        "halfWidth": HALF_WIDTH,
         "quantities": [{"name": name, **EVERY_QUANTITY[name].attrs} for name in study.outputs],
         "categories": study.categories,
         "kinds": [_kind(study, model, kind) for kind in study.combinations],

@@ -1,5 +1,7 @@
 """The published BaTiO3-CoFe2O4 tables and where they come from; PMN-PT against the figures of its abstract."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -95,6 +97,24 @@ def test_pmn_pt_has_the_figures_of_its_abstract() -> None:
     assert d[2] == pytest.approx(2800e-12, rel=0.15)  # half a GPa of c13, where it is rounded, moves d33 by 12 %
     assert d[2] / np.sqrt(s[2, 2] * free) == pytest.approx(0.94, abs=0.03)
     assert float(np.sqrt((m.c11 - m.c12) / 2 / m.rho)) == pytest.approx(880, rel=0.03)
+
+
+def test_doubts_in_the_entries_are_what_the_constants_say() -> None:
+    pmn, film = solver.find("PMN-PT 67:33"), solver.find("P(VDF-TrFE) 75:25")
+    c = np.array([[pmn.c11, pmn.c12, pmn.c13], [pmn.c12, pmn.c11, pmn.c13], [pmn.c13, pmn.c13, pmn.c33]], dtype=float)
+    d33 = float((np.linalg.inv(c) @ np.array([pmn.e31, pmn.e31, pmn.e33], dtype=float))[2])
+    assert d33 == pytest.approx(3170e-12, rel=1e-3)
+    assert d33 / 2800e-12 == pytest.approx(1.13, abs=0.005)
+    assert float(np.linalg.eigvalsh(c)[0]) == pytest.approx(5e9, rel=0.1)
+    assert "3170 pC/N, 13 % above its 2800" in pmn.note
+    shear = (film.c11 - film.c12) / 2
+    assert float(shear / film.c44) == pytest.approx(10, rel=0.01)
+    assert "c44 = 0.105 GPa is a tenth of what (c11 - c12)/2 = 1.05 GPa" in film.note
+    stiffer = replace(film, c44=shear, name="stiffer")
+    both = solver.solve({"material": [film, stiffer], "radius": 0.05, "load": 1e3, "friction": 0.3})
+    both = both.assign(width=both["contact_trailing"] + both["contact_leading"])
+    for name, ratio in {"width": 0.6, "peak_pressure": 1.7, "trailing_tension": 0.6, "voltage": 0.7}.items():
+        assert round(float(both[name][1] / both[name][0]), 1) == ratio
 
 
 @pytest.mark.parametrize(

@@ -163,7 +163,7 @@ def test_the_gradient_of_the_standard_deviation_agrees_with_differences(kind: st
         above, below = ({**at, one.name: at[one.name] + sign * step} for sign in (1, -1))
         slope = (model.predict(above) - model.predict(below)) / (2 * step)
         for name in model.outputs_:
-            found, want = gradient[f"{name}_std"].sel(input=one.name), slope[f"{name}_std"]
+            found, want = gradient[f"{name}_std_gradient"].sel(input=one.name), slope[f"{name}_std"]
             room = 1e-4 * float(np.abs(want.values).max()) + 1e-12
             np.testing.assert_allclose(found, want, rtol=1e-3, atol=room, err_msg=f"{name} {one.name}")
 

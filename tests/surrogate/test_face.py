@@ -1,6 +1,7 @@
 """Named inputs and outputs, refusals, and scikit-learn's conventions, for every engine."""
 
 import re
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import xarray as xr
 from sklearn.base import clone
 from sklearn.exceptions import NotFittedError
 
-from surrogate import GridGP, Input, OutOfBoxError, ScatterGP
+from surrogate import GaussianProcess, GridGP, Input, OutOfBoxError, ScatterGP
 from tests.surrogate import functions
 
 COUNTS = (9, 5, 5, 5, 2)
@@ -185,7 +186,75 @@ def test_unsorted_and_transposed_levels_give_the_same_model(model: GridGP) -> No
     np.testing.assert_array_equal(again.predict_array(X), model.predict_array(X))
 
 
+def _table(columns: Mapping[str, Any]) -> Any:
+    """A pandas DataFrame."""
+    return xr.Dataset({name: ("row", values) for name, values in columns.items()}).to_dataframe()
+
+
+def test_arrays_and_tables_are_points_too(model: GridGP) -> None:
+    held = functions.scattered(20, seed=5)[list(model.box)]
+    named = {name: held[name].values for name in model.box}
+    table = _table(named)
+    expected = model.predict(named)
+    for points in (table.to_numpy(), table.to_numpy().tolist(), table, table[table.columns[::-1]]):
+        xr.testing.assert_identical(model.predict(points), expected)
+        xr.testing.assert_identical(model.interval(points), model.interval(named))
+        xr.testing.assert_identical(model.gradient(points), model.gradient(named))
+
+
+@pytest.mark.parametrize(
+    ("points", "says"),
+    [
+        (np.zeros((3, 4)), "the columns mixture, angle, size, force, bias; got float64 values of shape (3, 4)"),
+        (np.zeros(5), "an array of numbers of shape (n, 5)"),
+        (np.full((1, 5), "a"), "got <U1 values of shape (1, 5)"),
+        (np.zeros((1, 5), dtype=bool), "got bool values of shape (1, 5)"),
+        ([[0.5, 0.3], [0.1]], "got list"),
+        (xr.DataArray(np.zeros((5, 5)), dims=("input", "point")), "points must be named"),
+        ("mixture=0.5", "got str"),
+        (None, "got object values of shape ()"),
+        (0.5, "got float64 values of shape ()"),
+        (_table({"mixture": [0.5], "siez": [0.1]}), "unknown input 'siez'; did you mean 'size'?"),
+        (_table({"size": [0.1]})[["size", "size"]], "the table of points has a column twice"),
+        (
+            _table({**{name: [value] for name, value in MIDDLE.items()}, "size": ["large"]}),
+            "input 'size' must be numbers",
+        ),
+    ],
+)
+def test_points_of_another_shape_are_refused_in_one_line(model: GridGP, points: Any, says: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(says)) as caught:
+        model.predict(points)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_interval_is_that_of_95_percent_and_no_other(model: GridGP) -> None:
+    answer, found = model.predict(MIDDLE), model.interval(MIDDLE)
+    assert list(found.data_vars) == [f"{name}_{end}" for name in model.outputs_ for end in ("lower", "upper")]
+    assert found["smooth_lower"].attrs == {
+        "units": "Pa",
+        "long_name": "lower end of the 95 % interval of the smooth output",
+    }
+    for name in model.outputs_:
+        half = 1.959963984540054 * float(answer[f"{name}_std"])
+        assert float(found[f"{name}_lower"]) == pytest.approx(float(answer[name]) - half, rel=1e-15)
+        assert float(found[f"{name}_upper"]) == pytest.approx(float(answer[name]) + half, rel=1e-15)
+    far = model.interval({**MIDDLE, "mixture": [0.5, 0.951]}, extrapolate=True)
+    assert far["extrapolated"].values.tolist() == [False, True]
+    with pytest.raises(OutOfBoxError, match=re.escape("mixture = 0.951")):
+        model.interval({**MIDDLE, "mixture": 0.951})
+    with pytest.raises(ValueError, match=re.escape("level 0.68 is not 0.95, the only one that is calibrated")):
+        model.interval(MIDDLE, 0.68)
+
+
+def test_the_common_face_is_no_model() -> None:
+    with pytest.raises(TypeError, match="abstract class GaussianProcess"):
+        GaussianProcess()
+
+
 def test_gradient_is_labelled(model: GridGP) -> None:
+    both = model.gradient(MIDDLE, return_std=True)
+    assert list(both.data_vars) == [*model.outputs_, *(f"{name}_std_gradient" for name in model.outputs_)]
     found = model.gradient({**MIDDLE, "angle": [0.1, 0.2]})
     assert found["smooth"].dims == ("input", "point")
     assert found["input"].values.tolist() == list(model.box)

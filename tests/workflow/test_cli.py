@@ -1,6 +1,7 @@
 """The command line as a user meets it: results, exit statuses, one-line complaints, nothing half written."""
 
 import csv
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -165,10 +166,20 @@ def test_query_prints_and_writes_what_the_surrogate_says(
     assert cli.main(["query", str(path), str(table), "-o", str(out)]) == 0
     with out.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    expected = model.predict({name: np.array([value]) for name, value in point.items()})
+    named = {name: np.array([value]) for name, value in point.items()}
+    expected = model.predict(named).merge(model.interval(named))
     for name in model.outputs_:
-        for key in (name, f"{name}_std"):
+        for key in (name, f"{name}_std", f"{name}_lower", f"{name}_upper"):
             assert float(rows[0][key]) == pytest.approx(float(expected[key][0]), rel=1e-9)
+        line = next(one for one in printed.splitlines() if one.split()[0] == name)
+        found = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] \(95 %\) +{model.attrs_[name]['units']}", line)
+        assert found, line
+        half = float(expected[f"{name}_upper"][0] - expected[f"{name}_lower"][0]) / 2
+        for text, key in zip(found.groups(), (name, f"{name}_lower", f"{name}_upper"), strict=True):
+            assert float(text) == pytest.approx(float(expected[key][0]), abs=0.051 * half)
+    columns = [f"{name}{part}" for name in model.outputs_ for part in ("", "_std", "_lower", "_upper")]
+    assert list(rows[0]) == [*point, *columns]
+    assert "+-" not in printed
     assert [row["radius"] for row in rows] == ["0.1", "0.02"]
 
 

@@ -17,9 +17,11 @@ import surrogate
 from solver import solve
 from surrogate.netcdf import read_whole
 from tests.workflow.conftest import Project
+from workflow import predictions
 from workflow.dataset import open_results
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+_NUMBER = re.compile(r"-?\d+\.?\d*(?:e[-+]\d+)?")
 needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium: the browser tests are left out")
 
 PROBE = """
@@ -79,7 +81,10 @@ addEventListener("load", () => {
   const read = () => ({
     inputs: all("output[data-input]", "input", "value"),
     mean: all("tr[data-output]", "output", "mean"),
-    std: all("tr[data-output]", "output", "std"),
+    lower: all("tr[data-output]", "output", "lower"),
+    upper: all("tr[data-output]", "output", "upper"),
+    interval: Object.fromEntries([...root.querySelectorAll("tr[data-output]")].map(
+      (row) => [row.dataset.output, [row.cells[1].innerText, row.cells[2].innerText]])),
     kept: [...root.querySelectorAll("li[data-limit]")].map((l) => l.dataset.kept === "true"),
     shown: [...root.querySelectorAll("tr[data-output]")].map((r) => r.innerText),
     curve: root.querySelector("svg polyline") ? root.querySelector("svg polyline").getAttribute("points") : "",
@@ -217,11 +222,21 @@ def test_sliders_move_numbers_that_are_those_of_python(ran: Project, tmp_path: P
     spread = read_whole(ran.folder / "results/small/quantities.nc")
     for one in [*found["seen"], *found["presets"]]:
         point = {name: float(value) for name, value in one["inputs"].items()}
-        mean = model.predict(point)
+        mean, ends = model.predict(point), model.interval(point)
         for name in model.outputs_:
             room = 1e-9 * np.ptp(spread[name].values)
             assert float(one["mean"][name]) == pytest.approx(float(mean[name]), abs=room)
-            assert float(one["std"][name]) == pytest.approx(float(mean[f"{name}_std"]), rel=1e-6)
+            half = float(ends[f"{name}_upper"] - ends[f"{name}_lower"]) / 2
+            for end in ("lower", "upper"):
+                assert float(one[end][name]) == pytest.approx(float(ends[f"{name}_{end}"]), abs=room + 1e-6 * half)
+            value, interval = one["interval"][name]
+            assert re.fullmatch(r"\[−?[\d.]+, −?[\d.]+\]", interval)
+            # the command prints the same figures, without the prefix of the unit
+            printed = predictions.shown(*(float(one[key][name]) for key in ("mean", "lower", "upper")))
+            seen, told = [value, *interval.split(",")], _NUMBER.findall(printed)[:3]
+            assert [re.sub(r"\D", "", text).lstrip("0") for text in seen] == [
+                re.sub(r"e.*|\D", "", text).lstrip("0") for text in told
+            ]
         tension, peak = float(mean["trailing_tension"]), float(mean["peak_pressure"])
         assert one["kept"] == [tension <= 50e6, peak <= 500e6, tension <= 1e6]
         assert one["curve"] == ""  # the small study does not learn the contact's extents

@@ -18,6 +18,17 @@ function digits(value, count) {
   return `${Number(mantissa)}×10${[...String(Number(power))].map((c) => SUPERSCRIPT[c]).join("")}`.replace("-", "−");
 }
 
+// Two figures of an interval's half width, as meecontact query prints (workflow/predictions.py).
+function figures(size, half) {
+  return half > 0 ? Math.min(Math.max(Math.floor(Math.log10(size)) - Math.floor(Math.log10(half)) + 2, 4), 15) : 10;
+}
+
+// All figures, zeros at the end too, so that a value and its interval are read against each other.
+function fixed(value, count) {
+  const text = value.toPrecision(count);
+  return text.includes("e") ? digits(value, count) : text.replace("-", "−");
+}
+
 function evaluate(tree, values) {
   if (typeof tree === "number") return tree;
   if (typeof tree === "string") return values[tree];
@@ -58,11 +69,11 @@ function startWhatIf(root) {
 
   function show() {
     const answer = predict(model, point), values = { ...data.fixed };
-    const [mean, std] = [answer.mean, answer.std].map((all) => kind.columns.map((column) => all[column]));
+    const [mean, half] = [answer.mean, answer.std.map((std) => data.halfWidth * std)].map((all) => kind.columns.map((column) => all[column]));
     model.inputs.forEach((input, k) => { values[input.name] = fromUnit(input, point[k]); });
     data.quantities.forEach((output, p) => { values[output.name] = mean[p]; });
     showInputs(values);
-    showOutputs(mean, std);
+    showOutputs(mean, half);
     showLimits(values);
     if (svg) svg.closest("figure").hidden = !kind.pressure;
     if (kind.pressure) drawPressure(svg, values);
@@ -78,13 +89,14 @@ function startWhatIf(root) {
     });
   }
 
-  function showOutputs(mean, std) {
+  function showOutputs(mean, half) {
     data.quantities.forEach((output, p) => {
       const row = root.querySelector(`tr[data-output="${output.name}"]`), shown = engineering(mean[p], output.units);
       row.dataset.mean = String(mean[p]);
-      row.dataset.std = String(std[p]);
-      row.cells[1].textContent = digits(mean[p] / shown.size, 6);
-      row.cells[2].textContent = `± ${digits((1.959964 * std[p]) / shown.size, 2)}`;
+      const [lower, upper] = [mean[p] - half[p], mean[p] + half[p]], count = figures(Math.max(Math.abs(lower), Math.abs(upper)), half[p]);
+      [row.dataset.lower, row.dataset.upper] = [String(lower), String(upper)];
+      row.cells[1].textContent = fixed(mean[p] / shown.size, count);
+      row.cells[2].textContent = `[${[lower, upper].map((end) => fixed(end / shown.size, count)).join(", ")}]`;
       row.cells[3].textContent = shown.units;
       const [low, high] = data.ranges[kind.columns[p]], share = high > low ? (mean[p] - low) / (high - low) : 0.5;
       row.querySelector("i").style.left = `${100 * Math.min(Math.max(share, 0), 1)}%`;

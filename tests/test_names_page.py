@@ -1,0 +1,90 @@
+"""The page of factors, quantities and material files: its tables are those of the code, its formulas the solver's."""
+
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.special import digamma
+
+import solver
+from solver.halfplane import HalfPlane
+from solver.material import UNITS
+from solver.names import CHOICES, EVERY_QUANTITY, FACTORS, PEAKS, PROFILES, QUANTITIES
+from workflow.inputs import TEXT_FACTORS, read_cases, read_material
+from workflow.provenance import ROOT
+
+PAGE = (ROOT / "docs/names.md").read_text(encoding="utf-8")
+
+
+def rows(header: str) -> dict[str, list[str]]:
+    """Rows of the table with this first heading, by their first cells."""
+    table = PAGE.split(f"\n| {header} |")[1].split("\n\n")[0].splitlines()[2:]
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
+    return {row[0].strip("`"): row[1:] for row in cells}
+
+
+def test_the_table_of_factors_is_the_code_s() -> None:
+    found = rows("factor")
+    assert list(found) == [*TEXT_FACTORS, *FACTORS]
+    for name, choices in CHOICES.items():
+        assert found[name][2:4] == [choices[0], ", ".join(choices)]
+    for name, factor in FACTORS.items():
+        symbol, units, default, allowed, meaning = found[name]
+        assert (units, meaning) == (factor.units, factor.long_name)
+        assert default == ("" if factor.default is None else f"{factor.default:g}")
+        assert f"a finite number {allowed} [{units}]" == factor.allowed or (allowed, factor.low) == ("any", -np.inf)
+        assert symbol
+    profiles = rows("profile")
+    assert list(profiles) == list(PROFILES)
+    for name, sets in PROFILES.items():
+        assert [re.findall(r"\w+", cell) for cell in profiles[name]] == [list(one) for one in sets]
+
+
+def test_the_table_of_quantities_is_the_code_s() -> None:
+    found = rows("quantity")
+    assert list(found) == list(EVERY_QUANTITY)
+    for name, one in EVERY_QUANTITY.items():
+        symbol, units, formula, meaning = found[name]
+        assert (units, meaning) == (one.units, one.long_name)
+        assert symbol
+        assert (formula == "searched for") == (name in PEAKS)
+
+
+@pytest.mark.parametrize("name", ["BaTiO3-CoFe2O4 50:50", "BaTiO3-CoFe2O4 0.2"])
+def test_the_formulas_of_quantities_are_the_solver_s(name: str) -> None:
+    case = {"friction": 0.4, "radius": 0.05, "load": 1e5, "charge": 2e-6, "magnetic_charge": 1e-3, "datum": 2.0}
+    exact = solver.solve({"material": name, **case})
+    half = HalfPlane(solver.find(name))
+    known: dict[str, Any] = dict(zip(("eta", "R", "P", "T", "J", "L"), case.values(), strict=True))
+    known |= {f"N{i + 1}{j + 1}": half.compliance[i, j] for i in range(3) for j in range(i, 3)}
+    known |= {f"k{i + 1}": half.friction_coupling[i] for i in range(3)}
+    known |= {"pi": np.pi, "tau": half.in_plane_stiffness * half.tangential_compliance}
+    known["F"] = digamma(1 + float(exact["pressure_exponent"])) + np.euler_gamma
+    frame = xr.Dataset({name: ("case", [float(value)]) for name, value in known.items()}).to_dataframe()
+    for symbol, (formula, _) in rows("symbol").items():
+        frame[symbol] = frame.eval(formula.strip("`"), engine="python")
+    for quantity in QUANTITIES:
+        value = float(frame.eval(rows("quantity")[quantity][2].strip("`"), engine="python").iloc[0])
+        assert value == pytest.approx(float(exact[quantity]), rel=1e-11), quantity
+
+
+def test_the_table_of_constants_is_the_code_s() -> None:
+    found = rows("key")
+    assert list(found) == [*UNITS, "name", "source`, `note"]
+    bare = solver.Material.from_mapping(dict.fromkeys(("c11", "c33"), 3.0) | dict.fromkeys(("c13", "c44"), 1.0))
+    for name, units in UNITS.items():
+        default = float(getattr(bare, name))
+        needed = name in ("c11", "c13", "c33", "c44")
+        expected = "needed" if needed else "unknown" if np.isnan(default) else f"{default:.12g}"
+        assert found[name][:2] == [units, expected]
+
+
+def test_the_examples_are_as_shown() -> None:
+    text = (ROOT / "examples/material.yaml").read_text(encoding="utf-8")
+    assert "".join(f"    {line}\n" for line in text.splitlines()) in PAGE
+    name, material = read_material(ROOT / "examples/material.yaml")
+    for key in UNITS:
+        np.testing.assert_array_equal(getattr(material, key), getattr(solver.find("PZT-5H"), key))
+    assert name in read_cases(ROOT / "examples/own_material.csv")["material"]

@@ -1,0 +1,50 @@
+"""What a surrogate says of points, as `meecontact query` gives it: value, standard deviation, 95 % interval."""
+
+from collections.abc import Mapping, Sequence
+from math import floor, isfinite, log10
+
+import xarray as xr
+
+from surrogate import GaussianProcess
+
+#: Figures of a number whose interval says nothing of them, and the fewest and most that an interval asks for.
+_FIGURES, _FEWEST, _MOST = 10, 4, 15
+
+
+def predicted(model: GaussianProcess, points: Mapping[str, xr.DataArray], *, extrapolate: bool = False) -> xr.Dataset:
+    """``<output>``, ``<output>_std``, ``<output>_lower`` and ``<output>_upper`` of every output, in this order.
+
+    Raises
+    ------
+    ValueError
+        As ``model.predict``.
+    """
+    answer = model.predict(points, extrapolate=extrapolate)
+    whole = answer.assign(model.interval(points, extrapolate=extrapolate).data_vars)
+    names = [f"{name}{part}" for name in model.outputs_ for part in ("", "_std", "_lower", "_upper")]
+    return whole[names + (["extrapolated"] if extrapolate else [])]
+
+
+def table(answer: xr.Dataset, outputs: Sequence[str]) -> dict[str, str]:
+    """A line for every output, ``name value [lower, upper] (95 %)`` at the first point, all of one length."""
+    ends = {name: [float(answer[f"{name}{part}"].values[0]) for part in ("", "_lower", "_upper")] for name in outputs}
+    lines = {name: f"{name:34s} {shown(*three)}" for name, three in ends.items()}
+    length = max(map(len, lines.values()))
+    return {name: line.ljust(length) for name, line in lines.items()}
+
+
+def shown(value: float, lower: float, upper: float) -> str:
+    """``value [lower, upper] (95 %)`` with two figures of the interval's half width.
+
+    >>> shown(-527.568446, -527.5708, -527.5661)
+    '-527.5684 [-527.5708, -527.5661] (95 %)'
+    """
+    count = _figures(max(abs(lower), abs(upper)), (upper - lower) / 2)
+    one, low, high = (f"{number:#.{count}g}".rstrip(".") for number in (value, lower, upper))
+    return f"{one} [{low}, {high}] (95 %)"
+
+
+def _figures(size: float, half_width: float) -> int:
+    if not (isfinite(size) and half_width > 0):
+        return _FIGURES
+    return min(max(floor(log10(size)) - floor(log10(half_width)) + 2, _FEWEST), _MOST)
