@@ -13,6 +13,7 @@ from surrogate.inputs import Input
 from surrogate.model import GaussianProcess
 from surrogate.netcdf import FAILURES, read_whole, write_whole
 from surrogate.sealed import FormatError
+from surrogate.trial import try_to_read
 
 if TYPE_CHECKING:
     from surrogate.scattergp import ScatterGP
@@ -52,16 +53,18 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
 
 
 def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
-    """Read a model and verify it.
+    """Read a model, which may come from anywhere, and verify it.
 
     Raises
     ------
     FileNotFoundError
         There is no such file.
     FormatError
-        One line with the file and the reason: truncated, altered, too large, not a model, of an unknown version, engine
-        or kernel, inconsistent in its shapes, or its probe predictions do not come out as stored.
+        One line with the file and the reason: truncated, altered, too large, more than plain numbers and texts, not a
+        model, of an unknown version, engine or kernel, inconsistent in its shapes, or its probe predictions do not come
+        out as stored.
     """
+    try_to_read(path, MAX_BYTES)
     stored = read_whole(path, max_bytes=MAX_BYTES)
     attrs = stored.attrs
     if attrs.get("format") != FORMAT:
