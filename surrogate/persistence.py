@@ -8,6 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate.conformal import Calibration
+from surrogate.described import described
 from surrogate.gridgp import GridGP
 from surrogate.inputs import Input
 from surrogate.model import GaussianProcess
@@ -49,7 +50,8 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
     )
     if model.calibration_ is not None:
         common = common.assign(model.calibration_.state())
-    write_whole(common.merge(model.state(), combine_attrs="no_conflicts"), path)
+    whole = common.merge(model.state(), combine_attrs="no_conflicts")
+    write_whole(described(whole, f"surrogate of {', '.join(outputs)}"[:200]), path)
 
 
 def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
