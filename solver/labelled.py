@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import Array
+from solver.attributes import attributes
 from solver.cases import by_kind, contact_of_cases, coordinates, require_c12, require_finite
 from solver.contact import Contact
 from solver.factors import FactorError, checked
@@ -84,7 +85,8 @@ def solve(
         )
         return out if X is None else _with_fields(out, contact, X, dims, shape, regular=regular)
 
-    out = by_kind(arrays, part)
+    title = "exact solution of a punch sliding on a magneto-electro-elastic half-plane"
+    out = by_kind(arrays, part).assign_attrs(attributes(title, arrays, phases))
     first = [name for name in EVERY_QUANTITY if name in out]
     return out[[*first, *(name for name in out.data_vars if name not in first)]]
 

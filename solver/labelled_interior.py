@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import Array
+from solver.attributes import attributes
 from solver.cases import by_kind, contact_of_cases, coordinates, require_c12, require_finite
 from solver.factors import FactorError, checked
 from solver.interior import LINEAR, interior_parts, principal_tension, von_mises
@@ -89,7 +90,8 @@ def solve_interior(
             out[name] = ((*dims, "y", "x"), np.broadcast_to(value, size), known[name].attrs)
         return out
 
-    return by_kind(arrays, part)
+    title = "exact fields inside a magneto-electro-elastic half-plane below a sliding punch"
+    return by_kind(arrays, part).assign_attrs(attributes(title, arrays, phases))
 
 
 def _grid(x: Iterable[float], y: Iterable[float]) -> tuple[Array, Array]:

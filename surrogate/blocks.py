@@ -4,7 +4,7 @@ The file that `write_blocks` makes is one of `surrogate.netcdf`: it appears whol
 as if it had been written at once, and equal data give equal bytes.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import prod
 from os import PathLike
@@ -19,14 +19,15 @@ from numpy.typing import NDArray
 from surrogate.netcdf import (
     CHECKSUM,
     COMPRESS_FROM,
-    PACKINGS,
+    PACKED,
     checksum_parts,
     combined,
     contents,
+    encodings,
     finished,
-    incompressible_is_no_error,
     started,
 )
+from surrogate.rootunits import as_stored
 from surrogate.sealed import appearing
 
 #: Attributes that `write_blocks` adds to every variable.
@@ -83,7 +84,7 @@ class _Stored:
 def write_blocks(
     path: str | PathLike[str],
     frame: xr.Dataset,
-    blocks: Callable[[], Iterable[tuple[Region, Mapping[str, NDArray[Any]]]]],
+    blocks: Iterable[tuple[Region, Mapping[str, NDArray[Any]]]],
     chunks: Mapping[str, int],
 ) -> None:
     """Write a data set to a netCDF-4 file in blocks; the file appears whole or not at all.
@@ -97,10 +98,9 @@ def write_blocks(
     frame : Dataset
         Coordinates, attributes, and every variable's dimensions, size and type; the variables' values are not read
         (broadcast views will do).
-    blocks : callable that gives an iterable of (region, values)
+    blocks : iterable of (region, values)
         Values of all variables in one region after the other, in C order: together they fill the arrays from their
-        first element to their last. A region has a slice for every axis that all variables share. Called
-        again in the rare case that the data cannot be compressed.
+        first element to their last. A region has a slice for every axis that all variables share.
     chunks : mapping
         Length of a chunk along each dimension, at most.
 
@@ -113,12 +113,10 @@ def write_blocks(
     OSError
         No room or no permission, in the system's words, with the file.
     """
-    frame = frame.drop_encoding()
+    frame = as_stored(frame.drop_encoding())
     frame.attrs.setdefault("Conventions", "CF-1.11")
-    for packed in PACKINGS:
-        with incompressible_is_no_error(packed), appearing(Path(path)) as partial:
-            _write(partial, frame, blocks(), chunks, packed)
-            return
+    with appearing(Path(path)) as partial:
+        _write(partial, frame, blocks, chunks)
 
 
 def _write(
@@ -126,15 +124,14 @@ def _write(
     frame: xr.Dataset,
     blocks: Iterable[tuple[Region, Mapping[str, NDArray[Any]]]],
     chunks: Mapping[str, int],
-    packed: Mapping[str, Any],
 ) -> None:
     skeleton = frame.drop_vars(list(frame.data_vars))
-    skeleton.to_netcdf(partial, format="NETCDF4", engine="netcdf4", encoding={n: {} for n in skeleton.coords})
+    skeleton.to_netcdf(partial, format="NETCDF4", engine="netcdf4", encoding=encodings(skeleton))
     with netCDF4.Dataset(partial, "a") as file:
         for dim, size in frame.sizes.items():
             if dim not in file.dimensions:
                 file.createDimension(str(dim), size)
-        stored = {str(name): _created(file, str(name), frame[name], chunks, packed) for name in frame.data_vars}
+        stored = {str(name): _created(file, str(name), frame[name], chunks) for name in frame.data_vars}
         for region, values in blocks:
             for name, one in stored.items():
                 _put(name, one, region, np.asarray(values[name]))
@@ -148,11 +145,9 @@ def _write(
         file.setncattr(CHECKSUM, combined(checksum_parts(skeleton) | digests, frame.attrs))
 
 
-def _created(
-    file: netCDF4.Dataset, name: str, array: xr.DataArray, chunks: Mapping[str, int], packed: Mapping[str, Any]
-) -> _Stored:
+def _created(file: netCDF4.Dataset, name: str, array: xr.DataArray, chunks: Mapping[str, int]) -> _Stored:
     sizes = [min(chunks.get(str(dim), size), size) for dim, size in array.sizes.items()]
-    settings = packed if prod(sizes) >= COMPRESS_FROM // 4 else {}  # small chunks gain nothing, or cannot be packed
+    settings = PACKED if prod(sizes) >= COMPRESS_FROM // 4 else {}  # small chunks gain nothing
     dims = tuple(str(dim) for dim in array.dims)
     variable = file.createVariable(name, array.dtype, dims, chunksizes=sizes or None, fill_value=False, **settings)
     if sizes:  # room for one chunk: it is packed when it is complete, and not kept

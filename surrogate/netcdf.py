@@ -16,14 +16,14 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
+from surrogate.rootunits import as_meant, as_stored
 from surrogate.sealed import FormatError, appearing, check_seal
 
 CHECKSUM = "checksum"
 # Arrays below this size gain nothing from compression.
 COMPRESS_FROM = 4096
-# netCDF4 ignores `shuffle` beside "zstd"; without it floating-point numbers hardly pack, hence Blosc's
-PACKED: dict[str, Any] = {"compression": "blosc_zstd", "complevel": 1, "blosc_shuffle": 1}
-PACKINGS: tuple[dict[str, Any], ...] = (PACKED, {})  # in the order in which they are tried
+# what every netCDF library reads: Debian's has neither Blosc nor Zstandard
+PACKED: dict[str, Any] = {"compression": "zlib", "complevel": 1, "shuffle": True}
 MAX_BYTES = 16 * 2**30
 # What one string of a variable-length array takes in memory, at least.
 STRING_BYTES = 64
@@ -46,7 +46,8 @@ def write_whole(
     """Write a data set to a netCDF-4 file that appears whole or not at all.
 
     The attribute `checksum` is the SHA-256 of the names, dimensions, attributes and bytes of all variables. Equal data
-    sets give equal bytes. Large float arrays are compressed (Blosc: byte shuffle, Zstandard level 1).
+    sets give equal bytes. Large float arrays are compressed (zlib level 1 after a byte shuffle, which every
+    netCDF library reads).
 
     Parameters
     ----------
@@ -66,32 +67,17 @@ def write_whole(
     OSError
         No room or no permission, in the system's words, with the file.
     """
-    plain = dataset.drop_encoding()
+    plain = as_stored(dataset.drop_encoding())
     plain.attrs.pop(CHECKSUM, None)
     plain.attrs.setdefault("Conventions", "CF-1.11")
     mark = checksum(plain)
-    for packed in PACKINGS:
-        settings = {name: _encoding(variable, packed) for name, variable in plain.variables.items()}
-        for name, extra in (encoding or {}).items():
-            settings[name] |= extra
-        with incompressible_is_no_error(packed), appearing(Path(path)) as partial:
-            plain.to_netcdf(partial, mode="w", format="NETCDF4", engine="netcdf4", encoding=settings)
-            with netCDF4.Dataset(partial, "a") as file:
-                file.setncattr(CHECKSUM, mark)
-            return
-
-
-@contextmanager
-def incompressible_is_no_error(packed: Mapping[str, Any]) -> Iterator[None]:
-    """Let a write fail that was to be compressed, so that it is tried again as it is.
-
-    The Blosc filter fails on data that it cannot make smaller, and the library then says no more than "HDF error".
-    """
-    try:
-        yield
-    except RuntimeError:
-        if not packed:
-            raise
+    settings = encodings(plain)
+    for name, extra in (encoding or {}).items():
+        settings[name] |= extra
+    with appearing(Path(path)) as partial:
+        plain.to_netcdf(partial, mode="w", format="NETCDF4", engine="netcdf4", encoding=settings)
+        with netCDF4.Dataset(partial, "a") as file:
+            file.setncattr(CHECKSUM, mark)
 
 
 def read_whole(
@@ -129,16 +115,16 @@ def read_whole(
     with _reported(path):
         dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False)
     if lazy:
-        return dataset
+        return as_meant(dataset)
     if names is not None:
         with dataset, _reported(path):
-            return dataset[[name for name in dataset.data_vars if name in names]].load()
+            return as_meant(dataset[[name for name in dataset.data_vars if name in names]].load())
     with dataset, _reported(path):
         loaded = dataset.load()
         found = checksum(loaded)
     if found != mark:
         raise FormatError(path, "altered: its contents do not match their checksum")
-    return loaded
+    return as_meant(loaded)
 
 
 def checksum(dataset: xr.Dataset) -> str:
@@ -194,10 +180,14 @@ def _attributes(attrs: Mapping[Any, Any]) -> bytes:
     return json.dumps({str(key): plain(attrs[key]) for key in sorted(attrs, key=str)}).encode()
 
 
-def _encoding(variable: xr.Variable, packed: Mapping[str, Any]) -> dict[str, Any]:
-    if variable.dtype.kind != "f":
-        return {}
-    return {"_FillValue": None, **(packed if variable.size >= COMPRESS_FROM else {})}
+def encodings(dataset: xr.Dataset) -> dict[Hashable, dict[str, Any]]:
+    """How every variable is stored: large numbers packed, and no number that stands for a missing one."""
+    return {
+        name: {"_FillValue": None, **(PACKED if variable.size >= COMPRESS_FROM else {})}
+        if variable.dtype.kind == "f"
+        else {}
+        for name, variable in dataset.variables.items()
+    }
 
 
 def _inspect(path: Path, max_bytes: int) -> str:

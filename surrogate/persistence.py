@@ -8,11 +8,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate.conformal import Calibration
+from surrogate.described import described
 from surrogate.gridgp import GridGP
 from surrogate.inputs import Input
 from surrogate.model import GaussianProcess
 from surrogate.netcdf import FAILURES, read_whole, write_whole
 from surrogate.sealed import FormatError
+from surrogate.trial import try_to_read
 
 if TYPE_CHECKING:
     from surrogate.scattergp import ScatterGP
@@ -50,20 +52,23 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
         common.attrs["made_from"] = model.made_from_
     if model.calibration_ is not None:
         common = common.assign(model.calibration_.state())
-    write_whole(common.merge(model.state(), combine_attrs="no_conflicts"), path)
+    whole = common.merge(model.state(), combine_attrs="no_conflicts")
+    write_whole(described(whole, f"surrogate of {', '.join(outputs)}"[:200]), path)
 
 
 def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
-    """Read a model and verify it.
+    """Read a model, which may come from anywhere, and verify it.
 
     Raises
     ------
     FileNotFoundError
         There is no such file.
     FormatError
-        One line with the file and the reason: truncated, altered, too large, not a model, of an unknown version, engine
-        or kernel, inconsistent in its shapes, or its probe predictions do not come out as stored.
+        One line with the file and the reason: truncated, altered, too large, more than plain numbers and texts, not a
+        model, of an unknown version, engine or kernel, inconsistent in its shapes, or its probe predictions do not come
+        out as stored.
     """
+    try_to_read(path, MAX_BYTES)
     stored = read_whole(path, max_bytes=MAX_BYTES)
     attrs = stored.attrs
     if attrs.get("format") != FORMAT:

@@ -7,8 +7,40 @@ import numpy as np
 import xarray as xr
 
 from solver.names import FACTORS
+from surrogate.described import described
 
 _LOCAL = ("map_x", "map_y", "slice", "step", "front", "choice", "position", "x", "y")  # what only pictures need
+
+SOURCE = "meecontact: search on a Gaussian process, polished and judged on the closed-form solution"
+_MEANINGS = {
+    "target": "name of a design target",
+    "factor": "name of a factor",
+    "term": "objective or limit",
+    "quantity": "name of a quantity",
+    "category": "name of a category",
+    "goal": "what is asked for",
+    "value": "factor of the design, over its SI unit",
+    "role": "what the factor is in the design",
+    "predicted": "predicted term, over its unit in units",
+    "predicted_std": "predicted standard deviation of the term, over its unit in units",
+    "half": "half of the interval of the predicted term, over its unit in units",
+    "exact": "exact term, over its unit in units",
+    "inside": "whether the exact term lies inside the predicted interval",
+    "limit": "limit of the term, over its unit in units",
+    "margin": "share of the limit that is left; negative beyond it",
+    "units": "unit of the term",
+    "worst": "factor in the scenario that decides the term, over its SI unit",
+    "exact_low": "least exact quantity over the scenarios, over its SI unit",
+    "exact_high": "largest exact quantity over the scenarios, over its SI unit",
+    "feasible": "whether the design keeps every limit",
+    "status": "what binds or is violated",
+    "flags": "what else is to be known of the design",
+    "elasticity": "relative change of the term for a relative change of the factor",
+    "cost": "share of the objective lost by an error of 1 % in the factor",
+    "margin_left": "least margin of all limits after an error of 1 % in the factor",
+    "kind": "what was chosen of the category",
+    "kind_role": "whether the category was chosen or given",
+}
 
 
 def together(answers: list[xr.Dataset]) -> xr.Dataset:
@@ -18,7 +50,7 @@ def together(answers: list[xr.Dataset]) -> xr.Dataset:
         for answer in answers
     ]
     whole = xr.concat(kept, dim="target", join="outer", data_vars="all", fill_value=_missing(kept))
-    return whole.assign_attrs(title="designs")
+    return described(whole, "designs", SOURCE, _MEANINGS)
 
 
 def kinds(answer: xr.Dataset) -> list[tuple[str, str, str]]:

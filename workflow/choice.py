@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from surrogate.described import MEANINGS, described
 from surrogate.netcdf import read_whole
 from surrogate.pilot import explore
 from workflow import factorial, partition
@@ -13,6 +14,15 @@ from workflow.inputs import InputError
 from workflow.joblog import log
 from workflow.parts import Axis
 from workflow.study import Study
+
+_MEANINGS = {
+    "levels": "number of levels of every input",
+    "pilot_levels": "number of levels of every input in the last pilot",
+    "given": "1 where the study says the number of levels",
+    "affine": "1 where every output is affine in the input",
+    "extrapolated": "1 where the number was extrapolated from the pilot",
+    "predicted_error": "predicted largest error over range",
+}
 
 
 def choose(study: Study) -> xr.Dataset:
@@ -52,14 +62,18 @@ def choose(study: Study) -> xr.Dataset:
     counts = dict(choice.counts)
     # every slab needs a level of the first axis
     counts[names[0]] = max(counts[names[0]], partition.count(study))
-    return choice.decay.assign(
+    chosen = choice.decay.assign(
         levels=("input", [counts[name] for name in names]),
         pilot_levels=("input", [pilot.levels[name] for name in names]),
         given=("input", [int(name in given) for name in names]),
         affine=("input", [int(name in choice.affine) for name in names]),
         extrapolated=("input", [int(name in choice.extrapolated) for name in names]),
         predicted_error=("output", list(choice.error.values())),
-    ).assign_attrs(tolerance=tolerance, budget=budget, pilot_cases=pilot.cases)
+    )
+    title = "numbers of levels chosen for a tolerance"
+    return described(chosen, title, meanings=MEANINGS | _MEANINGS).assign_attrs(
+        tolerance=tolerance, budget=budget, pilot_cases=pilot.cases
+    )
 
 
 def resolved(study: Study, files: Sequence[str | Path]) -> Study:

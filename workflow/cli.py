@@ -19,7 +19,6 @@ from solver.material import UNITS
 from solver.names import QUANTITIES
 from surrogate import FormatError, OutOfBoxError
 from surrogate.netcdf import write_whole
-from surrogate.trial import try_to_read
 from workflow import factorial, location, materials, predictions
 from workflow import study as studies
 from workflow.files import write_text
@@ -184,8 +183,6 @@ def _solved(
 
 
 def _query(options: argparse.Namespace) -> None:
-    if options.surrogate.is_file():
-        try_to_read(options.surrogate)  # it may come from anywhere
     model = surrogate.load(options.surrogate)
     if (options.table is None) == (options.at is None):
         raise InputError("query: give either a table AT.csv or --at NAME=VALUE,...")

@@ -10,6 +10,7 @@ import numpy as np
 
 from surrogate.blocks import STATISTICS
 from surrogate.netcdf import MAX_BYTES
+from surrogate.rootunits import unscaled
 from surrogate.sealed import check_seal
 from workflow.study import Study
 
@@ -95,7 +96,8 @@ def _file(path: Path, first: str) -> dict[str, Any]:
 
 
 def _attributes(variable: "netCDF4.Variable[Any]") -> dict[str, Any]:
-    return {key: np.asarray(variable.getncattr(key)).tolist() for key in variable.ncattrs()}
+    found = {key: np.asarray(variable.getncattr(key)).tolist() for key in variable.ncattrs()}
+    return {str(key): value for key, value in unscaled(found).items()}
 
 
 def _merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

@@ -69,7 +69,7 @@ def write_slab(study: Study, index: int, path: Path) -> None:
 
     one_case = part(tuple(slice(0, None if one in study.categories else 1) for one in axes))
     chunks = {"position": _CHUNK_POSITIONS, **dict(zip(axes, chunk, strict=True))}
-    write_blocks(path, _frame(one_case, axes, study.dataset.precision), blocks, chunks)
+    write_blocks(path, _frame(one_case, axes, study.dataset.precision), blocks(), chunks)
     log.info("%s: %d cases of %d", name, cases, study.cases)
 
 

@@ -13,6 +13,7 @@ from surrogate import GaussianProcess
 from surrogate.optimise import Optimum, Problem, improve, maximise
 from surrogate.pareto import Front, scalarised
 from workflow import contactfields, costly, front, judgement, landscape
+from workflow.answers import SOURCE
 from workflow.categories import output
 from workflow.inputs import InputError
 from workflow.question import Question, ask
@@ -75,6 +76,7 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> x
         "objective": str(target.objectives[0]),
         "statistic": str(target.statistic),
         "polish": best.polish,
+        "source": SOURCE,
     }
     return out.assign_coords(target=name)
 

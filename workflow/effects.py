@@ -22,8 +22,7 @@ def effect(study: Study, factor: str) -> xr.Dataset:
     case = study.effects.case(factor)
     positions = study.effects.positions.values()
     out = solve(case, positions, materials=study.own_materials, phases=study.phases)
-    out.attrs = {"title": f"effect of {factor}", "fields": " ".join(FIELDS)}
-    return out
+    return out.assign_attrs(title=f"effect of {factor}", fields=" ".join(FIELDS))
 
 
 def interior(study: Study, factor: str) -> xr.Dataset:
@@ -44,5 +43,4 @@ def interior(study: Study, factor: str) -> xr.Dataset:
     case[factor] = [values[k] for k in dict.fromkeys((0, len(values) // 2, len(values) - 1))]
     x, y = shown.grid()
     out = solve_interior(case, x, y, fields=shown.fields, materials=study.own_materials, phases=study.phases)
-    out.attrs = {"title": f"effect of {factor} inside the body", "fields": " ".join(shown.fields)}
-    return out
+    return out.assign_attrs(title=f"effect of {factor} inside the body", fields=" ".join(shown.fields))

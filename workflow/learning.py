@@ -3,6 +3,7 @@
 import xarray as xr
 
 from surrogate import GaussianProcess, GridGP, levels, metrics
+from surrogate.described import described
 from workflow import factorial
 from workflow.study import PHYSICS, Study
 
@@ -55,4 +56,4 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     decays = levels.decays(quantities, factorial.inputs(study), names)
     out = out.assign(levels.evidence(decays, {name: axis.levels or 0 for name, axis in study.factors.items()}))
     out = out.assign_coords(units=("output", [cases[name].attrs["units"] for name in names]))
-    return out.assign_attrs(tolerance=study.validation.tolerance)
+    return described(out, "errors of the surrogate on exact cases").assign_attrs(tolerance=study.validation.tolerance)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from solver import solve
 from solver.names import FIELDS
 from surrogate import GaussianProcess, GridGP, Input, metrics
+from surrogate.described import described
 from workflow import factorial, learning
 from workflow.study import Study
 
@@ -64,7 +65,8 @@ def validate(study: Study, model: GridGP) -> xr.Dataset:
     fresh = cases(study, study.validation.cases, 5)
     table = metrics.validate(model, fresh, None)
     units = xr.DataArray([FIELDS[name].units for name in NAMES], dims="output")
-    return table.assign_coords(units=units).assign_attrs(tolerance=study.validation.tolerance)
+    table = described(table.assign_coords(units=units), "errors of the surrogate of the surface fields on exact cases")
+    return table.assign_attrs(tolerance=study.validation.tolerance)
 
 
 def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[str, Any], X: Array) -> xr.Dataset:

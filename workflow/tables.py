@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from solver.attributes import united
 from solver.names import CHOICES, FACTORS
 
 Cell = float | str | None
@@ -43,4 +44,5 @@ def solved(columns: Mapping[str, Sequence[Cell]], solve: Callable[[xr.Dataset], 
     shared = [name for name in parts[0].variables if all(name in part.variables for part in parts)]
     alike = [part.drop_vars([name for name in part.variables if name not in shared]) for part in parts]
     whole = xr.concat(alike, "case", data_vars="minimal", coords="minimal", compat="override", join="override")
+    whole = whole.assign_attrs(united([part.attrs for part in parts]))
     return whole.isel(case=np.argsort(np.concatenate(rows)))

@@ -17,9 +17,10 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from surrogate import trial
+import surrogate
+from surrogate import examined, trial
 from surrogate.sealed import SEAL, FormatError, seal
-from tests.faults import hostile
+from tests.faults import hostile, hostilefiles
 from tests.faults.conftest import TINY
 from workflow import factorial, learning
 from workflow import study as studies
@@ -182,11 +183,15 @@ def edit(file: netCDF4.Dataset, dice: random.Random) -> None:
     """Change one thing in a model's file: an attribute, values, or a variable more."""
     small = sorted(name for name, variable in file.variables.items() if variable.size <= 2**20)
     name, text = dice.choice(small), dice.choice(hostile.PAYLOADS).replace("\0", "")
-    what = dice.choice(["attribute", "of_a_variable", "values", "variable"])
+    what = dice.choice(["attribute", "of_a_variable", "values", "variable", "group", "texts"])
     if what == "attribute":
         file.setncattr(dice.choice([*file.ncattrs(), "new"]), dice.choice([text, 1, -1, 2**40, np.nan, np.arange(99)]))
     elif what == "of_a_variable":
         file[name].setncattr(dice.choice(["units", "scale_factor", "add_offset", "calendar"]), text)
+    elif what == "group":
+        file.createGroup(f"g{len(file.groups)}")
+    elif what == "texts":
+        file[name].setncattr_string("comment", [text] * dice.choice([2, 500]))
     elif what == "values" and file[name].dtype is str:
         file[name][...] = np.full(file[name].shape, text, dtype=object)
     elif what == "values":
@@ -211,19 +216,90 @@ def test_a_valid_file_of_each_kind_is_accepted(place: Path) -> None:
     assert studies.named("tiny").cases == 320
 
 
-def test_a_file_that_never_ends_or_crashes_the_library_is_refused(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for child, says in (("while True: pass", "signal 9"), ("import os; os.abort()", "signal 6")):
-        limit = "import resource; resource.setrlimit(resource.RLIMIT_CPU, (1, 1))\n"
-        monkeypatch.setattr(trial, "CHILD", limit + child)
-        with pytest.raises(FormatError, match=rf"surrogate\.nc: no readable netCDF-4 file .*{says}"):
-            trial.try_to_read(place / "surrogate.nc")
+@pytest.mark.parametrize("name", hostilefiles.ATTACKS)
+def test_a_file_of_more_than_plain_numbers_and_texts_is_refused(name: str, place: Path) -> None:
+    hostilefiles.write(name, place / "spoilt.nc")
+    start = time.monotonic()
+    with pytest.raises(FormatError, match=rf"^{place}/spoilt\.nc: {hostilefiles.ATTACKS[name][1]}"):
+        surrogate.load(place / "spoilt.nc")
+    assert time.monotonic() - start < SECONDS
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 < BYTES
 
 
-def test_a_file_that_asks_for_gigabytes_is_refused(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    limit = f"import resource; resource.setrlimit(resource.RLIMIT_AS, ({trial.MEMORY}, {trial.MEMORY}))\n"
-    monkeypatch.setattr(trial, "CHILD", f"{limit}bytearray({trial.MEMORY})")
-    with pytest.raises(FormatError, match=r"surrogate\.nc: .*cannot read it within its limits"):
-        trial.try_to_read(place / "surrogate.nc")
+@pytest.mark.soakable
+@few_and_many(4, 1000)
+@given(name=st.sampled_from(sorted(hostilefiles.ATTACKS)), seed=st.integers(0, 2**64))
+def test_bytes_of_attacks(name: str, seed: int, place: Path) -> None:
+    dice = random.Random(seed)
+    hostilefiles.write(name, place / "spoilt.nc")
+    content = bytearray((place / "spoilt.nc").read_bytes()[: -SEAL.size])
+    for _ in range(dice.randint(1, 3)):
+        content[dice.randrange(min(len(content), 3000))] = dice.randrange(256)
+    (place / "spoilt.nc").write_bytes(content)
+    seal(place / "spoilt.nc")
+    assert run(place, "query", "spoilt.nc", "points.csv", "-o", "out.csv") == 2
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("query", "results/tiny/surrogate.nc", "points.csv", "-o", "out.csv"),
+        ("design", "results/tiny", "--over", "radius", "--maximise", "peak_pressure"),
+        ("invert", "results/tiny", "--measured", "peak_pressure=1e6+-1e4", "--infer", "load"),
+    ],
+)
+def test_every_command_refuses_a_surrogate_that_is_not_plain(
+    words: tuple[str, ...], place: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (place / "config/tiny.yaml").write_text(hostile.STUDY, encoding="utf-8")
+    (place / "results/tiny").mkdir(parents=True)
+    hostilefiles.write("half_precision", place / "results/tiny/surrogate.nc")
+    with hostile.guarded(place):
+        assert main(words) == 2
+    assert "surrogate.nc: variable 'x' has an unexpected type\n" in capsys.readouterr().err
+
+
+@pytest.fixture(params=["forked", "started"])
+def child(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Either way to a process of its own."""
+    monkeypatch.setattr(trial, "_has_one_thread", lambda: request.param == "forked")
+    return str(request.param)
+
+
+_SPOILT_SCRIPT = """\
+import os, sys
+sys.path.insert(0, {root!r})
+from surrogate import examined
+from tests.faults import hostilefiles
+examined.SECONDS, examined.examine = 1, hostilefiles.{what}
+os._exit(examined.outcome(sys.argv[1], 0)[0])
+"""
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+@pytest.mark.parametrize(
+    ("what", "says"), [("endless", "signal 9"), ("crash", "signal 6"), ("greedy", "cannot read it within its limits")]
+)
+def test_a_file_that_never_ends_crashes_the_library_or_asks_for_gigabytes_is_refused(
+    what: str, says: str, child: str, place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    root = str(Path(hostile.__file__).parents[2])
+    (place / "script.py").write_text(_SPOILT_SCRIPT.format(root=root, what=what), encoding="utf-8")
+    monkeypatch.setattr(trial, "SCRIPT", str(place / "script.py"))
+    monkeypatch.setattr(examined, "SECONDS", 1)
+    monkeypatch.setattr(examined, "examine", getattr(hostilefiles, what))
+    with pytest.raises(FormatError, match=rf"surrogate\.nc: no readable netCDF-4 file .*{says}"):
+        trial.try_to_read(place / "surrogate.nc", BYTES)
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_either_way_a_plain_file_passes_and_another_is_refused_in_the_same_words(child: str, place: Path) -> None:
+    trial.try_to_read(place / "surrogate.nc", BYTES)
+    hostilefiles.write("fifo", place / "spoilt.nc")
+    with pytest.raises(FormatError, match="the values of variable 'x' are stored elsewhere"):
+        trial.try_to_read(place / "spoilt.nc", BYTES)
+    with pytest.raises(FileNotFoundError, match="no such file"):
+        trial.try_to_read(place / "fifo", BYTES)
 
 
 def test_the_guard_sees_what_it_should(place: Path) -> None:

@@ -46,6 +46,20 @@ def test_a_loaded_model_predicts_the_same_bits(kind: str, tmp_path: Path) -> Non
     assert (model.made_from_, load(tmp_path / "d.nc").made_from_) == ("", "some state")
 
 
+@pytest.mark.parametrize("kind", ["matern32", "scatter"])
+def test_every_variable_says_what_it_is(kind: str, tmp_path: Path) -> None:
+    model = fitted(kind)
+    model.calibrate(functions.scattered(200, seed=1))
+    model.save(tmp_path / "a.nc")
+    with netCDF4.Dataset(tmp_path / "a.nc") as file:
+        assert file.title.startswith("surrogate of ")
+        assert file.source.startswith("meecontact: Gaussian")
+        assert "calibration_guard" in file.variables
+        for variable in file.variables.values():
+            assert variable.long_name, variable.name
+            assert variable.units == "1"
+
+
 def edit(path: Path, change: Callable[[xr.Dataset], xr.Dataset]) -> None:
     """Change a stored model and give it a valid checksum again."""
     write_whole(change(read_whole(path)), path)

@@ -57,6 +57,8 @@ def test_solve_gives_fields_where_positions_are_given(tmp_path: Path) -> None:
     for name, described in FIELDS.items():
         assert data[name].dims == ("case", "position")
         assert data[name].attrs["units"] == described.units
+    assert (data.attrs["composite"], data.attrs["phases"]) == ("fibrous", "BaTiO3, CoFe2O4")
+    assert data.attrs["defaults"].startswith("friction = 0, charge = 0 C m-1, ")
 
 
 def test_solve_takes_own_materials(tmp_path: Path) -> None:

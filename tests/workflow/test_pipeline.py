@@ -4,11 +4,13 @@ import ast
 import json
 import re
 import shutil
+import subprocess
 import sys
 from collections.abc import Callable
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import pytest
 import snakemake
@@ -43,6 +45,37 @@ def test_quantities_are_the_exact_solution(ran: Project) -> None:
     for name in QUANTITIES:
         assert float(case[name]) == pytest.approx(float(again[name]), rel=1e-13)
         assert data[name].attrs["units"] == QUANTITIES[name].units
+
+
+def test_every_file_speaks_for_itself_to_foreign_programs(ran: Project) -> None:
+    files = sorted((ran.folder / "results/small").rglob("*.nc"))
+    assert len(files) >= 12
+    described = {"surrogate.nc", "validation.nc", "sensitivity.nc", "design.nc", "quantities.nc"}
+    for path in files:
+        with netCDF4.Dataset(path) as file:
+            assert file.title, path
+            assert file.source.startswith("meecontact: "), path
+            for name, variable in file.variables.items():
+                assert "_FillValue" not in variable.ncattrs(), (path, name)
+                assert path.name not in described or (variable.units and variable.long_name), (path, name)
+                # what UDUNITS reads as meant: names with whole exponents
+                units = getattr(variable, "units", "1")
+                assert re.fullmatch(r"1|[A-Za-z]+(-?[2-9]|-1)?( [A-Za-z]+(-?[2-9]|-1)?)*", units), (path, name, units)
+                assert not variable.filters()["blosc"], (path, name)
+                assert not variable.filters()["zstd"], (path, name)
+    for name in ("quantities.nc", "fields/slab_1.nc", "cases/validation.nc"):
+        attrs = read_whole(ran.folder / "results/small" / name, names=[]).attrs
+        assert (attrs["composite"], attrs["phases"]) == ("fibrous", "BaTiO3, CoFe2O4")
+        assert attrs["defaults"].startswith(
+            "charge = 0 C m-1, magnetic_charge = 0 Wb m-1, speed = 0 m s-1, datum = 1 m"
+        )
+
+
+@pytest.mark.skipif(not shutil.which("ncdump"), reason="no ncdump on this machine")
+def test_the_systems_own_ncdump_reads_every_value(ran: Project) -> None:
+    for path in sorted((ran.folder / "results/small").rglob("*.nc")):
+        done = subprocess.run(["ncdump", str(path)], capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (0, ""), path
 
 
 def test_slabs_hold_the_fields_of_the_whole_factorial(ran: Project) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 from snakemake.iocontainers import Snakemake
 
 from surrogate import load
+from surrogate.described import described
 from surrogate.netcdf import write_whole
 from surrogate.sensitivity import sobol
 from workflow import joblog
@@ -14,4 +15,5 @@ snakemake: Snakemake
 joblog.start(snakemake.log[0])
 model = load(snakemake.input[0])
 units = [model.attrs_[name].get("units", "") for name in model.outputs_]
-write_whole(sobol(model).assign_coords(units=("output", units)), Path(snakemake.output[0]))
+found = sobol(model).assign_coords(units=("output", units))
+write_whole(described(found, "Sobol' indices and main effects of the surrogate"), Path(snakemake.output[0]))
