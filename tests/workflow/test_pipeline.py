@@ -258,12 +258,14 @@ def test_as_a_module_with_a_prefix_it_sweeps_and_tells_times(copy: Callable[[str
     assert not (results / ".left.partial").exists()
 
 
-def test_another_directory_without_studies_says_what_to_do(ran: Project, tmp_path: Path) -> None:
-    done = ran.snakemake("--directory", str(tmp_path), "-n", "results/small/report.html", check=False)
+def test_another_directory_without_studies_says_what_to_do(copy: Callable[[str], Project], tmp_path: Path) -> None:
+    project = copy("directory")
+    done = project.snakemake("--directory", str(tmp_path), "-n", "results/small/report.html", check=False)
     assert done.returncode == 1
-    assert f"study: 'small' is unknown: {tmp_path} has no config/*.yaml; go to a folder that has one" in done.stderr
-    study = f"study={ran.folder / 'config/small.yaml'}"
-    done = ran.snakemake("--directory", str(tmp_path), "--config", study, "-n", "results/small/report.html")
+    told = done.stdout + done.stderr
+    assert f"study: 'small' is unknown: {tmp_path} has no config/*.yaml; go to a folder that has one" in told
+    study = f"study={project.folder / 'config/small.yaml'}"
+    done = project.snakemake("--directory", str(tmp_path), "--config", study, "-n", "results/small/report.html")
     assert "surrogate" in done.stdout + done.stderr
 
 
