@@ -236,14 +236,14 @@ def _print_answer(answer: xr.Dataset, outputs: list[str]) -> None:
 def _write_answer(path: Path, points: Mapping[str, NDArray[Any]], answer: xr.Dataset) -> None:
     columns = {**points, **{str(name): answer[name].values for name in answer.data_vars}}
     with writing(path) as file:
-        text = io.TextIOWrapper(file, encoding="utf-8", newline="")
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(columns)
+        header = io.StringIO()
+        csv.writer(header, lineterminator="\n").writerow(columns)
+        file.write(header.getvalue().encode())
         for begin in range(0, answer.sizes["point"], _ROWS):
             some = [values[begin : begin + _ROWS] for values in columns.values()]
             plain = [one.astype(int if one.dtype == bool else float).tolist() for one in some]
-            writer.writerows(zip(*plain, strict=True))  # a float in as many digits as it has
-        text.detach()
+            lines = (",".join(map(repr, row)) + "\n" for row in zip(*plain, strict=True))  # every digit of a float
+            file.write("".join(lines).encode())
 
 
 def _material(options: argparse.Namespace) -> None:
