@@ -204,14 +204,14 @@ def _material(aligned: Mapping[str, Any], materials: Mapping[str, Material], pha
     """The material of every case, constants over aligned axes."""
     if "material" in aligned:
         which = aligned["material"]
-        kinds = list(dict.fromkeys(which.flat))  # each is found and checked once, however many cases it has
-        chosen = [_phase(m if isinstance(m, Material) else str(m), materials) for m in kinds]
+        asked = [m if isinstance(m, Material) else str(m) for m in which.flat]
+        place = {m: k for k, m in enumerate(dict.fromkeys(asked))}
+        chosen = [_phase(m, materials) for m in place]  # each is found and checked once, however many cases it has
         for material in chosen:
             if material.shape:
                 raise FactorError(f"material: {material.name!r} holds arrays; a factor takes one material a value")
             material.check()
-        place = {kind: k for k, kind in enumerate(kinds)}
-        of_case = np.array([place[kind] for kind in which.flat]).reshape(which.shape)
+        of_case = np.array([place[m] for m in asked], dtype=np.intp).reshape(which.shape)
         constants: dict[str, Any] = {c: np.array([getattr(m, c) for m in chosen])[of_case] for c in UNITS}
         return Material(**constants, name=chosen[0].name if len(chosen) == 1 else "material")
     fraction, kind = aligned["volume_fraction"], aligned.get("composite", np.array("fibrous"))
