@@ -190,7 +190,8 @@ def _number(name: str, array: xr.DataArray) -> xr.DataArray:
 
 
 def _choice(name: str, array: xr.DataArray, allowed: tuple[str, ...]) -> None:
-    for value in array.values.flat:
+    values = array.values
+    for value in np.unique(values) if values.dtype.kind == "U" else values.flat:
         if not isinstance(value, str) or value not in allowed:
             raise FactorError(f"{name}: {str(value)!r} is not one of {', '.join(allowed)}")
 
@@ -203,17 +204,20 @@ def _material(aligned: Mapping[str, Any], materials: Mapping[str, Material], pha
     """The material of every case, constants over aligned axes."""
     if "material" in aligned:
         which = aligned["material"]
-        chosen = [_phase(m if isinstance(m, Material) else str(m), materials) for m in which.flat]
+        asked = [m if isinstance(m, Material) else str(m) for m in which.flat]
+        place = {m: k for k, m in enumerate(dict.fromkeys(asked))}
+        chosen = [_phase(m, materials) for m in place]  # each is found and checked once, however many cases it has
         for material in chosen:
             if material.shape:
                 raise FactorError(f"material: {material.name!r} holds arrays; a factor takes one material a value")
             material.check()
-        constants: dict[str, Any] = {c: np.array([getattr(m, c) for m in chosen]).reshape(which.shape) for c in UNITS}
+        of_case = np.array([place[m] for m in asked], dtype=np.intp).reshape(which.shape)
+        constants: dict[str, Any] = {c: np.array([getattr(m, c) for m in chosen])[of_case] for c in UNITS}
         return Material(**constants, name=chosen[0].name if len(chosen) == 1 else "material")
     fraction, kind = aligned["volume_fraction"], aligned.get("composite", np.array("fibrous"))
     one, two = phases
-    kinds = [_COMPOSITES[name](one, two, fraction) for name in CHOICES["composite"] if np.any(kind == name)]
-    if len(kinds) == 1:
-        return kinds[0]
-    either: dict[str, Any] = {c: np.where(kind == "fibrous", *(getattr(m, c) for m in kinds)) for c in UNITS}
+    mixed = [_COMPOSITES[name](one, two, fraction) for name in CHOICES["composite"] if np.any(kind == name)]
+    if len(mixed) == 1:
+        return mixed[0]
+    either: dict[str, Any] = {c: np.where(kind == "fibrous", *(getattr(m, c) for m in mixed)) for c in UNITS}
     return Material(**either, name="composite")

@@ -80,8 +80,8 @@ def solve_interior(
             if set(POTENTIALS) & set(wanted):
                 of_fields = potentials(contact, points_x, points_y, datum)
                 values |= {name: of_fields[..., k, :] for k, name in enumerate(POTENTIALS)}
-        for name in combined:
-            values[name] = _COMBINED[name](*(values[stress] for stress in LINEAR[:4]))
+            for name in combined:
+                values[name] = _COMBINED[name](*(values[stress] for stress in LINEAR[:4]))
         size = (*shape, grid_y.size, grid_x.size)
         out = xr.Dataset(coords={**coordinates(arrays), "y": ("y", grid_y, _ALONG_Y), "x": ("x", grid_x, _ALONG_X)})
         for name in wanted:

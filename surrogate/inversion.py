@@ -23,6 +23,10 @@ _FINE = 0.12  # half of what outputs may change within a cell, in standard devia
 _NEGLIGIBLE = 14.0  # drop of the log-posterior below its largest value
 _ROUNDS = 60
 _MOST = 400_000  # cells
+_HOPELESS = 1e15  # misfit, under errors that hold what outputs change within a cell: all cells are alike so far away
+
+#: Errors of measurement, in any unit, whose squares floating point holds.
+SMALLEST_ERROR, LARGEST_ERROR = 1e-150, 1e150
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,7 @@ class Estimate:
     ----------
     mean, low, high
         Posterior mean and ends of the central interval of every input, in its units; (k,).
+        NaN where a misfit beyond 1e15 says that nothing fits.
     misfit
         Least sum of squared deviations over variances: beyond about 10 for two measurements, model and measurement do
         not agree anywhere in the box.
@@ -91,10 +96,21 @@ class Inversion:
             Measured values and standard deviations of their errors, in the outputs' units and order.
         level : float
             Probability of the central interval.
+
+        Raises
+        ------
+        ValueError
+            A value that is not finite, an error that is not within `SMALLEST_ERROR` to `LARGEST_ERROR`.
         """
+        if not np.isfinite(values).all() or not ((errors >= SMALLEST_ERROR) & (errors <= LARGEST_ERROR)).all():
+            raise ValueError(
+                f"measured values must be finite, their errors within {SMALLEST_ERROR:g} to {LARGEST_ERROR:g}"
+            )
         cells = self._first
         for _ in range(_ROUNDS):
-            density, _ = _log_density(cells, values, errors**2 + cells.std**2 + cells.change.sum(1) ** 2)
+            density, far = _log_density(cells, values, errors**2 + cells.std**2 + cells.change.sum(1) ** 2)
+            if far > _HOPELESS:  # all cells would be halved without end
+                return self._nowhere(far)
             cells = cells.some(density >= density.max() - _NEGLIGIBLE)
             changes = (cells.change / np.hypot(errors, cells.std)[:, None]).max(-1)
             coarse = changes.sum(-1) > _FINE
@@ -104,6 +120,11 @@ class Inversion:
         density, misfit = _log_density(cells, values, errors**2 + cells.std**2)
         weights = np.exp(density - density.max()) * np.prod(cells.half, axis=-1)
         return self._summary(cells, weights / weights.sum(), misfit, level)
+
+    def _nowhere(self, misfit: float) -> Estimate:
+        """What measurements say that no point of the box comes near: nothing."""
+        nothing = np.full(len(self._inputs), np.nan)
+        return Estimate(nothing, nothing, nothing, misfit)
 
     @cached_property
     def _first(self) -> "_Cells":
@@ -171,7 +192,8 @@ class _Cells:
 
 def _log_density(cells: _Cells, values: Array, variance: Array) -> tuple[Array, float]:
     """Log-posterior density of every cell up to a constant, and the least misfit."""
-    square = (values - cells.mean) ** 2 / variance
+    with np.errstate(over="ignore"):  # an infinite misfit is one that nothing mends
+        square = (values - cells.mean) ** 2 / variance
     return -0.5 * (square + np.log(variance)).sum(-1), float(square.sum(-1).min())
 
 

@@ -12,7 +12,8 @@ import solver
 from solver.halfplane import HalfPlane
 from solver.material import UNITS
 from solver.names import CHOICES, EVERY_QUANTITY, FACTORS, PEAKS, PROFILES, QUANTITIES
-from workflow.inputs import TEXT_FACTORS, read_cases, read_material
+from workflow.casetable import TEXT_FACTORS, read_cases
+from workflow.inputs import read_material
 from workflow.provenance import ROOT
 
 PAGE = (ROOT / "docs/names.md").read_text(encoding="utf-8")

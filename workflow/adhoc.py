@@ -11,11 +11,11 @@ from pydantic import ValidationError
 
 from solver.names import CHOICES, FACTORS
 from surrogate import GaussianProcess, load
-from surrogate.inversion import Inversion
+from surrogate.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
 from workflow import answers, design, factorial, learning, location
 from workflow import study as studies
 from workflow.categories import output
-from workflow.inputs import InputError
+from workflow.inputs import InputError, number
 from workflow.problems import first_problem
 from workflow.study import Study
 from workflow.target import Target
@@ -186,6 +186,10 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None]) -> str:
         errors.append(_number(f"--measured: {name}", std))
         if not errors[-1] > 0 or not np.isfinite(errors[-1]) or not np.isfinite(values[-1]):
             raise InputError(f"--measured: {name}: {text!r} needs finite numbers, and a positive one after +-")
+        if not SMALLEST_ERROR <= errors[-1] <= LARGEST_ERROR:
+            raise InputError(
+                f"--measured: {name}: {text!r}: an error must be within {SMALLEST_ERROR:g} to {LARGEST_ERROR:g}"
+            )
     infer = [name for name, _ in _named("--infer", words.get("infer"))]
     at: dict[str, float | str] = {name: _usual(study, name) for name in study.categories}
     at |= {name: _value(f"--at: {name}", name, text) for name, text in _named("--at", words.get("at"))}
@@ -261,7 +265,7 @@ def _distribution(name: str, text: str) -> dict[str, list[float]]:
 
 def _number(where: str, text: str) -> float:
     try:
-        return float(text)
+        return number(text)
     except ValueError:
         raise InputError(f"{where}: {text.strip()!r} is not a number") from None
 

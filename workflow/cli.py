@@ -6,26 +6,31 @@ import io
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 import surrogate
 from solver import FactorError, Material, MaterialError, find, limiting_speed, solve, solve_interior
 from solver.halfplane import HalfPlane
 from solver.material import UNITS
-from solver.names import QUANTITIES
+from solver.names import EVERY_QUANTITY, QUANTITIES
 from surrogate import FormatError, OutOfBoxError
 from surrogate.netcdf import write_whole
 from workflow import factorial, location, materials, predictions
 from workflow import study as studies
-from workflow.files import write_text
-from workflow.inputs import InputError, one_line, read_cases, read_material
+from workflow.casetable import Table, read_cases
+from workflow.files import output, regular, writing
+from workflow.inputs import InputError, number, one_line, read_material
 from workflow.launch import launch
-from workflow.tables import Cell, solved
-from workflow.targets import nearest
+from workflow.pointtable import predicted
+from workflow.tables import solved
+
+_ROWS = 4096  # of an answer that are written at a time
 
 
 class _Parser(argparse.ArgumentParser):
@@ -68,7 +73,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> _Parser:
     parser = _Parser(prog="meecontact", description=__doc__)
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {version('meecontact')}")
+    parser.set_defaults(run=lambda options: parser.print_help())
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
 
     command = commands.add_parser("solve", help="exact quantities (and surface fields) of a table of cases")
     _add_cases(command)
@@ -156,64 +163,68 @@ def _add_cases(command: argparse.ArgumentParser) -> None:
 
 def _solve(options: argparse.Namespace) -> None:
     positions = None if options.positions is None else _numbers("--positions", options.positions)
-    out = _solved(options, lambda factors, own: solve(factors, positions, materials=own, peaks=options.peaks))
+    points = len(positions or [0.0])
+    out = _solved(options, lambda factors, own: solve(factors, positions, materials=own, peaks=options.peaks), points)
     missing = [name for name in QUANTITIES if name not in out]
     if missing:
         print(f"left out, as some case has no such quantity: {', '.join(missing)}", file=sys.stderr)
-    write_whole(out, options.output)
+    _wrote(options, out, f"{sum(name in EVERY_QUANTITY for name in out.data_vars)} quantities")
 
 
 def _interior(options: argparse.Namespace) -> None:
     x, y = _numbers("--x", options.x), _numbers("--y", options.y)
     fields = [name.strip() for name in options.fields.split(",")] if options.fields else None
-    out = _solved(options, lambda factors, own: solve_interior(factors, x, y, fields=fields, materials=own))
-    write_whole(out, options.output)
+    points = len(x) * len(y)
+    out = _solved(options, lambda factors, own: solve_interior(factors, x, y, fields=fields, materials=own), points)
+    _wrote(options, out, f"{len(out.data_vars)} fields on {len(x)} x {len(y)} points")
 
 
 def _solved(
-    options: argparse.Namespace, answer: Callable[[xr.Dataset, Mapping[str, Material]], xr.Dataset]
+    options: argparse.Namespace, answer: Callable[[xr.Dataset, Mapping[str, Material]], xr.Dataset], points: int
 ) -> xr.Dataset:
     """The answer to a table of cases."""
-    columns = read_cases(options.cases)
+    options.output = output(options.output, options.cases, *options.materials)
+    table = read_cases(options.cases)
     own = dict(read_material(path) for path in options.materials)
-    try:
-        return solved(columns, lambda factors: answer(factors, own))
-    except (FactorError, MaterialError) as error:
-        raise InputError(f"{options.cases}: {error}") from None
+    return solved(table, lambda factors: answer(factors, own), points)
+
+
+def _wrote(options: argparse.Namespace, out: xr.Dataset, what: str) -> None:
+    write_whole(out, options.output)
+    _say(f"wrote {options.output}: {out.sizes['case']} cases, {what}")
+
+
+def _say(message: str) -> None:
+    """Tell what was done: beside the answers, which go to standard output."""
+    print(one_line(message), file=sys.stderr)
 
 
 def _query(options: argparse.Namespace) -> None:
+    regular(options.surrogate)
     model = surrogate.load(options.surrogate)
     if (options.table is None) == (options.at is None):
         raise InputError("query: give either a table AT.csv or --at NAME=VALUE,...")
     if options.table is not None and options.output is None:
         raise InputError("query: a table needs -o OUT.csv")
+    if options.output is not None:
+        inputs = [path for path in (options.surrogate, options.table) if path is not None]
+        options.output = output(options.output, *inputs)
     if options.at is not None:
-        where = "--at"
-        points: dict[str, list[Cell]] = {name: [value] for name, value in _pairs(options.at).items()}
+        values = {name: np.array([value]) for name, value in _pairs(options.at).items()}
+        table = Table("--at", values, np.empty(0, dtype=np.int64))
     else:
-        where, points = str(options.table), read_cases(options.table)
-    for name in points:
-        if name not in model.box:
-            raise InputError(f"{where}: {name}: not an input of the surrogate; {nearest(name, list(model.box))}")
-    for name in model.box:
-        if name not in points:
-            raise InputError(f"{where}: {name}: missing; the surrogate needs {', '.join(model.box)}")
-        if None in points[name]:
-            raise InputError(f"{where}: case {points[name].index(None) + 1}: {name}: empty; must be a number")
-    named = {name: xr.DataArray(np.asarray(values, dtype=np.float64), dims="point") for name, values in points.items()}
-    try:
-        answer = predictions.predicted(model, named, extrapolate=options.extrapolate)
-    except ValueError as error:
-        raise InputError(f"{where}: {error}") from None
+        table = read_cases(options.table)
+    answer = predicted(model, table, extrapolate=options.extrapolate)
     if model.calibration_ is None:
-        print("not calibrated: this surrogate's intervals may hold far less than 95 %", file=sys.stderr)
+        _say("not calibrated: this surrogate's intervals may hold far less than 95 %")
     if options.exact is not None:
+        named = {name: xr.DataArray(values, dims="point") for name, values in table.columns.items()}
         answer = _with_exact(answer, named, studies.named(location.given(options.exact)), list(model.outputs_))
     if options.at is not None and options.output is None:
         _print_answer(answer, list(model.outputs_))
     else:
-        _write_answer(options.output, points, answer)
+        _write_answer(options.output, table.columns, answer)
+        _say(f"wrote {options.output}: {answer.sizes['point']} points, {len(model.outputs_)} outputs")
 
 
 def _with_exact(
@@ -234,19 +245,20 @@ def _print_answer(answer: xr.Dataset, outputs: list[str]) -> None:
     said = predictions.table(answer, outputs)
     for name in outputs:
         exact = f"  exact {float(answer[f'{name}_exact'].values[0]): .10g}" if f"{name}_exact" in answer else ""
-        print(f"{said[name]}{exact}  {answer[name].attrs.get('units', '')}")
+        print(one_line(f"{said[name]}{exact}  {answer[name].attrs.get('units', '')}"))
 
 
-def _write_answer(path: Path, points: dict[str, list[Any]], answer: xr.Dataset) -> None:
+def _write_answer(path: Path, points: Mapping[str, NDArray[Any]], answer: xr.Dataset) -> None:
     columns = {**points, **{str(name): answer[name].values for name in answer.data_vars}}
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(
-        [repr(float(v)) if not isinstance(v, np.bool_) else int(v) for v in row]
-        for row in zip(*columns.values(), strict=True)
-    )
-    write_text(path, text.getvalue())
+    with writing(path) as file:
+        header = io.StringIO()
+        csv.writer(header, lineterminator="\n").writerow(columns)
+        file.write(header.getvalue().encode())
+        for begin in range(0, answer.sizes["point"], _ROWS):
+            some = [values[begin : begin + _ROWS] for values in columns.values()]
+            plain = [one.astype(int if one.dtype == bool else float).tolist() for one in some]
+            lines = (",".join(map(repr, row)) + "\n" for row in zip(*plain, strict=True))  # every digit of a float
+            file.write("".join(lines).encode())
 
 
 def _material(options: argparse.Namespace) -> None:
@@ -259,12 +271,13 @@ def _material(options: argparse.Namespace) -> None:
         half = HalfPlane(material)
         if not (np.isfinite(half.compliance).all() and np.isfinite(half.friction_coupling).all()):
             raise MaterialError(f"{material.name}: constants beyond what double precision can solve")
-        print(_described(material, half))
+        print(_shown(_described(material, half)))
 
 
 def _described(material: Material, half: HalfPlane) -> str:
-    lines = [f"{material.name}: admissible"]
-    lines += [f"{label}: {text}" for label, text in (("source", material.source), ("note", material.note)) if text]
+    texts = (("source", material.source), ("note", material.note))
+    lines = [f"{' '.join(material.name.split())}: admissible"]
+    lines += [f"{label}: {' '.join(text.split())}" for label, text in texts if text]
     lines.append("constants")
     lines += [f"  {name:6s} {float(getattr(material, name)):< 14.6g} {unit}" for name, unit in UNITS.items()]
     lines.append("Stroh roots")
@@ -283,13 +296,18 @@ def _design(options: argparse.Namespace) -> None:
     from workflow import adhoc  # scikit-learn and the searches: not for every command
 
     answer = adhoc.ask(options.results, vars(options))
-    print(adhoc.as_json(answer) if options.json else adhoc.as_text(answer))
+    print(adhoc.as_json(answer) if options.json else _shown(adhoc.as_text(answer)))
 
 
 def _invert(options: argparse.Namespace) -> None:
     from workflow import adhoc
 
-    print(adhoc.invert(options.results, vars(options)))
+    print(_shown(adhoc.invert(options.results, vars(options))))
+
+
+def _shown(text: str) -> str:
+    """Lines whose names, which may come from a file, cannot command the terminal."""
+    return "\n".join(one_line(line) for line in text.split("\n"))
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -300,7 +318,7 @@ def _numbers(where: str, text: str) -> list[float]:
     values = []
     for part in text.split(","):
         try:
-            values.append(float(part))
+            values.append(number(part))
         except ValueError:
             raise InputError(f"{where}: {part.strip()!r} is not a number") from None
     return values

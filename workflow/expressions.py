@@ -109,12 +109,12 @@ class Operation(Expression):
         """By the rules of sum, product and quotient."""
         a, da = self.left.partials(values)
         b, db = self.right.partials(values)
-        if self.symbol in "+-":
-            sign = 1.0 if self.symbol == "+" else -1.0
-            return a + sign * b, _combined((1.0, da), (sign, db))
-        if self.symbol == "*":
-            return a * b, _combined((b, da), (a, db))
-        with np.errstate(divide="ignore", invalid="ignore"):  # a pole is found and named by the search
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a pole is found and named by the search
+            if self.symbol in "+-":
+                sign = 1.0 if self.symbol == "+" else -1.0
+                return a + sign * b, _combined((1.0, da), (sign, db))
+            if self.symbol == "*":
+                return a * b, _combined((b, da), (a, db))
             return a / b, _combined((1 / b, da), (-a / b**2, db))
 
     def unit(self) -> units.Unit | None:
@@ -144,7 +144,7 @@ class Power(Expression):
     def partials(self, values: Mapping[str, Array]) -> tuple[Array, Partials]:
         """By the rule of powers."""
         a, da = self.base.partials(values)
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             slope = self.exponent * a ** float(self.exponent - 1) if self.exponent else np.zeros_like(a)
             return a ** float(self.exponent), _combined((slope, da))
 

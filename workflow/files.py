@@ -1,10 +1,51 @@
-"""Text and other small files that appear whole or not at all."""
+"""Files that appear whole or not at all, and what may be read or replaced."""
 
+import errno
 import os
+import stat
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 from workflow.running import PARTIAL
+
+
+def regular(path: Path) -> Path:
+    """The path, unless it is a device or a pipe: one never ends, the other makes its reader wait.
+
+    Raises
+    ------
+    OSError
+        There is no such file, or it is a device, a pipe or a socket; it names the file.
+    """
+    mode = path.stat().st_mode
+    if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):  # a folder says so itself when it is opened
+        raise OSError(errno.EINVAL, "not a regular file", str(path))
+    return path
+
+
+def output(path: Path, *inputs: Path) -> Path:
+    """Where to write what an option asks for: the file itself, or what a link leads to.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such folder.
+    OSError
+        The path is a device, a pipe or a folder, which a new file would replace, or one of the inputs; it names it.
+    """
+    target = path.resolve() if path.is_symlink() else path
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"{path}: the folder {target.parent} does not exist")
+    if target.exists():
+        if not target.is_file():
+            raise OSError(errno.EINVAL, "not a regular file, so it is not replaced", str(path))
+        for one in inputs:
+            if one.exists() and target.samefile(one):
+                raise OSError(errno.EINVAL, "is an input of this command, so it is not replaced", str(path))
+    return target
 
 
 def write_text(path: Path, text: str) -> None:
@@ -20,13 +61,26 @@ def write_bytes(path: Path, content: bytes) -> None:
     OSError
         No room, or no permission; it names the file.
     """
+    with writing(path) as file:
+        file.write(content)
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[BinaryIO]:
+    """A file to write to, beside the final name; it takes that name in the end, or is removed after an error.
+
+    Raises
+    ------
+    OSError
+        No room, or no permission; it names the file.
+    """
     try:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=PARTIAL)
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(path)) from None
     try:
         with os.fdopen(handle, "wb") as file:
-            file.write(content)
+            yield file
             file.flush()
             os.fsync(file.fileno())
         umask = os.umask(0)

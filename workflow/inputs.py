@@ -1,6 +1,5 @@
-"""Files that people write: YAML (safe, with YAML 1.2 numbers, no key twice) and tables of cases."""
+"""What people write: YAML files (safe, with YAML 1.2 numbers, no key twice), numbers, and how it is shown again."""
 
-import csv
 import re
 import unicodedata
 from collections.abc import Hashable
@@ -11,12 +10,10 @@ import yaml
 
 from solver import Material, MaterialError
 from solver.material import UNITS
-from solver.names import CHOICES, FACTORS
-from workflow.targets import nearest
+from workflow.files import regular
 from workflow.units import in_si
 
 _LARGEST = 1 << 20  # bytes; a study or a material is a few kB
-_LARGEST_TABLE = 1 << 28
 _DEEPEST = (
     40  # brackets or indents within each other; a study needs five, and the reader's time grows with their square
 )
@@ -27,10 +24,6 @@ _FLOAT = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]
 # what a file's name, a figure and a file's attribute bear: no $, which begins a formula in figures
 _MATERIAL_NAME = re.compile(r"[\w(][\w ()+.,:/%-]{0,59}")
 
-#: Factors whose values are names.
-TEXT_FACTORS = ("material", *CHOICES)
-_COLUMNS = (*TEXT_FACTORS, *FACTORS)
-
 
 class InputError(ValueError):
     """Bad input, in one line that names file, key, value and what is allowed."""
@@ -40,6 +33,19 @@ def one_line(message: str) -> str:
     """A message as one line of at most 1000 characters; what came from a hostile file cannot command the terminal."""
     shown = "".join(one if one.isprintable() else one.encode("unicode_escape").decode("ascii") for one in message)
     return shown if len(shown) <= 1000 else f"{shown[:600]} ... {shown[-300:]}"
+
+
+def number(text: str) -> float:
+    """A decimal number in plain digits, inf or nan; ValueError for any other text, such as 1_000 or Arabic digits.
+
+    Examples
+    --------
+    >>> number(" 1e5")
+    100000.0
+    """
+    if not text.isascii() or "_" in text:
+        raise ValueError(f"{text!r} is not a number")
+    return float(text)
 
 
 class _Loader(yaml.SafeLoader):
@@ -110,7 +116,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
         Missing, unreadable, oversized or malformed file, or not a mapping.
     """
     try:
-        with path.open("rb") as file:
+        with regular(path).open("rb") as file:
             raw = file.read(_LARGEST + 1)
         if len(raw) > _LARGEST:
             raise InputError(f"{path}: larger than {_LARGEST} bytes")
@@ -156,50 +162,3 @@ def read_material(path: Path) -> tuple[str, Material]:
             f"{path}: name: {material.name[:80]!r} must be up to 60 letters, digits, blanks and any of _()+.,:/%-"
         )
     return material.name, material
-
-
-def read_cases(path: Path) -> dict[str, list[float | str | None]]:
-    """Columns of a table of cases (CSV with a header of factor names), one row a case; an empty cell is None.
-
-    Raises
-    ------
-    InputError
-        Missing or oversized file, no header, an unknown or repeated column, a ragged row or a cell that is no number;
-        names file, line, column and value.
-    """
-    try:
-        if path.stat().st_size > _LARGEST_TABLE:
-            raise InputError(f"{path}: larger than {_LARGEST_TABLE} bytes")
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = [row for row in csv.reader(file, strict=True) if row]
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror or error}") from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: not a CSV table in UTF-8: {error}") from None
-    if len(rows) < 2:
-        raise InputError(f"{path}: needs a header of factor names and at least one case")
-    header = [name.strip() for name in rows[0]]
-    for name in header:
-        if name not in _COLUMNS:
-            raise InputError(f"{path}: column {name!r}: unknown factor; {nearest(name, list(_COLUMNS))}")
-        if header.count(name) > 1:
-            raise InputError(f"{path}: column {name!r}: given twice")
-    columns: dict[str, list[float | str | None]] = {name: [] for name in header}
-    for line, row in enumerate(rows[1:], 2):
-        if len(row) != len(header):
-            raise InputError(f"{path}: case {line - 1}: {len(row)} cells, the header has {len(header)}")
-        for name, cell in zip(header, row, strict=True):
-            columns[name].append(_cell(f"{path}: case {line - 1}: {name}", name, cell.strip()))
-    return columns
-
-
-def _cell(where: str, name: str, text: str) -> float | str | None:
-    if not text:
-        return None
-    if name in TEXT_FACTORS:
-        return text
-    try:
-        return float(text)
-    except ValueError:
-        allowed = FACTORS[name].allowed if name in FACTORS else "a number"
-        raise InputError(f"{where}: {text!r} is not {allowed}") from None

@@ -88,6 +88,11 @@ def test_the_command_inverts(study: Study, model: GridGP, monkeypatch: pytest.Mo
     for change, reason in (
         ({"measured": ["voltage=1"]}, "--measured: voltage: '1' is not of the form VALUE"),
         ({"measured": ["voltage=1+-0"]}, "needs finite numbers, and a positive one"),
+        ({"measured": ["voltage=1+-1e308"]}, "'1+-1e308': an error must be within 1e-150 to 1e+150"),
+        ({"measured": ["voltage=1+-1e-200"]}, "'1+-1e-200': an error must be within 1e-150 to 1e+150"),
+        ({"measured": ["voltage=1e308+-1"]}, "no case within the study's ranges gives these measurements (misfit inf)"),
+        ({"measured": ["voltage=1e30+-1"]}, "no case within the study's ranges gives these measurements"),
+        ({"measured": ["voltage=1_0+-1"]}, "--measured: voltage: '1_0' is not a number"),
         ({"measured": ["voltage=1e9+-1"]}, "no case within the study's ranges gives these measurements"),
         ({"infer": ["load"]}, "'friction' must be either inferred or given"),
         ({"at": ["volume_fraction=0.67,radius=3"]}, "--at: radius = 3 is not within"),
