@@ -124,7 +124,8 @@ def _contact(answer: xr.Dataset) -> Figure:
         for part in (X < -1, np.abs(X) < 1, X > 1):
             ax.plot(X[part], values[part] / size, color=BLUE, lw=1.5)
         ends = np.array([min(values[away].min(), 0.0), max(values[away].max(), 0.0)]) / size
-        ax.set_ylim(*(ends + np.array([-0.06, 0.06]) * np.ptp(ends)))
+        # no charge enters an insulating punch: D_y is zero all along
+        ax.set_ylim(*(ends + np.array([-0.06, 0.06]) * (np.ptp(ends) or 1.0)))
         ax.set_xlim(-3, 3)
         ax.set_title(f"{_FIELDS[name]} [{units}]")
         ax.set_ylabel("")

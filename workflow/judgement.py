@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from solver.names import EVERY_QUANTITY, FACTORS, PEAKS
+from solver.names import CHOICES, EVERY_QUANTITY, FACTORS, PEAKS, PROFILES
 from workflow import costly, factorial
 from workflow.question import Question
 from workflow.scenarios import Scenarios
@@ -154,7 +154,7 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
             "exact_high": ("quantity", [float(one.max()) for one in corner.values()]),
             "feasible": bool(np.all(margin[~np.isnan(margin)] >= 0)),
             "status": _status(question, x, margin),
-            "flags": "; ".join(_flags(corner, worst[0].get("radius", np.nan))),
+            "flags": "; ".join([*_flags(corner, _radius(question, factors[False])), *question.notes]),
         },
         coords={
             "factor": list(worst[0]),
@@ -229,15 +229,25 @@ def _status(question: Question, x: Array, margin: Array) -> str:
     return f"infeasible: {worst.label} binds; the least violated design misses it by {-100 * least:.3g} %"
 
 
-def _flags(corner: Mapping[str, Array], radius: float) -> list[str]:
+def _radius(question: Question, factors: Factors) -> Array | None:
+    """Radius of a round punch over the scenarios, wherever the question has it; None for other profiles."""
+    profile = str(question.study.fixed.get("profile", CHOICES["profile"][0]))
+    if "radius" not in PROFILES[profile][0]:
+        return None
+    return factors["radius"] if "radius" in factors else np.full((1, 1), float(question.study.fixed["radius"]))
+
+
+def _flags(corner: Mapping[str, Array], radius: Array | None) -> list[str]:
     """Where a design leaves what the theory holds for."""
     flags = []
     width = corner["contact_trailing"] + corner["contact_leading"]
-    field = float((np.abs(corner["voltage"]) / width).max())
+    # an insulating punch has no one voltage
+    field = float((np.abs(corner["voltage"]) / width).max()) if "voltage" in corner else 0.0
     if field > _LINEAR_FIELD:
         flags.append(f"nominal field |voltage| / contact width = {field / 1e6:.3g} kV/mm is beyond 0.3 kV/mm")
-    if float(width.max()) > _SLENDER * radius:
-        flags.append(f"the contact is {float(width.max()) / radius:.2g} of the radius wide: no longer a parabola")
+    share = float((width / radius).max()) if radius is not None else 0.0
+    if share > _SLENDER:
+        flags.append(f"the contact is {share:.2g} of the radius wide: no longer a parabola")
     return flags
 
 

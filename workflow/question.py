@@ -40,12 +40,15 @@ class Question:
         Factors at one value: the target's own and those chosen from lists.
     scales
         Scale of every limit whose bound is zero, by label.
+    notes
+        What a reader of the answer should know about how the question was read.
     """
 
     study: Study
     target: Target
     held: dict[str, float] = field(default_factory=dict)
     scales: dict[str, float] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     @cached_property
     def inputs(self) -> dict[str, Input]:
