@@ -12,7 +12,7 @@ from scipy.stats import qmc
 from solver.names import EVERY_QUANTITY, FACTORS
 from surrogate import Input
 from surrogate.optimise import Problem
-from workflow import factorial, scenarios
+from workflow import factorial, misread, scenarios
 from workflow.expressions import Call, Expression, Operation, Power
 from workflow.inputs import InputError
 from workflow.scenarios import Scenarios
@@ -204,7 +204,8 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
     Raises
     ------
     InputError
-        An objective that is constant over the variables, or one that passes a pole or is not defined within them.
+        An objective that is constant over the variables, or one that passes a pole or is not defined within them; a
+        limit whose number has no unit and, read in SI, is far from every value.
     """
     held = {name: value for name, value in {**target.at, **(chosen or {})}.items() if not isinstance(value, str)}
     question = Question(study, target, held)
@@ -217,6 +218,7 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
     x = np.concatenate([inside, np.pad(ends, ((0, 0), (0, d - ends.shape[1])))])
     factors = question.factors(x, corner)
     scales: dict[str, float] = {}
+    notes: list[str] = []
     for term in question.terms:
         what = f"design: {name}: {term.label!r}"
         value = question.values(source, factors, corner, [term])[0]
@@ -227,7 +229,9 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
             raise InputError(f"{what} is constant: it does not depend on {', '.join(question.inputs)}")
         if term.bound == 0:
             scales[term.label] = float(np.abs(value).max()) or 1.0
-    return replace(question, scales=scales)
+        if term.unitless:
+            notes += misread.notes(what, term, value)
+    return replace(question, scales=scales, notes=tuple(notes))
 
 
 def _check_poles(

@@ -32,6 +32,8 @@ class Term:
         Limit, NaN for an objective.
     scale
         Size of the bound, or of the expression where the bound is zero.
+    unitless
+        Whether the bound was written without the unit that the expression has.
     """
 
     label: str
@@ -41,6 +43,7 @@ class Term:
     drawn: bool
     bound: float = np.nan
     scale: float = 1.0
+    unitless: bool = False
 
     @property
     def limited(self) -> bool:
@@ -79,4 +82,5 @@ def limited(one: Limit, scale: float) -> Term:
     elif one.probability is not None:
         statistic = robustness.Quantile(one.probability if one.upper else 1 - one.probability)
     size = abs(one.value) or scale
-    return Term(str(one), one.expression, one.sign, statistic, one.probability is not None, one.value, size)
+    drawn = one.probability is not None
+    return Term(str(one), one.expression, one.sign, statistic, drawn, one.value, size, one.unitless)

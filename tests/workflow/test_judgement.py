@@ -4,12 +4,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 import xarray as xr
 import yaml
 
-from workflow import answers, design, factorial, learning
+from workflow import design, factorial, learning
 from workflow import study as studies
 from workflow.designfigures import figures_of
 from workflow.target import Target
