@@ -17,6 +17,8 @@ from workflow.terms import Term
 
 Array = NDArray[np.float64]
 
+#: Excess over a limit's scale that counts as none: rounding of the exact solver, which is good to 4e-14.
+ROUNDING = 1e-12
 _NORMAL = 1.959964  # standard deviations of a 95 % interval
 _BINDS = 1e-3  # margin below which a limit binds
 _ERROR = 0.01  # relative error in building a variable
@@ -152,7 +154,7 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
             "worst": (("term", "factor"), np.array([list(case.values()) for case in worst])),
             "exact_low": ("quantity", [float(one.min()) for one in corner.values()]),
             "exact_high": ("quantity", [float(one.max()) for one in corner.values()]),
-            "feasible": bool(np.all(margin[~np.isnan(margin)] >= 0)),
+            "feasible": bool(np.all(margin[~np.isnan(margin)] >= -ROUNDING)),
             "status": _status(question, x, margin),
             "flags": "; ".join([*_flags(corner, _radius(question, factors[False])), *question.notes]),
         },
@@ -224,7 +226,7 @@ def _status(question: Question, x: Array, margin: Array) -> str:
     binding = [term.label for term, m in limited if m < _BINDS]
     binding += [f"{name} at its {'upper' if u > 0 else 'lower'} end" for name, u in ends if abs(u) > 1 - 1e-6]
     worst, least = min(limited, key=lambda pair: pair[1], default=(None, 0.0))
-    if worst is None or least >= 0:
+    if worst is None or least >= -ROUNDING:
         return f"feasible; binding: {', '.join(binding) or 'none'}"
     return f"infeasible: {worst.label} binds; the least violated design misses it by {-100 * least:.3g} %"
 

@@ -11,6 +11,8 @@ from workflow.targets import Limit, Objective
 
 Array = NDArray[np.float64]
 
+_MEET = 1e-9  # distance of two bounds, over their scale, that leaves one value
+
 
 @dataclass(frozen=True)
 class Term:
@@ -56,6 +58,12 @@ class Term:
         if isinstance(self.statistic, robustness.Deviation):
             return "1"
         return self.expression.lone() or str(self.expression.unit() or "1")
+
+    def meets(self, other: "Term") -> bool:
+        """Whether this limit and another one of the same expression leave one value only: an equality."""
+        mine, others = (robustness.Every, self.expression), (type(other.statistic), other.expression)
+        same = mine == others and isinstance(self.statistic, robustness.Every)
+        return same and self.sign == -other.sign and abs(self.bound - other.bound) <= _MEET * self.scale
 
     def worst(self, rows: Array) -> Array:
         """The row that decides, over the last axis: the least objective, the largest use of a limit."""

@@ -4,11 +4,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import xarray as xr
 import yaml
 
-from workflow import design, factorial, learning
+from solver import solve
+from workflow import design, factorial, judgement, learning
 from workflow import study as studies
 from workflow.designfigures import figures_of
 from workflow.target import Target
@@ -16,6 +18,7 @@ from workflow.target import Target
 LOAD = {"low": 5e3, "high": 5e4, "levels": 5, "scale": "log"}
 RADIUS = {"low": 0.02, "high": 0.2, "levels": 5, "scale": "log"}
 FRACTION = {"low": 0.4, "high": 0.8, "levels": 10}
+CHARGE = {"low": -2e-6, "high": 2e-6, "levels": 4}
 
 Ask = Callable[..., xr.Dataset]
 
@@ -65,3 +68,49 @@ def test_a_contact_too_wide_for_its_parabola_is_told_of_a_fixed_radius_too(
     if told:
         width = float(answer["exact_high"].sel(quantity=["contact_trailing", "contact_leading"]).sum())
         assert f"the contact is {width / profile['radius']:.2g} of the radius wide" in flags
+
+
+SQUARE = {"volume_fraction": FRACTION, "radius": RADIUS}
+
+
+def test_a_pair_of_limits_that_is_an_equality_is_met_to_rounding(ask: Ask) -> None:
+    limits = ["trailing_tension <= 30 MPa", "trailing_tension >= 30 MPa"]
+    target = {"maximise": "abs(voltage_sensitivity)", "over": list(SQUARE), "subject_to": limits}
+    answer = ask(SQUARE, {"load": 1e4}, **target)
+    assert bool(answer["feasible"])
+    assert answer["status"].item() == f"feasible; binding: {', '.join(limits)}"
+    assert abs(answer["margin"].values[1:]).max() <= judgement.ROUNDING
+    # the curve of all designs with this tension, by brute force
+    over = {"volume_fraction": np.linspace(0.4, 0.8, 401), "radius": np.geomspace(0.02, 0.2, 81)}
+    exact = solve({**over, "load": 1e4, "friction": 0.2, "composite": "fibrous"}).transpose(*over)
+    tension, goal = exact["trailing_tension"].values, abs(exact["voltage_sensitivity"].values)
+    crossing = np.diff(np.sign(tension - 30e6), axis=1) != 0
+    assert crossing.sum() > 250
+    assert float(answer["exact"][0]) == pytest.approx(np.minimum(goal[:, :-1], goal[:, 1:])[crossing].max(), rel=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("over", "target"),
+    [
+        (["charge"], {"minimise": "abs(voltage)"}),
+        (["charge", "radius"], {"minimise": "max(abs(voltage), -2 * voltage) / load"}),
+        (["charge", "radius"], {"maximise": "abs(voltage_sensitivity)", "subject_to": ["abs(voltage) <= 0"]}),
+    ],
+)
+def test_a_kink_is_solved_to_rounding(ask: Ask, over: list[str], target: dict[str, Any]) -> None:
+    factors = {"volume_fraction": FRACTION, "radius": RADIUS, "charge": CHARGE}
+    at = {"volume_fraction": 0.6} | ({} if "radius" in over else {"radius": 0.1})
+    answer = ask(factors, {"load": 1e4}, over=over, at=at, **target)
+    assert bool(answer["feasible"])
+    low, high = (answer[f"exact_{end}"].sel(quantity="voltage").item() for end in ("low", "high"))
+    assert max(abs(low), abs(high)) < 1e-9  # volts, of some 1e6 over the charges
+
+
+def test_a_worst_case_at_a_kink_is_that_of_both_its_sides(ask: Ask) -> None:
+    """The least largest voltage of a range of loads is where its ends have opposite voltages."""
+    answer = ask(
+        {"volume_fraction": FRACTION, "load": LOAD, "charge": CHARGE}, {"radius": 0.1},
+        minimise="abs(voltage)", over=["charge"], at={"volume_fraction": 0.6}, worst_case={"load": [9e3, 1.1e4]},
+    )  # fmt: skip
+    low, high = (answer[f"exact_{end}"].sel(quantity="voltage").item() for end in ("low", "high"))
+    assert low == pytest.approx(-high, rel=1e-9)
