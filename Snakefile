@@ -37,6 +37,9 @@ onstart:
         raise WorkflowError(str(error))
     running.sweep(STUDIES)
 
+onsuccess:
+    unreached.tell(DESIGNED)
+
 
 rule all:
     default_target: True

@@ -6,6 +6,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from workflow import study as studies
+from workflow import unreached
 from workflow.inputs import InputError
 from workflow.targets import nearest
 
@@ -49,6 +50,7 @@ def launch(name: str, cores: str, profile: str, *, dry: bool) -> int:
     quiet = ["--dry-run", "--quiet", "host"] if dry else ["--quiet", "rules", "host", "reason"]
     status = _snakemake([*options, *quiet, "--", report, *others])
     if status == 0 and not dry:
+        unreached.tell([name] if study.design else [])
         print(f"report: {report}")
     return status
 

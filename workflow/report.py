@@ -12,7 +12,7 @@ from markupsafe import Markup
 from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
 from surrogate import load
 from surrogate.netcdf import read_whole
-from workflow import answers, pictures, whatif
+from workflow import answers, judgement, pictures, whatif
 from workflow.engineering import shown
 from workflow.inline import inlined
 from workflow.study import CHECK_GROUPS, Study
@@ -192,6 +192,7 @@ def _design(data: xr.Dataset) -> dict[str, Any]:
         {
             "name": str(name),
             "inside": bool(one["inside"]),
+            "broken": float(one["margin"]) < -judgement.ROUNDING,
             **{key: float(one[key]) for key in ("predicted", "half", "exact", "limit", "margin")},
             "units": str(one["units"].values),
             "error": abs(float(one["predicted"]) / float(one["exact"]) - 1) if float(one["exact"]) else np.nan,
@@ -204,7 +205,9 @@ def _design(data: xr.Dataset) -> dict[str, Any]:
             "name": str(name),
             "role": str(one["role"].values),
             "units": FACTORS[name].units,
-            **{key: float(one[key]) for key in ("value", "cost", "margin_left")},
+            "edge": str(one["edge"].values) if one["matters"] else "",
+            "matters": bool(one["matters"]),
+            **{key: float(one[key]) for key in ("value", "cost", "loss", "margin_left")},
         }
         for name in data["factor"].values
         for one in [data.sel(factor=name)]
@@ -217,7 +220,9 @@ def _design(data: xr.Dataset) -> dict[str, Any]:
         "flags": str(data["flags"].values),
         "status": str(data["status"].values),
         "feasible": bool(data["feasible"].values),
+        "at_edge": any(one["edge"] for one in variables),
         "objective": terms[0],
+        "several": int(np.isnan(data["limit"]).sum()) > 1,
         "limits": terms[1:],
         "variables": variables,
         "kinds": answers.kinds(data),

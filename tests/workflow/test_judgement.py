@@ -114,3 +114,45 @@ def test_a_worst_case_at_a_kink_is_that_of_both_its_sides(ask: Ask) -> None:
     )  # fmt: skip
     low, high = (answer[f"exact_{end}"].sel(quantity="voltage").item() for end in ("low", "high"))
     assert low == pytest.approx(-high, rel=1e-9)
+
+
+def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: Ask) -> None:
+    target = {"maximise": "abs(stroke_per_volt)", "subject_to": ["peak_pressure <= 500 MPa"]}
+    answer = ask(SQUARE, {"load": 1e4}, over=list(SQUARE), **target)
+    assert answer["status"].item() == (
+        "feasible; binding: none; volume_fraction at the upper end of the studied range; "
+        "radius of no effect on the goal"
+    )
+    told = answer.sel(factor=["volume_fraction", "radius"])
+    assert told["matters"].values.tolist() == [True, False]
+    assert told["loss"].values == pytest.approx(told["cost"].values * float(answer["exact"][0]))
+    assert float(told["cost"][0]) > 0.01
+    # the same box, of which the question asks for a part
+    answer = ask(SQUARE, {"load": 1e4}, over={"volume_fraction": {"high": 0.7}, "radius": {}}, **target)
+    assert "volume_fraction at the upper end of the range asked for" in answer["status"].item()
+
+
+def test_next_to_zero_an_error_costs_units_and_no_share(ask: Ask) -> None:
+    factors = {"volume_fraction": FRACTION, "charge": CHARGE}
+    fixed = {"load": 1e4, "radius": 0.1}
+    answer = ask(factors, fixed, minimise="abs(voltage)", over=["charge"], at={"volume_fraction": 0.6})
+    one = answer.sel(factor="charge")
+    assert np.isnan(float(one["cost"]))
+    assert np.isnan(one["elasticity"].values).all()
+    assert bool(one["matters"])
+    exact = solve(
+        {"composite": "fibrous", "friction": 0.2, **fixed, "volume_fraction": 0.6, "charge": 1.01 * one["value"].item()}
+    )
+    assert float(one["loss"]) == pytest.approx(abs(float(exact["voltage"])), rel=1e-6)
+
+
+def test_a_front_that_no_design_reaches_is_answered_and_drawn(ask: Ask) -> None:
+    target = {"maximise": "abs(stroke_per_volt)", "minimise": "trailing_tension", "over": list(SQUARE)}
+    target["subject_to"] = ["peak_pressure <= 1 MPa"]
+    answer = ask(SQUARE, {"load": 1e4}, **target)
+    assert (
+        answer["status"].item().startswith("infeasible: peak_pressure <= 1 MPa binds; the least violated design misses")
+    )
+    legend = figures_of(answer, Target.model_validate(target))["front"].axes[0].get_legend()
+    assert legend is not None
+    assert [text.get_text() for text in legend.get_texts()] == ["least violated design: not reachable"]

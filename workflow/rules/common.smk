@@ -5,11 +5,12 @@
 
 from functools import cache
 
-from workflow import factorial, provenance, running
+from workflow import factorial, provenance, running, unreached
 from workflow import study as studies
 from workflow.study import CHECK_GROUPS, CONVERGING
 
 STUDIES = set()  # those that this run needs
+DESIGNED = set()  # those whose designs it needs
 
 
 @cache
@@ -37,6 +38,12 @@ PHYSICS = ("phases", "materials", "fixed", "factors", "categories")
 def targets_of(name):
     """What a run of a study makes last."""
     return [f"results/{name}/{file}" for file in study_named(name).targets]
+
+
+def designs_of(wildcards):
+    """The answers to the targets of a study."""
+    DESIGNED.add(wildcards.study)
+    return expand("results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design)
 
 
 def effects_of(study):
