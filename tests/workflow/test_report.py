@@ -164,7 +164,7 @@ def test_the_page_says_what_a_reader_needs(ran: Project, tmp_path: Path) -> None
         "exact solver",
         "surrogate, mean and interval",
         "feasible; binding",
-        "not reachable\nimpossible: trailing_tension <= 1 MPa binds; the least violated design misses it by 9067 %",
+        "not reachable\nimpossible: trailing_tension <= 1 MPa binds; the least violated design misses it by 9075 %",
         "Not reachable: trailing_tension <= 1 MPa binds",
         "No design within the ranges keeps every limit.",
         "broken, as predicted",
