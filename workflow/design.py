@@ -27,6 +27,7 @@ _ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios sa
 _AWAY = 1e-10  # relative distance kept from a limit, beyond rounding
 _NEAR = 1e-6  # relative distance at which a limit binds
 _LOST = 0.01  # share of the objective that no polish costs
+_SMALL = 1e-3  # share of its range below which an objective is no scale of its own
 _SCANNED = 1 << 17  # most evaluations of the surrogate in one scan
 
 
@@ -121,6 +122,11 @@ class _Found:
             return problem
         return scalarised(problem, len(self.question.target.objectives), *self.measure)
 
+    def size(self, objective: float) -> float:
+        """Scale of the objective at a value; next to zero, a share of its range."""
+        spread = self.question.spread if self.measure is None else 1.0
+        return max(abs(objective), _SMALL * spread) or 1.0
+
 
 def choices(study: Study, target: Target) -> list[dict[str, float | str]]:
     """Every combination of the values of variables with a list, and of the names of categories."""
@@ -170,8 +176,8 @@ def _climbed(found: _Found) -> _Found:
         first = front.best_of(found.front, found.problem(source))
     else:
         first = maximise(found.problem(source), scan=_scan(question))
-    doubt = judgement.doubts(question, first.x, source)
-    return replace(found, best=improve(found.problem(source, doubt), first.x, abs(first.objective) or 1.0))
+    doubt = judgement.doubts(question, first.x, source) * question.room
+    return replace(found, best=improve(found.problem(source, doubt), first.x, found.size(first.objective)))
 
 
 def _front(found: list[_Found]) -> xr.Dataset:
@@ -238,15 +244,16 @@ def _polish(found: _Found) -> _Found:
         judged = np.array([float(term.oriented(value)) for term, value in zip(limits, values, strict=True)])
         searched = judgement.excesses(question, best.x, near)
         bound, spent = searched + slack > -_NEAR, spent + cases
-        if last is not None and best.objective < last.objective - _LOST * abs(last.objective):
+        if last is not None and best.objective < last.objective - _LOST * found.size(last.objective):
             break  # a search that went astray
-        last = best if np.all(judged <= 0) else last
-        done = not best.feasible or np.all((judged <= 0) & ((judged > -_NEAR) | ~bound))
+        kept = judged <= judgement.ROUNDING
+        last = best if np.all(kept) else last
+        done = not best.feasible or np.all(kept & ((judged > -_NEAR) | ~bound))
         if (k > 0 and done) or k == rounds or spent + cases > costly.AFFORDABLE:
             break
         # what a few scenarios make of a limit differs from what many do: shift it by that
-        slack = judged - searched + away
-        best = improve(found.problem(near, slack), best.x, abs(best.objective) or 1.0)
+        slack = judged - searched + away * question.room
+        best = improve(found.problem(near, slack), best.x, found.size(best.objective))
     best, moved = (replace(best, feasible=False) if last is None else last), last is not found.best and rounds > 0
     return replace(found, best=best, cases=spent, polish=costly.words(question, spent, moved))
 

@@ -48,12 +48,13 @@ def _map(answer: xr.Dataset) -> Figure:
         if excess.min() < 0:
             ax.contour(x, y, excess, [0.0], colors="white", linewidths=1.6)
     ax.plot(*([float(answer["value"].sel(factor=name))] for name in names), "*", ms=15, mfc=ORANGE, mec="white",
-            label="recommended design")  # fmt: skip
+            label=_star(answer))  # fmt: skip
     for name, axis, which in zip(names, (x, y), ("x", "y"), strict=True):
         _factor_axis(ax, which, name, axis.values)
     attach_map(ax, x.values, y.values, objective / size, label)
     figure.colorbar(filled, ax=ax, label=label, format="%.3g")
     ax.grid(visible=False)
+    figure.legend(loc="outside upper left")
     return figure
 
 
@@ -78,7 +79,7 @@ def _slices(answer: xr.Dataset) -> Figure:
                         label="breaks a limit")  # fmt: skip
         best = float(answer["value"].sel(factor=name))
         ax.plot([best], [float(answer["exact"][0]) / size], "*", ms=13, mfc=ORANGE, mec=INK, mew=0.6,
-                label="recommended design, exact")  # fmt: skip
+                label=f"{_star(answer)}, exact")  # fmt: skip
         ax.set_ylim(ends)
         _factor_axis(ax, "x", name, x)
     axes[0, 0].set_ylabel(label)
@@ -97,7 +98,8 @@ def _bars(answer: xr.Dataset) -> Figure:
         values = answer["elasticity"].sel(factor=name).values
         places = np.arange(len(terms)) + (k - (len(names) - 1) / 2) * height
         drawn = ax.barh(places, values, height * 0.9, color=plt.get_cmap("tab10")(k), label=name.replace("_", " "))
-        ax.bar_label(drawn, [f"{value:.2g}" for value in values], padding=3, fontsize=7.5)
+        texts = [f"{value:.2g}" if np.isfinite(value) else "" for value in values]
+        ax.bar_label(drawn, texts, padding=3, fontsize=7.5)
     ax.axvline(0, color=INK, lw=0.8)
     ax.set_yticks(np.arange(len(terms)), [_short(term, 30) for term in terms])
     ax.invert_yaxis()
@@ -124,7 +126,8 @@ def _contact(answer: xr.Dataset) -> Figure:
         for part in (X < -1, np.abs(X) < 1, X > 1):
             ax.plot(X[part], values[part] / size, color=BLUE, lw=1.5)
         ends = np.array([min(values[away].min(), 0.0), max(values[away].max(), 0.0)]) / size
-        ax.set_ylim(*(ends + np.array([-0.06, 0.06]) * np.ptp(ends)))
+        # no charge enters an insulating punch: D_y is zero all along
+        ax.set_ylim(*(ends + np.array([-0.06, 0.06]) * (np.ptp(ends) or 1.0)))
         ax.set_xlim(-3, 3)
         ax.set_title(f"{_FIELDS[name]} [{units}]")
         ax.set_ylabel("")
@@ -158,13 +161,16 @@ def _inside(figure: Figure, ax: Axes, field: xr.DataArray, title: str) -> None:
 @styled
 def _front(answer: xr.Dataset) -> Figure:
     """The exact Pareto front: the first objective against each other one, the compromise marked."""
-    names = [str(name) for name in answer["objective"].values]
+    traced = "front" in answer.dims  # which no target has that is not reachable
+    names = [
+        str(name) for name in (answer["objective"] if traced else answer["term"][np.isnan(answer["limit"])]).values
+    ]
     figure, axes = plt.subplots(1, len(names) - 1, figsize=(5.8 * (len(names) - 1) ** 0.7, 4.0), squeeze=False)
     for ax, other in zip(axes.flat, names[1:], strict=True):
         labels, columns, best = [], [], []
-        choices = answer["front_choice"].values
+        choices = answer["front_choice"].values if traced else np.empty(0, dtype=str)
         for name in (names[0], other):
-            values = answer["front_exact"].sel(objective=name).values
+            values = (answer["front_exact"].sel(objective=name) if traced else answer["exact"].sel(term=[name])).values
             size, units = prefixed(float(np.abs(values).max()), str(answer["units"].sel(term=name).values))
             columns.append(values / size)
             labels.append(f"{name} [{units}]" if units else name)
@@ -182,7 +188,7 @@ def _front(answer: xr.Dataset) -> Figure:
                 color=plt.get_cmap("tab10")(2 * k % 10),
                 label=label,
             )
-        ax.plot(*best, "*", ms=15, mfc=ORANGE, mec=INK, mew=0.6, label="recommended compromise")
+        ax.plot(*best, "*", ms=15, mfc=ORANGE, mec=INK, mew=0.6, label=_star(answer, "compromise"))
         ax.set_xlabel(labels[0])
         ax.set_ylabel(labels[1])
     axes[0, 0].legend()
@@ -203,6 +209,11 @@ _FIELDS = {
     "stress_xx": "$\\sigma_{xx}$",
     "von_mises": "von Mises stress",
 }
+
+
+def _star(answer: xr.Dataset, kind: str = "design") -> str:
+    """What the star of a figure is."""
+    return f"recommended {kind}" if bool(answer["feasible"]) else "least violated design: not reachable"
 
 
 def _objective(answer: xr.Dataset) -> tuple[float, str]:

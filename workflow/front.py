@@ -20,13 +20,13 @@ _KEPT = 1e-9  # exact excess that counts as none: the optimiser's own accuracy
 
 def trace(question: Question, source: Predicted, scan: int) -> Front | None:
     """The front on the surrogate, at a distance from the limits that its uncertainty asks for; None: not feasible."""
-    problem = question.problem(source, np.full(len(question.target.limits), _SAFE))
+    problem = question.problem(source, _SAFE * question.room)
     if not question.inputs:
         return _point(problem, len(question.target.objectives))
     coarse = front(problem, len(question.target.objectives), points=3, fill=1, scan=scan)
     if coarse is None:
         return None
-    doubt = _SAFE + judgement.doubts(question, coarse.x[len(coarse.x) // 2], source)
+    doubt = (_SAFE + judgement.doubts(question, coarse.x[len(coarse.x) // 2], source)) * question.room
     return front(question.problem(source, doubt), len(question.target.objectives), scan=scan) or coarse
 
 

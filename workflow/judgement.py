@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from solver.names import EVERY_QUANTITY, FACTORS, PEAKS
+from solver.names import CHOICES, EVERY_QUANTITY, FACTORS, PEAKS, PROFILES
 from workflow import costly, factorial
 from workflow.question import Question
 from workflow.scenarios import Scenarios
@@ -17,9 +17,14 @@ from workflow.terms import Term
 
 Array = NDArray[np.float64]
 
+#: Excess over a limit's scale that counts as none: rounding of the exact solver, which is good to 4e-14.
+ROUNDING = 1e-12
 _NORMAL = 1.959964  # standard deviations of a 95 % interval
 _BINDS = 1e-3  # margin below which a limit binds
 _ERROR = 0.01  # relative error in building a variable
+_NOTHING = 1e-9  # share of the goal that counts as no change
+_EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
+_PLAIN = 10.0  # times a limit, from which an excess is written without digits behind the point
 _STEP = 1e-3  # relative step of elasticities
 _LINEAR_FIELD = 3e5  # V/m: beyond it, ferroelectric ceramics are not linear
 _SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
@@ -121,7 +126,9 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
     -------
     xarray.Dataset
         Over ``factor``: ``value``, ``role``, and of every variable ``cost`` (share of the objective lost by a 1 % error
-        in it) and ``margin_left`` (least margin of all limits after that error). Over ``term``, the objective first:
+        in it; NaN where that is next to zero), ``loss`` (the same in its units), ``matters`` (whether that error
+        changes any objective), ``margin_left`` (least margin of all limits after it) and ``edge`` (in words, the end
+        of the range at which it stands). Over ``term``, the objective first:
         ``predicted``, ``predicted_std``, ``half`` (of the interval, tolerance included), ``exact``, ``inside``,
         ``limit``, ``margin``, ``units``. Over both: ``elasticity`` and ``worst`` (the scenario that decides). Over
         ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``flags``.
@@ -137,6 +144,9 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
     half = _NORMAL * guessed.stds + _tolerances(question, x, source)
     corner = _corners(question, x, exact)
     worst = [_case(question, factors[t.drawn], s) for t, s in zip(question_terms, guessed.scenarios, strict=True)]
+    found = _sensitivities(question, x, solved, costly.spared(question, source, exact), list(worst[0]))
+    idle = [name for name, one in zip(worst[0], found["matters"].values, strict=True) if not one]
+    edges = _edges(question, x)
     out = xr.Dataset(
         {
             "value": ("factor", list(worst[0].values())),
@@ -152,9 +162,10 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
             "worst": (("term", "factor"), np.array([list(case.values()) for case in worst])),
             "exact_low": ("quantity", [float(one.min()) for one in corner.values()]),
             "exact_high": ("quantity", [float(one.max()) for one in corner.values()]),
-            "feasible": bool(np.all(margin[~np.isnan(margin)] >= 0)),
-            "status": _status(question, x, margin),
-            "flags": "; ".join(_flags(corner, worst[0].get("radius", np.nan))),
+            "feasible": bool(np.all(margin[~np.isnan(margin)] >= -ROUNDING)),
+            "edge": ("factor", [edges.get(name, "") for name in worst[0]]),
+            "status": _status(question, margin, edges, idle),
+            "flags": "; ".join([*_flags(corner, _radius(question, factors[False])), *question.notes]),
         },
         coords={
             "factor": list(worst[0]),
@@ -162,7 +173,7 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
             "quantity": list(corner),
         },
     )
-    return out.merge(_sensitivities(question, x, solved, costly.spared(question, source, exact), list(worst[0])))
+    return out.merge(found)
 
 
 def _corners(question: Question, x: Array, exact: Exact) -> dict[str, Array]:
@@ -218,26 +229,49 @@ def _role(question: Question, name: str) -> str:
     return "worst case" if name in target.worst_case else "uncertain" if name in target.uncertain else "given"
 
 
-def _status(question: Question, x: Array, margin: Array) -> str:
+def _edges(question: Question, x: Array) -> dict[str, str]:
+    """Variables that stand at an end of their range, which is the study's box or a part of it that was asked for."""
+    out = {}
+    for (name, one), u in zip(question.inputs.items(), x, strict=True):
+        if abs(u) > 1 - _EDGE:
+            end, (low, high) = ("upper", "lower")[int(u < 0)], _box(question, name)
+            studied = one.high == high if u > 0 else one.low == low
+            out[name] = f"{end} end of the {'studied range' if studied else 'range asked for'}"
+    return out
+
+
+def _status(question: Question, margin: Array, edges: Mapping[str, str], idle: Sequence[str]) -> str:
     limited = [(term, m) for term, m in zip(question.terms, margin, strict=True) if term.limited]
-    ends = zip(question.inputs, x, strict=True)
-    binding = [term.label for term, m in limited if m < _BINDS]
-    binding += [f"{name} at its {'upper' if u > 0 else 'lower'} end" for name, u in ends if abs(u) > 1 - 1e-6]
     worst, least = min(limited, key=lambda pair: pair[1], default=(None, 0.0))
-    if worst is None or least >= 0:
-        return f"feasible; binding: {', '.join(binding) or 'none'}"
-    return f"infeasible: {worst.label} binds; the least violated design misses it by {-100 * least:.3g} %"
+    if worst is not None and least < -ROUNDING:
+        missed = f"{-100 * least:.3g}" if least > -_PLAIN else f"{-100 * least:.0f}"
+        return f"infeasible: {worst.label} binds; the least violated design misses it by {missed} %"
+    binding = ", ".join(term.label for term, m in limited if m < _BINDS)
+    parts = [f"feasible; binding: {binding or 'none'}"]
+    parts += [f"{name} at the {end}" for name, end in edges.items() if name not in idle]
+    parts += [f"{', '.join(idle)} of no effect on the goal"] if idle else []
+    return "; ".join(parts)
 
 
-def _flags(corner: Mapping[str, Array], radius: float) -> list[str]:
+def _radius(question: Question, factors: Factors) -> Array | None:
+    """Radius of a round punch over the scenarios, wherever the question has it; None for other profiles."""
+    profile = str(question.study.fixed.get("profile", CHOICES["profile"][0]))
+    if "radius" not in PROFILES[profile][0]:
+        return None
+    return factors["radius"] if "radius" in factors else np.full((1, 1), float(question.study.fixed["radius"]))
+
+
+def _flags(corner: Mapping[str, Array], radius: Array | None) -> list[str]:
     """Where a design leaves what the theory holds for."""
     flags = []
     width = corner["contact_trailing"] + corner["contact_leading"]
-    field = float((np.abs(corner["voltage"]) / width).max())
+    # an insulating punch has no one voltage
+    field = float((np.abs(corner["voltage"]) / width).max()) if "voltage" in corner else 0.0
     if field > _LINEAR_FIELD:
         flags.append(f"nominal field |voltage| / contact width = {field / 1e6:.3g} kV/mm is beyond 0.3 kV/mm")
-    if float(width.max()) > _SLENDER * radius:
-        flags.append(f"the contact is {float(width.max()) / radius:.2g} of the radius wide: no longer a parabola")
+    share = float((width / radius).max()) if radius is not None else 0.0
+    if share > _SLENDER:
+        flags.append(f"the contact is {share:.2g} of the radius wide: no longer a parabola")
     return flags
 
 
@@ -259,19 +293,29 @@ def _sensitivities(question: Question, x: Array, solved: Array, near: Source, fa
     values = count(question, {drawn: question.at(varied, chosen) for drawn, chosen in sets.items()}, sets, near)
     values += solved - values[0]
     here, around = values[0], values[1:].reshape(len(names), 4, len(question.terms))
-    elasticity, cost, left = (np.full((len(factors), *rest), np.nan) for rest in ((len(question.terms),), (), ()))
+    elasticity = np.full((len(factors), len(question.terms)), np.nan)
+    loss, cost, left = (np.full(len(factors), np.nan) for _ in range(3))
+    matters = np.ones(len(factors), dtype=bool)
     wanted = len(question.target.objectives)
+    largest = np.abs(around).max((0, 1), initial=0.0)
+    # a share of what is next to zero says nothing
+    whole = np.where(np.abs(here) > _NOTHING * largest, here, np.nan)
     for k, name in enumerate(names):
-        row = factors.index(name)
+        row, off = factors.index(name), around[k, 2:]
+        if design[name] == 0:
+            continue  # which has no 1 % of it
         change = varied[name][2 + 4 * k] / varied[name][1 + 4 * k] - 1
         with np.errstate(divide="ignore", invalid="ignore"):
-            elasticity[row] = (around[k, 1] - around[k, 0]) / here / change if change else np.nan
-            loss = question.terms[0].sign * (here[0] - around[k, 2:, 0]) / np.abs(here[0])
-        cost[row] = max(float(loss.max()), 0.0)
-        margins = [-term.oriented(around[k, 2:, t]) for t, term in enumerate(question.terms) if t >= wanted]
+            elasticity[row] = (around[k, 1] - around[k, 0]) / whole / change if change else np.nan
+        loss[row] = max(float((question.terms[0].sign * (here[0] - off[:, 0])).max()), 0.0)
+        cost[row] = loss[row] / abs(whole[0])
+        same = np.abs(off - here) <= _NOTHING * np.maximum(np.abs(here), largest)
+        matters[row] = not np.all(same[:, :wanted])
+        margins = [-term.oriented(off[:, t]) for t, term in enumerate(question.terms) if t >= wanted]
         left[row] = float(np.min(margins)) if margins else np.nan
+    over = {"cost": cost, "loss": loss, "matters": matters, "margin_left": left}
     return xr.Dataset(
-        {"elasticity": (("factor", "term"), elasticity), "cost": ("factor", cost), "margin_left": ("factor", left)}
+        {"elasticity": (("factor", "term"), elasticity)} | {key: ("factor", one) for key, one in over.items()}
     )
 
 

@@ -6,7 +6,7 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-from workflow import location, partition
+from workflow import location, partition, unreached
 from workflow import study as studies
 from workflow.inputs import InputError
 from workflow.provenance import ROOT
@@ -57,6 +57,7 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
     status = _snakemake([*options, *quiet, "--", report, *others])
     if status == 0 and not dry:
         _check_origin(study, Path(report).with_name("provenance.json"))
+        unreached.tell([name] if study.design else [])
         print(f"report: {report}")
     return status
 

@@ -12,9 +12,10 @@ from scipy.stats import qmc
 from solver.names import EVERY_QUANTITY, FACTORS
 from surrogate import Input
 from surrogate.optimise import Problem
-from workflow import factorial, scenarios
+from workflow import factorial, kinks, misread, scenarios
 from workflow.expressions import Call, Expression, Operation, Power
 from workflow.inputs import InputError
+from workflow.robustness import Every
 from workflow.scenarios import Scenarios
 from workflow.sources import Factors, Source, shape
 from workflow.study import Study
@@ -40,12 +41,21 @@ class Question:
         Factors at one value: the target's own and those chosen from lists.
     scales
         Scale of every limit whose bound is zero, by label.
+    pieces
+        Smooth pieces of terms with kinks, by the term's place.
+    spread
+        Range of the first objective over the ranges.
+    notes
+        What a reader of the answer should know about how the question was read.
     """
 
     study: Study
     target: Target
     held: dict[str, float] = field(default_factory=dict)
     scales: dict[str, float] = field(default_factory=dict)
+    pieces: dict[int, list[Expression]] = field(default_factory=dict)
+    spread: float = 1.0
+    notes: tuple[str, ...] = ()
 
     @cached_property
     def inputs(self) -> dict[str, Input]:
@@ -126,29 +136,43 @@ class Question:
     def problem(self, source: Source, slack: Array | None = None) -> Problem:
         """The question for the optimiser; ``slack``, one a limit, is added to the relative excess."""
         extra = np.zeros(len(self.terms)) if slack is None else np.concatenate([self._none, slack])
-        groups = {drawn: [k for k, term in enumerate(self.terms) if term.drawn == drawn] for drawn in self.searched}
+        parts = [(k, part) for k in range(len(self.terms)) for part in self._parts(k)]
+        groups = {drawn: [(k, part) for k, part in parts if part.drawn == drawn] for drawn in self.searched}
 
         def rows(x: Array) -> list[Array]:
-            out: dict[int, Array] = {}
+            out: list[list[Array]] = [[] for _ in self.terms]
             for drawn, members in groups.items():
-                chosen, terms = self.searched[drawn], [self.terms[k] for k in members]
+                chosen, terms = self.searched[drawn], [part for _, part in members]
                 values = self.values(source, self.factors(x, chosen), chosen, terms) if terms else []
-                for k, term, value in zip(members, terms, values, strict=True):
-                    out[k] = term.oriented(term.statistic.rows(value), extra[k])
-            return [out[k] for k in range(len(self.terms))]
+                for (k, term), value in zip(members, values, strict=True):
+                    out[k].append(term.oriented(term.statistic.rows(value), extra[k]))
+            return [np.concatenate(one, -1) for one in out]
 
         def value(x: Array) -> tuple[Array, Array]:
             return self._split(rows(x), -1)
 
         def slope(x: Array) -> tuple[Array, Array]:
-            parts: dict[int, Array] = {}
+            out: list[list[Array]] = [[] for _ in self.terms]
             for drawn, members in groups.items():
-                chosen, terms = self.searched[drawn], [self.terms[k] for k in members]
-                for k, term, jacobian in zip(members, terms, self._jacobians(source, x, chosen, terms), strict=True):
-                    parts[k] = term.sign / term.scale * jacobian
-            return self._split([parts[k] for k in range(len(self.terms))], 0)
+                chosen, terms = self.searched[drawn], [part for _, part in members]
+                for (k, term), jacobian in zip(members, self._jacobians(source, x, chosen, terms), strict=True):
+                    out[k].append(term.sign / term.scale * jacobian)
+            return self._split([np.concatenate(one) for one in out], 0)
 
         return Problem(len(self.inputs), value, slope)
+
+    def _parts(self, k: int) -> list[Term]:
+        """A term, or one for each of its pieces; objectives have equally many, some of them again."""
+        wanted = range(len(self.target.objectives))
+        most = max(len(self.pieces.get(j, [0])) for j in wanted) if k in wanted else len(self.pieces.get(k, [0]))
+        own = [replace(self.terms[k], expression=one) for one in self.pieces.get(k, [])] or [self.terms[k]]
+        return [own[j % len(own)] for j in range(most)]
+
+    @cached_property
+    def room(self) -> Array:
+        """1 for a limit that a design can keep away from, 0 for one of a pair that is an equality; (k,)."""
+        limits = [term for term in self.terms if term.limited]
+        return np.array([float(not any(one.meets(other) for other in limits)) for one in limits])
 
     @cached_property
     def _none(self) -> Array:
@@ -201,7 +225,8 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
     Raises
     ------
     InputError
-        An objective that is constant over the variables, or one that passes a pole or is not defined within them.
+        An objective that is constant over the variables, or one that passes a pole or is not defined within them; a
+        limit whose number has no unit and, read in SI, is far from every value.
     """
     held = {name: value for name, value in {**target.at, **(chosen or {})}.items() if not isinstance(value, str)}
     question = Question(study, target, held)
@@ -214,7 +239,10 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
     x = np.concatenate([inside, np.pad(ends, ((0, 0), (0, d - ends.shape[1])))])
     factors = question.factors(x, corner)
     scales: dict[str, float] = {}
-    for term in question.terms:
+    notes: list[str] = []
+    pieces: dict[int, list[Expression]] = {}
+    spread = 0.0
+    for place, term in enumerate(question.terms):
         what = f"design: {name}: {term.label!r}"
         value = question.values(source, factors, corner, [term])[0]
         _check_poles(what, question, term, source, factors, corner)
@@ -222,9 +250,17 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
             raise InputError(f"{what} is not defined everywhere within the ranges of {', '.join(question.inputs)}")
         if not term.limited and np.ptp(value, 0).max() <= _CONSTANT * np.abs(value).max():
             raise InputError(f"{what} is constant: it does not depend on {', '.join(question.inputs)}")
+        if place == 0:
+            spread = float(np.ptp(value))
         if term.bound == 0:
             scales[term.label] = float(np.abs(value).max()) or 1.0
-    return replace(question, scales=scales)
+        known = question.known(source, factors, [term.expression])
+        split = kinks.pieces(term.expression, -term.sign if term.limited else term.sign, known)
+        if len(split) > 1 and isinstance(term.statistic, Every):
+            pieces[place] = split
+        if term.unitless:
+            notes += misread.notes(what, term, value)
+    return replace(question, scales=scales, pieces=pieces, spread=spread, notes=tuple(notes))
 
 
 def _check_poles(

@@ -13,7 +13,7 @@ from markupsafe import Markup
 from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
 from surrogate import load
 from surrogate.netcdf import read_whole
-from workflow import answers, pictures, whatif
+from workflow import answers, judgement, pictures, whatif
 from workflow.dataset import CARD
 from workflow.engineering import shown
 from workflow.inline import inlined
@@ -198,6 +198,7 @@ def _design(data: xr.Dataset) -> dict[str, Any]:
         {
             "name": str(name),
             "inside": bool(one["inside"]),
+            "broken": float(one["margin"]) < -judgement.ROUNDING,
             **{key: float(one[key]) for key in ("predicted", "half", "exact", "limit", "margin")},
             "units": str(one["units"].values),
             "error": abs(float(one["predicted"]) / float(one["exact"]) - 1) if float(one["exact"]) else np.nan,
@@ -210,7 +211,9 @@ def _design(data: xr.Dataset) -> dict[str, Any]:
             "name": str(name),
             "role": str(one["role"].values),
             "units": FACTORS[name].units,
-            **{key: float(one[key]) for key in ("value", "cost", "margin_left")},
+            "edge": str(one["edge"].values) if one["matters"] else "",
+            "matters": bool(one["matters"]),
+            **{key: float(one[key]) for key in ("value", "cost", "loss", "margin_left")},
         }
         for name in data["factor"].values
         for one in [data.sel(factor=name)]
@@ -223,7 +226,9 @@ def _design(data: xr.Dataset) -> dict[str, Any]:
         "flags": str(data["flags"].values),
         "status": str(data["status"].values),
         "feasible": bool(data["feasible"].values),
+        "at_edge": any(one["edge"] for one in variables),
         "objective": terms[0],
+        "several": int(np.isnan(data["limit"]).sum()) > 1,
         "limits": terms[1:],
         "variables": variables,
         "kinds": answers.kinds(data),

@@ -58,6 +58,8 @@ class Limit:
         Share of the uncertain cases that must keep it; None: every case.
     deviation
         Whether the largest relative deviation of the expression from its mean over the cases is bounded.
+    unitless
+        Whether the bound was written without a unit although the expression has one: it is read in SI.
     """
 
     text: str
@@ -66,6 +68,7 @@ class Limit:
     upper: bool
     probability: float | None = None
     deviation: bool = False
+    unitless: bool = False
 
     @property
     def sign(self) -> float:
@@ -118,7 +121,9 @@ def limit(text: str) -> Limit:
         raise ValueError(f"{text!r}: probability {probability:g} is not from 0.5 to below 1")
     if wrapped and (probability is not None or "<" not in match["sign"] or value <= 0):
         raise ValueError(f"{text!r}: a deviation takes a positive upper bound and no probability")
-    return Limit(" ".join(text.split()), expression, value, "<" in match["sign"], probability, wrapped is not None)
+    unitless = not match["unit"] and value != 0 and expected is not None and not expected.fits(units.Unit.none())
+    label, upper = " ".join(text.split()), "<" in match["sign"]
+    return Limit(label, expression, value, upper, probability, wrapped is not None, unitless)
 
 
 def statistic(text: str) -> Statistic:

@@ -11,6 +11,8 @@ from workflow.targets import Limit, Objective
 
 Array = NDArray[np.float64]
 
+_MEET = 1e-9  # distance of two bounds, over their scale, that leaves one value
+
 
 @dataclass(frozen=True)
 class Term:
@@ -32,6 +34,8 @@ class Term:
         Limit, NaN for an objective.
     scale
         Size of the bound, or of the expression where the bound is zero.
+    unitless
+        Whether the bound was written without the unit that the expression has.
     """
 
     label: str
@@ -41,6 +45,7 @@ class Term:
     drawn: bool
     bound: float = np.nan
     scale: float = 1.0
+    unitless: bool = False
 
     @property
     def limited(self) -> bool:
@@ -53,6 +58,12 @@ class Term:
         if isinstance(self.statistic, robustness.Deviation):
             return "1"
         return self.expression.lone() or str(self.expression.unit() or "1")
+
+    def meets(self, other: "Term") -> bool:
+        """Whether this limit and another one of the same expression leave one value only: an equality."""
+        mine, others = (robustness.Every, self.expression), (type(other.statistic), other.expression)
+        same = mine == others and isinstance(self.statistic, robustness.Every)
+        return same and self.sign == -other.sign and abs(self.bound - other.bound) <= _MEET * self.scale
 
     def worst(self, rows: Array) -> Array:
         """The row that decides, over the last axis: the least objective, the largest use of a limit."""
@@ -79,4 +90,5 @@ def limited(one: Limit, scale: float) -> Term:
     elif one.probability is not None:
         statistic = robustness.Quantile(one.probability if one.upper else 1 - one.probability)
     size = abs(one.value) or scale
-    return Term(str(one), one.expression, one.sign, statistic, one.probability is not None, one.value, size)
+    drawn = one.probability is not None
+    return Term(str(one), one.expression, one.sign, statistic, drawn, one.value, size, one.unitless)

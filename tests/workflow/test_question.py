@@ -1,5 +1,6 @@
 """Scenarios, statistics and derivatives of design questions against closed forms and difference quotients."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -127,6 +128,31 @@ def test_questions_without_sense_are_named(study: Study, model: GridGP, change: 
     )
     with pytest.raises(ValueError, match=reason):
         ask(study, "mine", Target.model_validate(asked), Predicted(model))
+
+
+@pytest.mark.parametrize(
+    ("limit", "refused", "meant"),
+    [
+        ("trailing_tension <= 50", True, "50 without a unit is 50 Pa, which nothing keeps: .*; did you mean 50 MPa"),
+        ("radius >= 20", True, "20 without a unit is 20 m, which nothing keeps: .* 0.005 to 0.2 m; did you mean 20 mm"),
+        ("load / depth >= 3e15", True, "which nothing keeps: .*; a unit may stand behind the number"),
+        ("contact_trailing <= 0.3", False, "0.3 without a unit is 0.3 m, which everything keeps: .* mean 0.3 mm"),
+        ("trailing_tension <= 50 Pa", False, ""),
+        ("trailing_tension <= 5e7", False, ""),
+        ("voltage >= 0", False, ""),
+        ("deviation(depth) <= 50", False, ""),
+    ],
+)
+def test_a_number_without_its_unit_is_told_at_once(
+    study: Study, model: GridGP, limit: str, refused: bool, meant: str
+) -> None:
+    target = TARGETS["worst"].model_copy(update={"subject_to": [limit]})
+    if refused:
+        with pytest.raises(InputError, match=meant):
+            ask(study, "mine", target, Predicted(model))
+    else:
+        notes = "; ".join(ask(study, "mine", target, Predicted(model)).notes)
+        assert re.search(meant, notes) if meant else notes == ""
 
 
 def test_chance_constraint_holds_on_fresh_draws(study: Study, model: GridGP) -> None:

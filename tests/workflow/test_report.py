@@ -169,9 +169,19 @@ def test_the_page_says_what_a_reader_needs(ran: Project, tmp_path: Path) -> None
         "exact solver",
         "surrogate, mean and interval",
         "feasible; binding",
-        "infeasible",
+        "not reachable\nimpossible: trailing_tension <= 1 MPa binds; the least violated design misses it by 9075 %",
+        "Not reachable: trailing_tension <= 1 MPa binds",
+        "No design within the ranges keeps every limit.",
+        "broken, as predicted",
+        "at the upper end of the studied range",
+        "of no effect on the goal: 1 % off costs nothing",
     ):
-        assert word in text
+        assert word in text.replace("\N{NO-BREAK SPACE}", " "), word
+    for kind in ("map", "slices"):
+        figure = ran.folder / f"results/small/figures/design_impossible/{kind}_impossible.svg"
+        drawn = figure.read_text(encoding="utf-8")
+        assert "least violated design: not reachable" in drawn
+        assert "recommended" not in drawn
 
 
 def test_the_page_is_self_contained(ran: Project) -> None:

@@ -6,7 +6,7 @@
 import sys
 from functools import cache
 
-from workflow import location, partition, planned, provenance, running
+from workflow import location, partition, planned, provenance, running, unreached
 from workflow import study as studies
 from workflow.study import CHECK_GROUPS, CONVERGING, PHYSICS
 
@@ -14,6 +14,7 @@ from workflow.study import CHECK_GROUPS, CONVERGING, PHYSICS
 sys.path.insert(0, str(provenance.ROOT))
 
 STUDIES = set()  # those that this run needs
+DESIGNED = set()  # those whose designs it needs
 RESULTS = workflow.modifier.path_modifier.replace_prefix("results")  # where a module's `prefix:` puts them
 
 try:
@@ -54,6 +55,12 @@ def sections(*names):
 def targets_of(name):
     """What a run of a study makes last."""
     return [f"results/{name}/{file}" for file in study_named(name).targets]
+
+
+def designs_of(wildcards):
+    """The answers to the targets of a study."""
+    DESIGNED.add(wildcards.study)
+    return expand("results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design)
 
 
 def effects_of(study):

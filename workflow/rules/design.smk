@@ -19,9 +19,7 @@ rule target:
 
 rule design:
     input:
-        lambda wildcards: expand(
-            "results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design
-        ),
+        designs_of,
     output:
         nc="results/{study}/design.nc",
         csv="results/{study}/design.csv",
