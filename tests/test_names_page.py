@@ -88,4 +88,4 @@ def test_the_examples_are_as_shown() -> None:
     name, material = read_material(ROOT / "examples/material.yaml")
     for key in UNITS:
         np.testing.assert_array_equal(getattr(material, key), getattr(solver.find("PZT-5H"), key))
-    assert name in read_cases(ROOT / "examples/own_material.csv")["material"]
+    assert name in read_cases(ROOT / "examples/own_material.csv").columns["material"]
