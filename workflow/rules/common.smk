@@ -36,7 +36,7 @@ def before(theirs, ours):
 def study_named(name):
     """The checked study, on a cluster's node as it was when the run began; bad input ends the run with one line."""
     try:
-        return (workflow.remote_exec and planned.begun(name)) or partition.settled(studies.named(name))
+        return (workflow.remote_exec and planned.begun(name, RESULTS)) or partition.settled(studies.named(name))
     except studies.InputError as error:
         raise WorkflowError(str(error))
 
