@@ -59,7 +59,8 @@ class Table:
     def empty(self, name: str) -> NDArray[np.bool_]:
         """Which cells of a column are empty."""
         column = self.columns[name]
-        return np.isnan(column) if column.dtype.kind == "f" else np.equal(column, None)
+        empty: NDArray[np.bool_] = np.isnan(column) if column.dtype.kind == "f" else column == np.array(None)
+        return empty
 
 
 def read_cases(path: Path) -> Table:
@@ -156,4 +157,3 @@ def _number(path: Path, line: int, name: str, text: str) -> float:
     if not np.isfinite(value):
         raise InputError(f"{path}: line {line}: {name}: {value:g} is not {FACTORS[name].allowed}")
     return value
-

@@ -74,7 +74,10 @@ def test_solve_takes_own_materials(tmp_path: Path) -> None:
         ("material,load,load\nsteel,1,1\n", "column 'load': given twice"),
         ("material,radius,load\nsteel,1\n", "line 2: 2 cells, the header has 3"),
         ("material,radius,load\nsteel,0.1,abc\n", "line 2: load: 'abc' is not a finite number > 0 [N m-1]"),
-        ("material,radius,load\nsteel,0.1,1e4\nsteel,0.1,nan\n", "line 3: load: nan is not a finite number > 0 [N m-1]"),
+        (
+            "material,radius,load\nsteel,0.1,1e4\nsteel,0.1,nan\n",
+            "line 3: load: nan is not a finite number > 0 [N m-1]",
+        ),
         ("material,radius,load\nsteel,0.1,inf\n", "load: inf is not a finite number > 0 [N m-1]"),
         ("material,radius,load\nsteel,-0.1,1e4\n", "line 2: radius: -0.1 is not a finite number > 0 [m]"),
         ("material,radius,load\nsteel,0,1e4\n", "radius: 0 is not a finite number > 0 [m]"),
@@ -82,7 +85,10 @@ def test_solve_takes_own_materials(tmp_path: Path) -> None:
         ("material,radius,load\nstel,0.1,1e4\n", "line 2: material: 'stel' is unknown; did you mean 'steel'?"),
         ("material,load\nsteel,1e4\n", "radius: missing; must be a finite number > 0 [m]"),
         ("radius,load\n0.1,1e4\n", "material: missing; give a material's name, or a composite's volume_fraction"),
-        ("volume_fraction,radius,load\n1.5,0.1,1e4\n", "line 2: volume_fraction: 1.5 is not a finite number >= 0 and <= 1"),
+        (
+            "volume_fraction,radius,load\n1.5,0.1,1e4\n",
+            "line 2: volume_fraction: 1.5 is not a finite number >= 0 and <= 1",
+        ),
         ("material,radius,load,profile\nsteel,0.1,1,ball\n", "line 2: profile: 'ball' is not one of"),
     ],
 )
