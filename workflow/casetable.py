@@ -59,7 +59,8 @@ class Table:
     def empty(self, name: str) -> NDArray[np.bool_]:
         """Which cells of a column are empty."""
         column = self.columns[name]
-        return np.isnan(column) if column.dtype.kind == "f" else np.equal(column, None)
+        empty: NDArray[np.bool_] = np.isnan(column) if column.dtype.kind == "f" else column == np.array(None)
+        return empty
 
 
 def read_cases(path: Path) -> Table:

@@ -220,7 +220,7 @@ def _query(options: argparse.Namespace) -> None:
     if options.exact is not None:
         named = {name: xr.DataArray(values, dims="point") for name, values in table.columns.items()}
         answer = _with_exact(answer, named, studies.named(location.given(options.exact)), list(model.outputs_))
-    if options.at is not None and options.output is None:
+    if options.output is None:
         _print_answer(answer, list(model.outputs_))
     else:
         _write_answer(options.output, table.columns, answer)

@@ -82,7 +82,8 @@ def _factors(table: Table, names: list[str], rows: Indices) -> xr.Dataset:
     """The cells of some rows, defaults where they are empty."""
     columns = {}
     for name in names:
-        cells = np.where(table.empty(name)[rows], _DEFAULTS.get(name), table.columns[name][rows])
+        cells = table.columns[name][rows]
+        cells[table.empty(name)[rows]] = _DEFAULTS.get(name)
         columns[name] = ("case", cells.astype(float if name in FACTORS else str))
     return xr.Dataset(columns)
 
@@ -128,8 +129,8 @@ class _Whole:
             size = part.nbytes / len(rows) * self._count
             if size > _MOST_BYTES:
                 raise InputError(
-                    f"{self._table.source}: {self._count} cases give {size:.3g} bytes, more than {_MOST_BYTES}: "
-                    "split it"
+                    f"{self._table.source}: {self._count} cases give {size:.3g} bytes, "
+                    f"more than {_MOST_BYTES}; split it"
                 )
             self._filled = {str(name): self._room(variable) for name, variable in part.variables.items()}
         self._attrs = united([self._attrs or part.attrs, part.attrs])

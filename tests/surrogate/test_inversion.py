@@ -42,6 +42,28 @@ def test_two_answers_are_both_within_the_interval() -> None:
     assert found.high[0] == pytest.approx(np.exp(1), rel=3e-3)
 
 
+@pytest.mark.parametrize("value", [1e20, 1e200, 1e308])
+def test_a_reading_beyond_everything_comes_to_an_end(value: float) -> None:
+    found = Inversion(model("linear"), ["a", "b"], ["u", "v"], {"c": 0.25}).estimate(
+        np.array([value, 0.3]), np.full(2, 0.1)
+    )
+    assert found.misfit > 1e15
+    assert np.isnan(found.mean).all()
+
+
+@pytest.mark.parametrize(("value", "error"), [(1.0, 1e308), (1.0, 0.0), (1.0, 1e-200), (np.inf, 1.0), (1.0, np.nan)])
+def test_numbers_whose_squares_are_none_are_refused(value: float, error: float) -> None:
+    inversion = Inversion(model("linear"), ["a"], ["u"], {"b": 1.0, "c": 0.25})
+    with pytest.raises(ValueError, match="must be finite, their errors within 1e-150 to 1e\\+150"):
+        inversion.estimate(np.array([value]), np.array([error]))
+
+
+def test_an_error_beyond_all_outputs_leaves_the_whole_range() -> None:
+    inversion = Inversion(model("linear"), ["a"], ["u"], {"b": 1.0, "c": 0.25})
+    found = inversion.estimate(np.array([1.0]), np.array([1e140]))
+    assert [found.low[0], found.high[0]] == pytest.approx([-2 + 0.125, 3 - 0.125], rel=1e-6)
+
+
 def test_disagreement_shows_in_the_misfit() -> None:
     inversion = Inversion(model("linear"), ["a", "b"], ["u", "v"], {"c": 0.25})
     assert inversion.estimate(np.array([1.0, 0.3]), np.array([0.1, 0.1])).misfit < 1

@@ -25,7 +25,7 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     attrs = {"units": f"Pa{ESCAPE}"}
     data = xr.Dataset({f"depth{ESCAPE}": (("radius", "friction"), values, attrs)}, coords=axes)
     path = tmp_path_factory.mktemp("points") / "surrogate.nc"
-    GridGP(inputs=inputs, outputs=list(data.data_vars)).fit(data).save(path)
+    GridGP(inputs=inputs, outputs=[f"depth{ESCAPE}"]).fit(data).save(path)
     return path
 
 
@@ -102,7 +102,7 @@ def test_nothing_is_written_over_inputs_or_devices(
     link.symlink_to(cases)
     own = "is an input of this command, so it is not replaced"
     other = "not a regular file, so it is not replaced"
-    for words, out, says in (
+    refused: list[tuple[list[str | Path], Path, str]] = [
         (["solve", cases], cases, own),
         (["solve", cases], link, own),
         (["interior", cases, "--x=0", "--y=-1"], cases, own),
@@ -111,7 +111,8 @@ def test_nothing_is_written_over_inputs_or_devices(
         (["solve", cases], pipe, other),
         (["solve", cases], tmp_path, other),
         (["query", model, points], Path("/dev/null"), other),
-    ):
+    ]
+    for words, out, says in refused:
         assert f"{out}: {says}" in complaint(capsys, *words, "-o", out)
     assert "not a regular file" in complaint(capsys, "query", pipe, "--at", "radius=0.1,friction=0.1")
     assert "not a regular file" in complaint(capsys, "material", pipe)

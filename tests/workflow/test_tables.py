@@ -22,7 +22,7 @@ OTHERS = "".join(f",,{name},0.02,0.3,{load}\n" for name in ("steel", "PZT-4", "B
 def test_blocks_give_the_bytes_of_one_pass(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "cases.csv"
     path.write_text("composite,volume_fraction,material,radius,friction,load\n" + SORTED + OTHERS, encoding="utf-8")
-    sizes = []
+    sizes: list[int] = []
 
     def written(most: int) -> bytes:
         monkeypatch.setattr(tables, "_CASES", most)

@@ -105,6 +105,14 @@ def test_refuses_everything_else(text: str, reason: str) -> None:
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["1e308 * 1e308 * voltage", "1e308 * voltage + 1e308 * voltage", "(1e308 * voltage)^3", "exp(1e308 * friction)"],
+)
+def test_an_overflow_is_infinite_without_a_warning(text: str) -> None:
+    assert np.isinf(grammar.parse(text).evaluate({"voltage": np.array([1.5]), "friction": np.array([1.5])})).all()
+
+
 @settings(max_examples=300, deadline=None)
 @given(st.text(max_size=60) | st.lists(st.sampled_from([*NAMES, *"+-*/^()<>=.,1e "])).map("".join))
 def test_any_text_is_read_or_refused_in_one_line(text: str) -> None:
