@@ -13,13 +13,23 @@ from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
 from surrogate import load
 from surrogate.netcdf import read_whole
 from workflow import answers, pictures, whatif
-from workflow.engineering import shown
+from workflow.engineering import number, raised, shown
 from workflow.inline import inlined
 from workflow.study import CHECK_GROUPS, Study
 from workflow.timing import by_quantity
 from workflow.verdict import findings
 
 _INTERVALS = ("coverage", "worst_decile_coverage", "crps", "raw_coverage", "raw_worst_decile_coverage", "raw_crps")
+
+#: Factors that take a name, in words.
+_MEANINGS = {
+    "material": "material of the half-plane",
+    "composite": "arrangement of the two phases",
+    "profile": "shape of the punch",
+    "corner": "sharp edge of the punch",
+    "electric": "the punch in the electric field",
+    "magnetic": "the punch in the magnetic field",
+}
 
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 CAPTIONS = Path(__file__).parent / "captions"
@@ -48,7 +58,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         lstrip_blocks=True,
     )
     environment.globals |= {"kinds": pictures.kinds}
-    environment.filters |= {"number": _number, "seconds": _seconds, "words": _words, "si": shown}
+    environment.filters |= {"number": number, "seconds": _seconds, "words": _words, "si": shown, "raised": raised}
     content: dict[str, Any] = {
         "study": study,
         "name": name,
@@ -56,7 +66,8 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         "provenance": json.loads(provenance.read_text(encoding="utf-8")),
         "factors": FACTORS,
         "quantities": EVERY_QUANTITY,
-        "choices": CHOICES,
+        "meanings": _MEANINGS,
+        "composites": _composites(study),
         "dataset": None,
         "levels": None,
         "surface": None,
@@ -66,7 +77,7 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         "designs": [],
         "whatif": None,
         "readouts": [],
-        "scripts": [_script(name) for name in ("hover.js", "surrogate.js", "whatif.js")],
+        "scripts": [_script(name) for name in ("numbers.js", "hover.js", "surrogate.js", "whatif.js")],
         "effects": list(study.effects.vary) if study.effects else [],
         "verification": _verification(folder) if study.verification else None,
     }
@@ -84,6 +95,15 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers)
         content["whatif_json"] = whatif.as_json(content["whatif"])
     return environment.get_template("report.html.j2").render(content)
+
+
+def _composites(study: Study) -> list[str]:
+    """How the phases are arranged in the cases of the study, the default where it does not say."""
+    usual = CHOICES["composite"][0]
+    if study.factors or study.effects is None:
+        return study.categories.get("composite") or [str(study.fixed.get("composite", usual))]
+    return list(dict.fromkeys(map(str, [study.effects.baseline.get("composite", usual),
+                                        *study.effects.vary.get("composite", [])])))  # fmt: skip
 
 
 def _figure(path: Path) -> dict[str, Any]:
@@ -235,25 +255,12 @@ def _ranges(data: xr.Dataset) -> list[dict[str, Any]]:
     ]
 
 
-def _number(value: float | None, digits: int = 4) -> str:
-    """A number for people: plain where short, else with a power of ten."""
-    if value is None or np.isnan(value):
-        return "–"
-    if value == 0 or 1e-3 <= abs(value) < 1e5:
-        return f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}")
-    mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
-    if "." in mantissa:
-        mantissa = mantissa.rstrip("0").rstrip(".")
-    superscript = str(int(power)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"{mantissa}\N{MULTIPLICATION SIGN}10{superscript}".replace("-", "\N{MINUS SIGN}")
-
-
 def _seconds(value: float) -> str:
     """A time with a fitting unit."""
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
         if value >= size:
-            return f"{value / size:.3g} {unit}"
-    return f"{value / 1e-9:.3g} ns"
+            return f"{number(value / size, 3)} {unit}"
+    return f"{number(value / 1e-9, 3)} ns"
 
 
 def _words(name: str) -> str:

@@ -1,23 +1,6 @@
 // The what-if panel: sliders in, every quantity with its interval, the contact pressure and the limits out.
 "use strict";
 
-const PREFIXES = { "-15": "f", "-12": "p", "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T" };
-const SUPERSCRIPT = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹", "/": "ᐟ" };
-
-// A prefix fits where the first symbol of a unit has no exponent, as in "V m N-1".
-function engineering(value, units) {
-  const scalable = units && units !== "1" && /^[A-Za-z]+( |$)/.test(units);
-  const power = value === 0 || !scalable ? 0 : Math.min(Math.max(3 * Math.floor(Math.log10(Math.abs(value)) / 3), -15), 12);
-  const pretty = units === "1" ? "" : units.replace(/([A-Za-z])(-?[0-9/]+)/g, (_, s, e) => s + [...e].map((c) => SUPERSCRIPT[c]).join(""));
-  return { size: 10 ** power, units: (scalable ? PREFIXES[power] : "") + pretty };
-}
-
-function digits(value, count) {
-  if (value === 0 || (Math.abs(value) >= 1e-3 && Math.abs(value) < 1e5)) return Number(value.toPrecision(count)).toString().replace("-", "−");
-  const [mantissa, power] = value.toExponential(count - 1).split("e");
-  return `${Number(mantissa)}×10${[...String(Number(power))].map((c) => SUPERSCRIPT[c]).join("")}`.replace("-", "−");
-}
-
 function evaluate(tree, values) {
   if (typeof tree === "number") return tree;
   if (typeof tree === "string") return values[tree];
