@@ -9,7 +9,7 @@ from solver.arrays import Array
 from solver.contact import Contact
 from solver.factors import FactorError, align, contact_of
 from solver.material import Material, MaterialError
-from solver.names import FACTORS
+from solver.names import FACTORS, Described
 from solver.pressing import ContactError
 from solver.profile import Profile
 
@@ -73,6 +73,18 @@ def coordinates(arrays: Mapping[str, xr.DataArray]) -> dict[str, xr.Variable]:
         attrs = {"units": factor.units, "long_name": factor.long_name} if factor else {}
         out[name] = xr.Variable(array.dims, values, attrs)
     return out
+
+
+def attributes(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[str, str]:
+    """CF attributes of an output; what hangs on the datum says which one the cases have."""
+    if not described.on_datum:
+        return described.attrs
+    datum = arrays.get("datum")
+    if datum is None:
+        length = f"{FACTORS['datum'].default:g} m, the default"
+    else:
+        length = "that of the coordinate datum" if datum.ndim else f"{float(datum):.15g} m"
+    return described.attrs | {"comment": f"{described.comment}; datum: {length}"}
 
 
 def require_c12(material: Material, names: Sequence[str]) -> None:

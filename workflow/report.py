@@ -12,7 +12,7 @@ from markupsafe import Markup
 from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
 from surrogate import load
 from surrogate.netcdf import read_whole
-from workflow import answers, pictures, whatif
+from workflow import answers, datum, pictures, whatif
 from workflow.engineering import number, raised, shown
 from workflow.inline import inlined
 from workflow.study import CHECK_GROUPS, Study
@@ -67,6 +67,9 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         "factors": FACTORS,
         "quantities": EVERY_QUANTITY,
         "meanings": _MEANINGS,
+        "hanging": datum.HANGING,
+        "datum": datum.length(study),
+        "datum_changes": [],
         "composites": _composites(study),
         "dataset": None,
         "levels": None,
@@ -89,7 +92,12 @@ def page(study: Study, name: str, folder: Path, figures: list[Path], provenance:
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = by_quantity(study, times)
         answers = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
-        content["designs"] = [_design(answer) for answer in answers]
+        content["datum_changes"] = datum.changes(study)
+        content["designs"] = [
+            _design(answer)
+            | {"on_datum": datum.of_design(study, target, answer), "edge": datum.singular_zone(study, target, answer)}
+            for target, answer in zip(study.design.values(), answers, strict=True)
+        ]
         content["readouts"] = [_readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")
         content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers)
