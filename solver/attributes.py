@@ -6,7 +6,7 @@ from typing import Any
 import xarray as xr
 
 from solver.material import Material
-from solver.names import CHOICES, FACTORS, PROFILES
+from solver.names import CHOICES, FACTORS, PROFILES, Described
 from solver.profile import Profile
 
 #: How every solution is made (CF: the method of production).
@@ -35,6 +35,18 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
     words = {name: f" {FACTORS[name].units}" for name in defaults if name in FACTORS and FACTORS[name].units != "1"}
     shown = {name: f"{value:g}" if isinstance(value, float) else value for name, value in defaults.items()}
     return {**found, "defaults": ", ".join(f"{name} = {text}{words.get(name, '')}" for name, text in shown.items())}
+
+
+def of_output(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[str, str]:
+    """CF attributes of an output; what hangs on the datum says which one the cases have."""
+    if not described.on_datum:
+        return described.attrs
+    datum = arrays.get("datum")
+    if datum is None:
+        length = f"{FACTORS['datum'].default:g} m, the default"
+    else:
+        length = "that of the coordinate datum" if datum.ndim else f"{float(datum):.15g} m"
+    return described.attrs | {"comment": f"{described.comment}; datum: {length}"}
 
 
 def united(parts: Sequence[Mapping[Any, Any]]) -> dict[Any, Any]:

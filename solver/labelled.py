@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import Array
-from solver.attributes import attributes
+from solver.attributes import attributes, of_output
 from solver.cases import by_kind, contact_of_cases, coordinates, require_c12, require_finite
 from solver.contact import Contact
 from solver.factors import FactorError, checked
@@ -80,7 +80,10 @@ def solve(
         for name, value in values.items():
             require_finite(name, value, "factors (contact as wide as the datum, or overflow)")
         out = xr.Dataset(
-            {name: (dims, np.broadcast_to(value, shape), EVERY_QUANTITY[name].attrs) for name, value in values.items()},
+            {
+                name: (dims, np.broadcast_to(value, shape), of_output(EVERY_QUANTITY[name], arrays))
+                for name, value in values.items()
+            },
             coords=coordinates(arrays),
         )
         return out if X is None else _with_fields(out, contact, X, dims, shape, regular=regular)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import Array
-from solver.attributes import attributes
+from solver.attributes import attributes, of_output
 from solver.cases import by_kind, contact_of_cases, coordinates, require_c12, require_finite
 from solver.factors import FactorError, checked
 from solver.interior import LINEAR, interior_parts, principal_tension, von_mises
@@ -87,7 +87,7 @@ def solve_interior(
         for name in wanted:
             require_finite(name, values[name], "factors and points (overflow)")
             value = values[name].reshape(*values[name].shape[:-1], grid_y.size, grid_x.size)
-            out[name] = ((*dims, "y", "x"), np.broadcast_to(value, size), known[name].attrs)
+            out[name] = ((*dims, "y", "x"), np.broadcast_to(value, size), of_output(known[name], arrays))
         return out
 
     title = "exact fields inside a magneto-electro-elastic half-plane below a sliding punch"

@@ -27,15 +27,32 @@ class Factor:
 
 @dataclass(frozen=True)
 class Described:
-    """Unit and meaning of an output."""
+    """Unit and meaning of an output, and what one must know to use it; whether it hangs on the datum."""
 
     units: str
     long_name: str
+    comment: str = ""
+    on_datum: bool = False
 
     @property
     def attrs(self) -> dict[str, str]:
         """CF attributes."""
-        return {"units": self.units, "long_name": self.long_name}
+        comment = {"comment": self.comment} if self.comment else {}
+        return {"units": self.units, "long_name": self.long_name, **comment}
+
+
+def _on_datum(units: str, long_name: str) -> Described:
+    return Described(units, long_name, _DATUM, on_datum=True)
+
+
+_DATUM = (
+    "hangs on the datum, an arbitrary length: displacements and potentials of a half-plane are logarithmic, and 0 on "
+    "its surface at this distance from the contact"
+)
+_OUTSIDE = (
+    "of the free surface beside the contact; just inside, under a punch that conducts, sigma_xx is unbounded as the "
+    "inverse square root of the distance from the edge"
+)
 
 
 #: Numeric factors of a case.
@@ -103,8 +120,8 @@ INTERIOR: dict[str, Described] = {
 
 #: Fields inside the half-plane that are given when asked for by name.
 INTERIOR_ON_REQUEST: dict[str, Described] = {
-    "electric_potential": Described("V", "electric potential relative to the datum"),
-    "magnetic_potential": Described("A", "magnetic potential relative to the datum"),
+    "electric_potential": _on_datum("V", "electric potential relative to the datum"),
+    "magnetic_potential": _on_datum("A", "magnetic potential relative to the datum"),
     "principal_tension": Described("Pa", "largest principal stress"),
     "strain_xx": Described("1", "strain epsilon_xx"),
     "strain_yy": Described("1", "strain epsilon_yy"),
@@ -120,23 +137,23 @@ QUANTITIES: dict[str, Described] = {
     "contact_leading": Described("m", "leading extent b of the contact"),
     "pressure_exponent": Described("1", "pressure exponent alpha"),
     "peak_pressure": Described("Pa", "largest contact pressure"),
-    "depth": Described("m", "indentation depth relative to the datum"),
-    "voltage": Described("V", "electric potential of the punch relative to the datum"),
-    "magnetic_potential": Described("A", "magnetic potential of the punch relative to the datum"),
+    "depth": _on_datum("m", "indentation depth relative to the datum"),
+    "voltage": _on_datum("V", "electric potential of the punch relative to the datum"),
+    "magnetic_potential": _on_datum("A", "magnetic potential of the punch relative to the datum"),
     "electric_edge_intensity_trailing": Described("C m-3/2", "edge intensity of D_y at the trailing edge"),
     "electric_edge_intensity_leading": Described("C m-3/2", "edge intensity of D_y at the leading edge"),
     "magnetic_edge_intensity_trailing": Described("T m1/2", "edge intensity of B_y at the trailing edge"),
     "magnetic_edge_intensity_leading": Described("T m1/2", "edge intensity of B_y at the leading edge"),
-    "trailing_tension": Described("Pa", "sigma_xx just outside the trailing edge"),
-    "leading_compression": Described("Pa", "sigma_xx just outside the leading edge"),
-    "voltage_sensitivity": Described("V m N-1", "d voltage / d load without charges"),
-    "magnetic_sensitivity": Described("A m N-1", "d magnetic potential / d load without charges"),
-    "charge_sensitivity": Described("C N-1", "electric charge per load that makes the voltage 0, J = 0"),
-    "flux_sensitivity": Described("Wb N-1", "magnetic charge per load that makes the magnetic potential 0, T = 0"),
+    "trailing_tension": Described("Pa", "sigma_xx just outside the trailing edge", _OUTSIDE),
+    "leading_compression": Described("Pa", "sigma_xx just outside the leading edge", _OUTSIDE),
+    "voltage_sensitivity": _on_datum("V m N-1", "d voltage / d load without charges"),
+    "magnetic_sensitivity": _on_datum("A m N-1", "d magnetic potential / d load without charges"),
+    "charge_sensitivity": _on_datum("C N-1", "electric charge per load that makes the voltage 0, J = 0"),
+    "flux_sensitivity": _on_datum("Wb N-1", "magnetic charge per load that makes the magnetic potential 0, T = 0"),
     "stroke_per_volt": Described("m V-1", "depth per voltage at fixed load and magnetic charge"),
     "stroke_per_ampere": Described("m A-1", "depth per magnetic potential at fixed load and electric charge"),
-    "blocked_load_per_volt": Described("N m-1 V-1", "load per voltage at fixed depth and magnetic charge"),
-    "blocked_load_per_ampere": Described("N m-1 A-1", "load per magnetic potential at fixed depth and electric charge"),
+    "blocked_load_per_volt": _on_datum("N m-1 V-1", "load per voltage at fixed depth and magnetic charge"),
+    "blocked_load_per_ampere": _on_datum("N m-1 A-1", "load per magnetic potential at fixed depth and electric charge"),
 }
 
 #: Quantities of the body below depth 0.1 h, which are searched for and given when asked for.

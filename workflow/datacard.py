@@ -12,6 +12,7 @@ from surrogate.blocks import STATISTICS
 from surrogate.netcdf import MAX_BYTES
 from surrogate.rootunits import unscaled
 from surrogate.sealed import check_seal
+from workflow import datum
 from workflow.study import Study
 
 
@@ -37,6 +38,7 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
         "factors": {one: axis.model_dump() for one, axis in study.factors.items()},
         "categories": study.categories,
         "fixed": study.fixed,
+        "datum": datum.length(study),
         "bytes": sum(file["bytes"] for file in files),
         "bytes_unpacked": sum(one["count"] * np.dtype(one["type"]).itemsize for one in variables.values()),
         "seconds_of_jobs": sum(seconds) if len(seconds) == len(slabs) else None,
@@ -64,7 +66,8 @@ def markdown(card: Mapping[str, Any]) -> str:
         *(f"| {n} | {a['low']:g} | {a['high']:g} | {a['levels']} | {a['scale']} |" for n, a in card["factors"].items()),
         "",
         *(f"{name}: {', '.join(names)}.  " for name, names in card["categories"].items()),
-        f"Fixed: {fixed or 'nothing'}.",
+        f"Fixed: {fixed or 'nothing'}.  ",
+        f"{_datum(card)}.",
         "",
         "| variable | unit | minimum | maximum | mean | standard deviation | type | meaning |",
         "|---|---|---|---|---|---|---|---|",
@@ -76,6 +79,15 @@ def markdown(card: Mapping[str, Any]) -> str:
         shown = " | ".join(f"{value:.5g}" for value in numbers)
         lines.append(f"| {name} | {attrs['units']} | {shown} | {one['type']} | {attrs['long_name']} |")
     return "\n".join(lines) + "\n"
+
+
+def _datum(card: Mapping[str, Any]) -> str:
+    """Which variables hang on the datum, and which datum that is."""
+    names = [name for name in card["variables"] if name in datum.HANGING]
+    which = "a factor" if card["datum"] is None else f"{card['datum']:g} m"
+    return (
+        f"Datum: {which}; on this arbitrary length of the potentials hang {', '.join(names) or 'none of the variables'}"
+    )
 
 
 def _file(path: Path, first: str) -> dict[str, Any]:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from solver.names import FACTORS
 from workflow.contactfields import SURFACE
-from workflow.engineering import prefixed, raised
-from workflow.figures import BLUE, GREY, ORANGE, styled
+from workflow.engineering import label, number, prefixed
+from workflow.figures import BLUE, GREY, ORANGE, by_ratio, factor_scale, styled, ticked
 from workflow.hover import attach_map
 from workflow.inline import INK
 from workflow.pictures import kinds
@@ -36,23 +36,25 @@ def draw(kind: str, answer: xr.Dataset) -> Figure:
 @styled
 def _map(answer: xr.Dataset) -> Figure:
     """First objective over two design variables, the infeasible region hatched, the exact optimum marked."""
-    x, y = answer["map_x"], answer["map_y"]
-    names = [str(axis.attrs["factor"]) for axis in (x, y)]
+    axes = (answer["map_x"], answer["map_y"])
+    names = [str(axis.attrs["factor"]) for axis in axes]
+    sizes = [factor_scale(name, axis.values)[0] for name, axis in zip(names, axes, strict=True)]
+    x, y = (axis.values / size for axis, size in zip(axes, sizes, strict=True))
     figure, ax = plt.subplots(figsize=(5.6, 4.1))
     objective, excess = answer["map_objective"].values.T, answer["map_excess"].values.T
-    size, label = _objective(answer)
+    size, words = _objective(answer)
     filled = ax.contourf(x, y, objective / size, 24, cmap="viridis")
     filled.set_edgecolor("face")
     if excess.max() > 0:
         ax.contourf(x, y, excess, [0.0, float(excess.max())], colors="none", hatches=["////"])
         if excess.min() < 0:
             ax.contour(x, y, excess, [0.0], colors="white", linewidths=1.6)
-    ax.plot(*([float(answer["value"].sel(factor=name))] for name in names), "*", ms=15, mfc=ORANGE, mec="white",
-            label=_star(answer))  # fmt: skip
-    for name, axis, which in zip(names, (x, y), ("x", "y"), strict=True):
+    best = [float(answer["value"].sel(factor=name)) / one for name, one in zip(names, sizes, strict=True)]
+    ax.plot(*([one] for one in best), "*", ms=15, mfc=ORANGE, mec="white", label=_star(answer))
+    for name, axis, which in zip(names, axes, ("x", "y"), strict=True):
         _factor_axis(ax, which, name, axis.values)
-    attach_map(ax, x.values, y.values, objective / size, label)
-    figure.colorbar(filled, ax=ax, label=label, format="%.3g")
+    attach_map(ax, x, y, objective / size, words)
+    figure.colorbar(filled, ax=ax, label=words, format=ticked)
     ax.grid(visible=False)
     figure.legend(loc="outside upper left")
     return figure
@@ -65,24 +67,25 @@ def _slices(answer: xr.Dataset) -> Figure:
     figure, axes = plt.subplots(
         1, len(names), figsize=(max(2.6 * len(names) + 0.6, 4.6), 3.0), squeeze=False, sharey=True
     )
-    size, label = _objective(answer)
+    size, words = _objective(answer)
     lowest, highest = float(answer["slice_low"].min()) / size, float(answer["slice_high"].max()) / size
     pad = 0.05 * (highest - lowest)
     ends = (lowest - pad, highest + pad)
     for ax, name in zip(axes.flat, names, strict=True):
         one = answer.sel(slice=name)
-        x, excess = one["slice_value"].values, one["slice_excess"].values
+        width = factor_scale(name, one["slice_value"].values)[0]
+        x, excess = one["slice_value"].values / width, one["slice_excess"].values
         low, high = one["slice_low"].values / size, one["slice_high"].values / size
         ax.fill_between(x, low, high, color=BLUE, alpha=0.18, lw=0, label="all scenarios")
         ax.plot(x, one["slice_objective"].values / size, color=BLUE, lw=1.6, label="as it counts")
         ax.fill_between(x, *ends, where=list(excess > 0), facecolor="none", edgecolor=GREY, hatch="////", lw=0,
                         label="breaks a limit")  # fmt: skip
-        best = float(answer["value"].sel(factor=name))
+        best = float(answer["value"].sel(factor=name)) / width
         ax.plot([best], [float(answer["exact"][0]) / size], "*", ms=13, mfc=ORANGE, mec=INK, mew=0.6,
                 label=f"{_star(answer)}, exact")  # fmt: skip
         ax.set_ylim(ends)
-        _factor_axis(ax, "x", name, x)
-    axes[0, 0].set_ylabel(label)
+        _factor_axis(ax, "x", name, one["slice_value"].values)
+    axes[0, 0].set_ylabel(words)
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=2)
     return figure
 
@@ -98,10 +101,10 @@ def _bars(answer: xr.Dataset) -> Figure:
         values = answer["elasticity"].sel(factor=name).values
         places = np.arange(len(terms)) + (k - (len(names) - 1) / 2) * height
         drawn = ax.barh(places, values, height * 0.9, color=plt.get_cmap("tab10")(k), label=name.replace("_", " "))
-        texts = [f"{value:.2g}" if np.isfinite(value) else "" for value in values]
+        texts = [number(value, 2) if np.isfinite(value) else "" for value in values]
         ax.bar_label(drawn, texts, padding=3, fontsize=7.5)
     ax.axvline(0, color=INK, lw=0.8)
-    ax.set_yticks(np.arange(len(terms)), [_short(term, 30) for term in terms])
+    ax.set_yticks(np.arange(len(terms)), [label(term, "", 30) for term in terms])
     ax.invert_yaxis()
     ax.margins(x=0.12)
     ax.set_xlabel("change in % for 1 % more of a variable")
@@ -155,7 +158,7 @@ def _inside(figure: Figure, ax: Axes, field: xr.DataArray, title: str) -> None:
     ax.set_xlabel("(x - c)/h")
     ax.set_ylabel("y/h")
     attach_map(ax, x, y, values / size, f"{title} [{units}]")
-    figure.colorbar(filled, ax=ax, label=f"{title} [{units}]", format="%.3g", pad=0.01)
+    figure.colorbar(filled, ax=ax, label=f"{title} [{units}]", format=ticked, pad=0.01)
 
 
 @styled
@@ -173,20 +176,20 @@ def _front(answer: xr.Dataset) -> Figure:
             values = (answer["front_exact"].sel(objective=name) if traced else answer["exact"].sel(term=[name])).values
             size, units = prefixed(float(np.abs(values).max()), str(answer["units"].sel(term=name).values))
             columns.append(values / size)
-            labels.append(f"{name} [{units}]" if units else name)
+            labels.append(label(name, units, 44))
             best.append([float(answer["exact"].sel(term=name)) / size])
         for k, choice in enumerate(dict.fromkeys(choices)):
             own = choices == choice
             # a line would join what another choice lies between
             style = "o-" if len(names) == 2 and own.all() else "o"
-            label = f"front, exact: {choice}" if choice else "front, exact"
+            words = f"front, exact: {choice}" if choice else "front, exact"
             ax.plot(
                 *(one[own] for one in columns),
                 style,
                 ms=2.5,
                 lw=1,
                 color=plt.get_cmap("tab10")(2 * k % 10),
-                label=label,
+                label=words,
             )
         ax.plot(*best, "*", ms=15, mfc=ORANGE, mec=INK, mew=0.6, label=_star(answer, "compromise"))
         ax.set_xlabel(labels[0])
@@ -219,23 +222,16 @@ def _star(answer: xr.Dataset, kind: str = "design") -> str:
 def _objective(answer: xr.Dataset) -> tuple[float, str]:
     """What to divide the first objective by, and its label."""
     size, units = prefixed(float(np.abs(answer["exact"][0])), str(answer["units"].values[0]))
-    statistic, objective = str(answer.attrs["statistic"]), _short(str(answer.attrs["objective"]), 34)
-    label = f"{statistic}{' ' if len(statistic + objective) < 34 else chr(10)}{objective}"
-    return size, f"{label} [{units}]" if units else label
+    return size, label(f"{answer.attrs['statistic']} {answer.attrs['objective']}", units, 34)
 
 
 def _factor_axis(ax: Axes, which: str, name: str, values: Array) -> None:
     """Scale and label of an axis that is a factor."""
-    if values[0] > 0 and not np.allclose(np.diff(values), np.diff(values)[0]):
+    if by_ratio(values):
         (ax.set_xscale if which == "x" else ax.set_yscale)("log")
-    units = raised(FACTORS[name].units)
-    label = FACTORS[name].long_name + (f" [{units}]" if units else "")
-    (ax.set_xlabel if which == "x" else ax.set_ylabel)(label)
+    words = label(FACTORS[name].long_name, factor_scale(name, values)[1], 40)
+    (ax.set_xlabel if which == "x" else ax.set_ylabel)(words)
 
 
 def _units(field: xr.DataArray) -> str:
     return str(field.attrs["units"])
-
-
-def _short(text: str, most: int) -> str:
-    return text if len(text) <= most else f"{text[: most - 1]}…"

@@ -1,22 +1,47 @@
-"""Values for people: a decimal prefix that keeps numbers short, exponents as superscripts."""
+"""Values for people: a decimal prefix that keeps numbers short, exponents as superscripts; as templates/numbers.js."""
 
+import math
 import re
-
-import numpy as np
+import textwrap
+from decimal import ROUND_HALF_UP, Context
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _RAISED = str.maketrans("-0123456789/", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ")
+_JOINED = "\N{NO-BREAK SPACE}"
+_MINUS = "\N{MINUS SIGN}"
+_DIGITS = 15  # by which the size of a value chooses its prefix: all that a double has for certain
 
 
-def prefixed(size: float, units: str) -> tuple[float, str]:
+def number(value: float | None, digits: int = 4) -> str:
+    """A number for people: ``digits`` digits, plain from 0.001 to 99999 and else with a power of ten; a dash for none.
+
+    Examples
+    --------
+    >>> number(260.4, 2), number(3e5), number(0.0021)
+    ('260', '3×10⁵', '0.0021')
+    """
+    if value is None or not math.isfinite(value):
+        return "–"
+    # halves away from zero, as JavaScript rounds them
+    rounded = Context(prec=digits, rounding=ROUND_HALF_UP).create_decimal_from_float(float(value))
+    power = rounded.adjusted() if rounded else 0
+    if -3 <= power < 5:
+        return f"{rounded.normalize():f}".replace("-", _MINUS)
+    mantissa = f"{rounded.scaleb(-power).normalize():f}"
+    return f"{mantissa}×10{str(power).translate(_RAISED)}".replace("-", _MINUS)
+
+
+def prefixed(size: float, units: str, digits: int = _DIGITS) -> tuple[float, str]:
     """What to divide values of some size by, and the unit to write then.
 
     A prefix fits where the first symbol of the unit has no exponent, as in ``V m N-1``; a pure number has no unit.
+    ``digits`` are those that will be shown: 999.96 Pa is 1 kPa in four of them.
     """
     scalable = re.match(r"[A-Za-z]+(?: |$)", units) is not None and not units.startswith("kg")
     power = 0
-    if scalable and size and np.isfinite(size):
-        power = int(np.clip(3 * np.floor(np.log10(abs(size)) / 3), -15, 12))
+    if scalable and size and math.isfinite(size):
+        decimal = Context(prec=digits, rounding=ROUND_HALF_UP).create_decimal_from_float(float(size)).adjusted()
+        power = min(max(3 * (decimal // 3), -15), 12)
     return 10.0**power, (_PREFIXES[power] if scalable else "") + raised(units)
 
 
@@ -28,14 +53,26 @@ def raised(units: str) -> str:
 
 
 def shown(value: float, units: str, digits: int = 5) -> str:
-    """A value with its prefix and unit, as 122.61 mm; a dash where there is none."""
-    if not np.isfinite(value):
+    """A value with its prefix and unit; a dash where there is none.
+
+    Examples
+    --------
+    >>> shown(0.12261, "m"), shown(2.6e2, "Pa", 2), shown(5e4, "N m-1")
+    ('122.61 mm', '260 Pa', '50 kN m⁻¹')
+    """
+    if not math.isfinite(value):
         return "–"
-    size, text = prefixed(value, units)
-    number = value / size
-    if number and not 1e-3 <= abs(number) < 1e5:
-        mantissa, _, power = f"{number:.{digits - 1}e}".partition("e")
-        plain = f"{float(mantissa):g}×10{str(int(power)).translate(_RAISED)}"
-    else:
-        plain = f"{number:.{digits}g}"
-    return f"{plain.replace('-', '−')} {text}".strip()
+    size, text = prefixed(value, units, digits)
+    return f"{number(value / size, digits)} {text}".strip()
+
+
+def label(text: str, units: str, most: int) -> str:
+    """A text and its unit in lines of at most so many characters, none of them cut, the unit in one piece.
+
+    Examples
+    --------
+    >>> label("worst-case abs(voltage) / load", "V", 24).splitlines()
+    ['worst-case abs(voltage)', '/ load [V]']
+    """
+    unit = f" [{units.replace(' ', _JOINED)}]" if units else ""
+    return textwrap.fill(text.strip() + unit, most, break_on_hyphens=False)

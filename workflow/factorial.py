@@ -63,11 +63,17 @@ def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
 
 
 def exact(
-    study: Study, axes: dict[str, Any], positions: Iterable[float] | None = None, *, peaks: bool | None = None
+    study: Study,
+    axes: dict[str, Any],
+    positions: Iterable[float] | None = None,
+    *,
+    peaks: bool | None = None,
+    regular: bool = False,
 ) -> xr.Dataset:
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
-    With the largest stresses of the body where ``peaks``, by default where the data set has them.
+    With the largest stresses of the body where ``peaks``, by default where the data set has them; with the regular
+    parts of the surface fields where ``regular``.
     """
     return solve(
         {**study.fixed, **axes, **{name: names for name, names in study.categories.items() if name not in axes}},
@@ -75,4 +81,5 @@ def exact(
         materials=study.own_materials,
         phases=study.phases,
         peaks=study.dataset.peaks if peaks is None else peaks,
+        regular=regular,
     )

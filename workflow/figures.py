@@ -16,11 +16,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from solver.names import FACTORS
+from solver.names import EVERY_QUANTITY, FACTORS
 from workflow import engineering, hover
 from workflow.files import write_bytes
 from workflow.inline import INK, PAPER
+
+Array = NDArray[np.float64]
 
 #: Style of every figure of the report.
 STYLE: dict[Any, Any] = {
@@ -31,6 +34,9 @@ STYLE: dict[Any, Any] = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.titlesize": 9.5,
+    # no power of ten apart from its ticks: values are scaled by a prefix that stands in the label
+    "axes.formatter.limits": (-15, 15),
+    "axes.formatter.useoffset": False,
     "legend.frameon": False,
     "legend.fontsize": 8,
     "svg.hashsalt": "meecontact",
@@ -54,6 +60,23 @@ SHOWN = {
     "electric_displacement_x": (1e3, "$D_x$ [mC/m²]"),
     "magnetic_induction_x": (1e3, "$B_x$ [mT]"),
 }
+
+
+def ticked(value: float, _place: int) -> str:
+    """A tick of a colour bar."""
+    return engineering.number(value, 3)
+
+
+def by_ratio(values: Array) -> bool:
+    """Whether values of a factor are spread by ratio, as those of a logarithmic one are."""
+    return bool(values[0] > 0 and not np.allclose(np.diff(values), np.diff(values)[0]))
+
+
+def factor_scale(name: str, values: Array) -> tuple[float, str]:
+    """What to divide a factor by on its axis, and its unit there; a logarithmic axis has powers of ten of its own."""
+    if by_ratio(values):
+        return 1.0, engineering.raised(FACTORS[name].units)
+    return engineering.prefixed(float(np.abs(values).max()), FACTORS[name].units)
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -137,7 +160,7 @@ def interior(data: xr.Dataset) -> Figure:
             ax.plot([-1, 1], [0, 0], color=INK, lw=2.5, solid_capstyle="butt", clip_on=False)
             ax.set_aspect("equal")
             ax.grid(visible=False)
-        figure.colorbar(filled, ax=list(row), label=label, format="%.3g", pad=0.01, shrink=0.9)
+        figure.colorbar(filled, ax=list(row), label=label, format=ticked, pad=0.01, shrink=0.9)
         row[0].set_ylabel("y/h")
     for ax, value in zip(axes[0], values, strict=True):
         ax.set_title(f"{varied.replace('_', ' ')} = {_said(varied, value)}")
@@ -179,7 +202,7 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
     return figure
 
 
-def _bounded(ax: Axes, curves: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> None:
+def _bounded(ax: Axes, curves: Array) -> None:
     """Set the range by the curves away from the edges: a square-root singularity has no peak."""
     low, high = min(float(curves.min()), 0.0), max(float(curves.max()), 0.0)
     pad = 0.06 * (high - low) or 1.0
@@ -192,25 +215,22 @@ def parity(validation: xr.Dataset) -> Figure:
     names = [str(name) for name in validation.sortby("max_error", ascending=False)["output"].values[:_PARITIES]]
     columns = 6
     rows = -(-len(names) // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(11, 1.95 * rows), squeeze=False)
+    figure, axes = plt.subplots(rows, columns, figsize=(11, 2.1 * rows), squeeze=False)
     for ax, name in zip(axes.flat, names, strict=False):
         one = validation.sel(output=name)
         exact, predicted = one["exact"].values, one["predicted"].values
         some = slice(None, None, max(1, exact.size // 400))
-        ends = [float(exact.min()), float(exact.max())]
+        quantity, bracket, kinds = name.partition("[")
+        size, units = engineering.prefixed(float(np.abs(exact).max()), EVERY_QUANTITY[quantity].units)
+        ends = [float(exact.min()) / size, float(exact.max()) / size]
         ax.plot(ends, ends, color=GREY, lw=0.8)
-        ax.plot(exact[some], predicted[some], ".", ms=2.5, color=BLUE, rasterized=True)
-        ax.set_title(
-            name.replace("_", " ").replace("electric edge", "el. edge").replace("magnetic", "magn."), fontsize=7.5
-        )
+        ax.plot(exact[some] / size, predicted[some] / size, ".", ms=2.5, color=BLUE, rasterized=True)
+        ax.set_title(engineering.label(f"{quantity.replace('_', ' ')} {bracket}{kinds}", units, 24), fontsize=7.5)
         ax.tick_params(labelsize=6.5)
-        ax.text(0.04, 0.88, f"{float(one['max_error']):.1e}", transform=ax.transAxes, fontsize=7)
-        ax.ticklabel_format(scilimits=(-2, 3), useMathText=True)
-        for offset in (ax.xaxis.get_offset_text(), ax.yaxis.get_offset_text()):
-            offset.set_fontsize(6)
+        ax.text(0.04, 0.88, engineering.number(float(one["max_error"]), 2), transform=ax.transAxes, fontsize=7)
     for ax in list(axes.flat)[len(names) :]:
         ax.set_visible(False)
-    figure.supxlabel("exact (SI units)", fontsize=9)
+    figure.supxlabel("exact", fontsize=9)
     figure.supylabel("predicted", fontsize=9)
     return figure
 
@@ -260,7 +280,7 @@ def convergence(curves: list[dict[str, Any]]) -> Figure:
         if logarithmic:
             ax.set_xscale("log")
         ticks = sorted({x for curve in shown for x in curve["x"]})
-        ax.set_xticks(ticks, [f"{x:g}" for x in ticks])
+        ax.set_xticks(ticks, [engineering.number(x) for x in ticks])
         ax.minorticks_off()
         ax.set_xlabel(shown[0]["effort"])
         ax.set_title(title)

@@ -6,8 +6,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from solver.names import FACTORS
-from workflow.figures import BLUE, ORANGE, styled
+from workflow.engineering import prefixed
+from workflow.figures import BLUE, ORANGE, by_ratio, factor_scale, styled
 
 _WIDTH = 1.959964  # standard deviations of the 95 % interval
 _SHOWN = 4
@@ -46,27 +46,25 @@ def main_effects(sensitivity: xr.Dataset, outputs: list[str]) -> Figure:
         len(shown), len(inputs), figsize=(2.15 * len(inputs), 1.75 * len(shown) + 0.3), sharey="row", squeeze=False
     )
     for row, output in zip(axes, shown, strict=True):
-        for ax, name in zip(row, inputs, strict=True):
-            _curve(ax, sensitivity.sel(output=output, input=name), name)
         quantity, bracket, kinds = output.partition("[")
-        units = sensitivity.sel(output=output)["units"].item()
-        lines = [quantity.replace("_", " "), f"{bracket}{kinds}"] if kinds else [quantity.replace("_", " ")]
-        row[0].set_ylabel("\n".join([*lines, f"[{units}]"]), fontsize=6.5 if kinds else 7.5)
+        own = sensitivity.sel(output=output)
+        size, units = prefixed(float(np.abs(own["main_effect"]).max()), own["units"].item())
+        for ax, name in zip(row, inputs, strict=True):
+            _curve(ax, own.sel(input=name), name, size)
+        lines = [quantity.replace("_", " "), f"{bracket}{kinds}", f"[{units}]" if units else ""]
+        row[0].set_ylabel("\n".join(filter(None, lines)), fontsize=6.5 if kinds else 7.5)
     for ax, name in zip(axes[-1], inputs, strict=True):
-        unit = FACTORS[name].units
-        ax.set_xlabel(name.replace("_", " ") + (f" [{unit}]" if unit != "1" else ""))
+        units = factor_scale(name, sensitivity.sel(input=name)["value"].values)[1]
+        ax.set_xlabel(name.replace("_", " ") + (f" [{units}]" if units else ""))
     return figure
 
 
-def _curve(ax: Axes, one: xr.Dataset, name: str) -> None:
-    value, effect = one["value"].values, one["main_effect"].values
-    reach = _WIDTH * one["main_effect_std"].values
+def _curve(ax: Axes, one: xr.Dataset, name: str, size: float) -> None:
+    value, effect = one["value"].values / factor_scale(name, one["value"].values)[0], one["main_effect"].values / size
+    reach = _WIDTH * one["main_effect_std"].values / size
     ax.fill_between(value, effect - reach, effect + reach, color=BLUE, alpha=0.25, lw=0)
     ax.plot(value, effect, color=BLUE, lw=1.4)
     ax.axhline(0, color="black", lw=0.5)
     ax.tick_params(labelsize=7)
-    ax.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
-    ax.yaxis.get_offset_text().set_fontsize(6.5)
-    # levels of a log factor are spread by ratio
-    if value[0] > 0 and not np.isclose(value[1] - value[0], value[-1] - value[-2]):
+    if by_ratio(value):
         ax.set_xscale("log")

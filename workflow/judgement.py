@@ -13,6 +13,7 @@ from workflow import costly, factorial
 from workflow.question import Question
 from workflow.scenarios import Scenarios
 from workflow.sources import Exact, Factors, Predicted, Source, shape
+from workflow.study import Study
 from workflow.terms import Term
 
 Array = NDArray[np.float64]
@@ -196,17 +197,20 @@ def outside(answer: xr.Dataset) -> str:
     return "; ".join(parts)
 
 
-def _tolerances(question: Question, x: Array, source: Predicted) -> Array:
-    """What the study's tolerance, a share of every quantity's range over the box, may make of each term."""
-    box = qmc.Sobol(len(question.study.factors), rng=0).random(_PILOT)
+def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[str, float]:
+    """The study's tolerance of some quantities: a share of their range over the box."""
+    box = qmc.Sobol(len(study.factors), rng=0).random(_PILOT)
     levels = {
         one.name: one.from_unit(2 * box[:, [column]] - 1).clip(one.low, one.high)
-        for column, one in enumerate(factorial.inputs(question.study))
+        for column, one in enumerate(factorial.inputs(study))
     }
+    return {name: float(study.validation.tolerance * np.ptp(one)) for name, one in source.values(levels, names).items()}
+
+
+def _tolerances(question: Question, x: Array, source: Predicted) -> Array:
+    """What the study's tolerance may make of each term."""
     names = list(dict.fromkeys(name for term in question.terms for name in _quantities(term)))
-    sizes = {
-        name: question.study.validation.tolerance * np.ptp(one) for name, one in source.values(levels, names).items()
-    }
+    sizes = allowances(question.study, source, names)
     out = []
     for term in question.terms:
         chosen = question.searched[term.drawn]

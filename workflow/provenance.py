@@ -89,7 +89,7 @@ def _room(room: str) -> list[Path]:
 
 @cache
 def _data(room: str) -> list[Path]:
-    return [file for file in _room(room) if file.suffix in (".toml", ".j2")]
+    return [file for file in _room(room) if file.suffix in (".toml", ".j2", ".js")]
 
 
 @cache

@@ -11,7 +11,7 @@ from surrogate import GaussianProcess
 from surrogate.inversion import Inversion
 from workflow import factorial
 from workflow.categories import output
-from workflow.engineering import raised
+from workflow.engineering import prefixed, raised
 from workflow.figures import BLUE, GREY, styled
 from workflow.measuring import Readout, error
 from workflow.study import Study
@@ -64,15 +64,18 @@ def figure(tried: xr.Dataset) -> Figure:
     drawn, axes = plt.subplots(1, len(names), figsize=(4.8 * len(names), 3.8), squeeze=False)
     for ax, name in zip(axes.flat, names, strict=True):
         one = tried.sel(factor=name).isel(case=slice(0, _SHOWN))
-        true, low, high = (one[key].values for key in ("true", "low", "high"))
+        spread = one["true"].values
+        logarithmic = bool(spread.min() > 0 and spread.max() / spread.min() > 20)
+        units = FACTORS[name].units
+        size, units = (1.0, raised(units)) if logarithmic else prefixed(float(np.abs(spread).max()), units)
+        true, low, high, mean = (one[key].values / size for key in ("true", "low", "high", "mean"))
         ends = [float(true.min()), float(true.max())]
         ax.plot(ends, ends, color=GREY, lw=0.8)
         ax.vlines(true, low, high, color=BLUE, lw=0.9, alpha=0.7)
-        ax.plot(true, one["mean"].values, ".", ms=4, color=BLUE, label="posterior mean")
-        if ends[0] > 0 and ends[1] / ends[0] > 20:
+        ax.plot(true, mean, ".", ms=4, color=BLUE, label="posterior mean")
+        if logarithmic:
             ax.set_xscale("log")
             ax.set_yscale("log")
-        units = raised(FACTORS[name].units)
         ax.set_xlabel(f"true {name}" + (f" [{units}]" if units else ""))
         ax.set_ylabel(f"inferred {name}" + (f" [{units}]" if units else ""))
         ax.set_title(f"{100 * float(tried['coverage'].sel(factor=name)):.1f} % of {tried.sizes['case']} within")

@@ -13,15 +13,25 @@ from markupsafe import Markup
 from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
 from surrogate import load
 from surrogate.netcdf import read_whole
-from workflow import answers, judgement, pictures, whatif
+from workflow import answers, datum, judgement, pictures, whatif
 from workflow.dataset import CARD
-from workflow.engineering import shown
+from workflow.engineering import number, raised, shown
 from workflow.inline import inlined
 from workflow.study import CHECK_GROUPS, Study
 from workflow.timing import by_quantity
 from workflow.verdict import findings
 
 _INTERVALS = ("coverage", "worst_decile_coverage", "crps", "raw_coverage", "raw_worst_decile_coverage", "raw_crps")
+
+#: Factors that take a name, in words.
+_MEANINGS = {
+    "material": "material of the half-plane",
+    "composite": "arrangement of the two phases",
+    "profile": "shape of the punch",
+    "corner": "sharp edge of the punch",
+    "electric": "the punch in the electric field",
+    "magnetic": "the punch in the magnetic field",
+}
 
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 CAPTIONS = Path(__file__).parent / "captions"
@@ -54,7 +64,7 @@ def page(
         lstrip_blocks=True,
     )
     environment.globals |= {"kinds": pictures.kinds}
-    environment.filters |= {"number": _number, "seconds": _seconds, "words": _words, "si": shown}
+    environment.filters |= {"number": number, "seconds": _seconds, "words": _words, "si": shown, "raised": raised}
     content: dict[str, Any] = {
         "study": study,
         "name": name,
@@ -62,7 +72,11 @@ def page(
         "provenance": json.loads(provenance.read_text(encoding="utf-8")),
         "factors": FACTORS,
         "quantities": EVERY_QUANTITY,
-        "choices": CHOICES,
+        "meanings": _MEANINGS,
+        "hanging": datum.HANGING,
+        "datum": datum.length(study),
+        "datum_changes": [],
+        "composites": _composites(study),
         "dataset": None,
         "levels": None,
         "surface": None,
@@ -72,7 +86,7 @@ def page(
         "designs": [],
         "whatif": None,
         "readouts": [],
-        "scripts": [_script(name) for name in ("hover.js", "surrogate.js", "whatif.js")],
+        "scripts": [_script(name) for name in ("numbers.js", "hover.js", "surrogate.js", "whatif.js")],
         "effects": list(study.effects.vary) if study.effects else [],
         "verification": _verification(folder) if study.verification else None,
     }
@@ -84,12 +98,26 @@ def page(
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = by_quantity(study, times)
         answers = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
-        content["designs"] = [_design(answer) for answer in answers]
+        content["datum_changes"] = datum.changes(study)
+        content["designs"] = [
+            _design(answer)
+            | {"on_datum": datum.of_design(study, target, answer), "edge": datum.singular_zone(study, target, answer)}
+            for target, answer in zip(study.design.values(), answers, strict=True)
+        ]
         content["readouts"] = [_readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")
         content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers)
         content["whatif_json"] = whatif.as_json(content["whatif"])
     return environment.get_template("report.html.j2").render(content)
+
+
+def _composites(study: Study) -> list[str]:
+    """How the phases are arranged in the cases of the study, the default where it does not say."""
+    usual = CHOICES["composite"][0]
+    if study.factors or study.effects is None:
+        return study.categories.get("composite") or [str(study.fixed.get("composite", usual))]
+    return list(dict.fromkeys(map(str, [study.effects.baseline.get("composite", usual),
+                                        *study.effects.vary.get("composite", [])])))  # fmt: skip
 
 
 def _figure(path: Path) -> dict[str, Any]:
@@ -246,25 +274,12 @@ def _ranges(data: xr.Dataset) -> list[dict[str, Any]]:
     ]
 
 
-def _number(value: float | None, digits: int = 4) -> str:
-    """A number for people: plain where short, else with a power of ten."""
-    if value is None or np.isnan(value):
-        return "–"
-    if value == 0 or 1e-3 <= abs(value) < 1e5:
-        return f"{value:.{digits}g}".replace("-", "\N{MINUS SIGN}")
-    mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
-    if "." in mantissa:
-        mantissa = mantissa.rstrip("0").rstrip(".")
-    superscript = str(int(power)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"{mantissa}\N{MULTIPLICATION SIGN}10{superscript}".replace("-", "\N{MINUS SIGN}")
-
-
 def _seconds(value: float) -> str:
     """A time with a fitting unit."""
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
         if value >= size:
-            return f"{value / size:.3g} {unit}"
-    return f"{value / 1e-9:.3g} ns"
+            return f"{number(value / size, 3)} {unit}"
+    return f"{number(value / 1e-9, 3)} ns"
 
 
 def _words(name: str) -> str:

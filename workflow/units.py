@@ -5,7 +5,7 @@ behind it, ``%``, and the decimal prefixes of the SI (BIPM, The International Sy
 """
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
 from math import isfinite
@@ -38,10 +38,14 @@ _LARGEST_POWER, _LONGEST = 9, 100  # an exponent, also of its denominator; chara
 
 @dataclass(frozen=True)
 class Unit:
-    """A factor on SI and the exponents of metre, kilogram, second and ampere."""
+    """A factor on SI and the exponents of metre, kilogram, second and ampere.
+
+    ``symbols`` are those that it was made of, with their exponents: what a reader knows it by.
+    """
 
     factor: float
     exponents: tuple[Fraction, ...]
+    symbols: tuple[tuple[str, Fraction], ...] = field(default=(), compare=False)
 
     @classmethod
     def none(cls) -> Self:
@@ -49,25 +53,37 @@ class Unit:
         return cls(1.0, (Fraction(0),) * 4)
 
     def __mul__(self, other: "Unit") -> "Unit":
+        powers = dict(self.symbols)
+        for symbol, power in other.symbols:
+            powers[symbol] = powers.get(symbol, Fraction(0)) + power
+        exponents = tuple(a + b for a, b in zip(self.exponents, other.exponents, strict=True))
         return Unit(
-            self.factor * other.factor, tuple(a + b for a, b in zip(self.exponents, other.exponents, strict=True))
+            self.factor * other.factor, exponents, tuple((one, power) for one, power in powers.items() if power)
         )
 
     def power(self, exponent: Fraction) -> "Unit":
         """The unit raised to a rational exponent."""
-        return Unit(self.factor ** float(exponent), tuple(exponent * one for one in self.exponents))
+        symbols = tuple((one, exponent * power) for one, power in self.symbols if exponent)
+        return Unit(self.factor ** float(exponent), tuple(exponent * one for one in self.exponents), symbols)
 
     def fits(self, other: "Unit") -> bool:
         """Whether both measure the same kind of quantity."""
         return self.exponents == other.exponents
 
     def __str__(self) -> str:
-        parts = [
-            name if power == 1 else f"{name}{power}"
-            for name, power in zip(("m", "kg", "s", "A"), self.exponents, strict=True)
-            if power
-        ]
-        return " ".join(parts) or "1"
+        """In SI without prefixes: one symbol where that is all, else what it was made of, as ``V m N-1``."""
+        symbols = _alone(self.exponents) or self.symbols
+        ordered = [one for one in symbols if one[1] > 0] + [one for one in symbols if one[1] < 0]
+        return " ".join(name if power == 1 else f"{name}{power}" for name, power in ordered) or "1"
+
+
+def _alone(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], ...] | None:
+    """The one symbol, or the power of a base unit, that has these exponents; nothing for a pure number."""
+    for symbol, (_, own) in _SYMBOLS.items():
+        if symbol != "g" and exponents == tuple(map(Fraction, own)):
+            return ((symbol, Fraction(1)),)
+    powers = tuple((name, power) for name, power in zip(("m", "kg", "s", "A"), exponents, strict=True) if power)
+    return powers if len(powers) < 2 else None
 
 
 def parse(text: str) -> Unit:
@@ -131,5 +147,8 @@ def _symbol(text: str) -> Unit:
         return Unit(factor, tuple(map(Fraction, exponents)))
     for symbol, (factor, exponents) in _SYMBOLS.items():
         if text.endswith(symbol) and text[: -len(symbol)] in _PREFIXES:
-            return Unit(factor * _PREFIXES[text[: -len(symbol)]], tuple(map(Fraction, exponents)))
+            known = "kg" if symbol == "g" else symbol
+            return Unit(
+                factor * _PREFIXES[text[: -len(symbol)]], tuple(map(Fraction, exponents)), ((known, Fraction(1)),)
+            )
     raise ValueError(f"{text!r} is not a unit; known are {', '.join(_SYMBOLS)} with decimal prefixes, and %")

@@ -1,4 +1,4 @@
-"""What the what-if panel (whatif.html.j2) needs: the surrogate as plain data, limits, ranges and starting points."""
+"""What the what-if panel (whatif.html.j2) needs: the surrogate as plain data, ranges, and the designs with limits."""
 
 import json
 from collections.abc import Sequence
@@ -12,10 +12,13 @@ from solver.names import EVERY_QUANTITY, FACTORS
 from surrogate import GaussianProcess
 from surrogate.conformal import HALF_WIDTH
 from surrogate.plain import plain
-from workflow import answers, factorial
+from workflow import answers, factorial, judgement, scenarios
 from workflow.categories import Kinds, output
+from workflow.engineering import shown
 from workflow.expressions import Call, Expression, Name, Number, Operation, Power
+from workflow.sources import Predicted
 from workflow.study import Study
+from workflow.target import Target
 
 #: Quantities that give the contact pressure of a circular punch in closed form.
 _PRESSURE = {"contact_trailing", "contact_leading", "pressure_exponent", "peak_pressure"}
@@ -31,7 +34,7 @@ def content(
     study, model, quantities
         The study, its surrogate, and its factorial (for the ranges).
     designs
-        Answers of the study's targets, offered as starting points.
+        Answers of the study's targets, in its order, offered as starting points.
     """
     stored = plain(model)
     if stored is None:
@@ -49,10 +52,9 @@ def content(
         "ranges": [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_],
         "fixed": {name: factor.default for name, factor in FACTORS.items() if factor.default is not None}
         | {name: value for name, value in study.fixed.items() if not isinstance(value, str)},
-        "limits": _limits(study),
         "cases": [
-            {"name": str(one["target"].values), "values": case, "kind": kind}
-            for one, case, kind in zip(designs, values, kinds, strict=True)
+            {"values": case, "kind": kind, **_target(name, target, one)}
+            for (name, target), one, case, kind in zip(study.design.items(), designs, values, kinds, strict=True)
         ],
         "kind": kinds[0] if kinds else 0,
         "start": [
@@ -66,6 +68,7 @@ def _kind(study: Study, model: GaussianProcess, kinds: Kinds) -> dict[str, Any]:
     profile = {**study.fixed, **kinds}.get("profile", "cylinder")
     return {
         "names": kinds,
+        "allowances": judgement.allowances(study, Predicted(model, kinds), study.outputs),
         "columns": [model.outputs_.index(output(name, kinds)) for name in study.outputs],
         "pressure": set(study.outputs) >= _PRESSURE and profile == "cylinder",
     }
@@ -77,19 +80,40 @@ def as_json(data: dict[str, Any] | None) -> Markup:
     return Markup(text.replace("<", "\\u003c").replace("&", "\\u0026"))
 
 
-def _limits(study: Study) -> list[dict[str, Any]]:
-    """Every limit of one case that some target has, each once."""
-    found: dict[str, dict[str, Any]] = {}
-    for target in study.design.values():
-        for limit in target.limits:
-            if not limit.deviation:
-                text = str(limit).split(" with probability")[0]
-                tree, unit = _tree(limit.expression), str(limit.expression.unit() or "1")
-                lone = limit.expression.lone()
-                found[text] = {
-                    "text": text, "tree": tree, "value": limit.value, "upper": limit.upper, "units": lone or unit,
-                }  # fmt: skip
-    return list(found.values())
+def _target(name: str, target: Target, answer: xr.Dataset) -> dict[str, Any]:
+    """A target's limits with the verdict on its design, and the scenarios that they must stand anywhere else.
+
+    What a limit counts as over distributions, and a deviation, are not judged elsewhere: no one point tells them.
+    """
+    corners = scenarios.corners(target, scenarios.SEARCHED)
+    limits = []
+    for limit in target.limits:
+        one = answer.sel(term=str(limit))
+        exact = float(one["exact"])
+        limits.append(
+            {
+                "text": str(limit),
+                "tree": _tree(limit.expression),
+                "value": limit.value,
+                "upper": limit.upper,
+                "units": str(one["units"].values),
+                "judged": limit.probability is None and not limit.deviation,
+                "exact": exact if np.isfinite(exact) else None,
+                "held": bool(one["margin"] >= 0),
+            }
+        )
+    ranges = target.worst_case | {factor: list(one.support) for factor, one in target.uncertain.items()}
+    over = [
+        f"{factor.replace('_', ' ')} {' to '.join(shown(end, FACTORS[factor].units, 4) for end in ends)}"
+        for factor, ends in ranges.items()
+    ]
+    return {
+        "name": name,
+        "limits": limits,
+        "over": " and ".join(over),
+        "scenarios": {factor: values.tolist() for factor, values in corners.values.items()},
+        "count": corners.count,
+    }
 
 
 def _tree(node: Expression) -> Any:

@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import solver
+from solver.names import EVERY_QUANTITY, FIELDS, INTERIOR, INTERIOR_ON_REQUEST
 from tests.solver.cases import CHARGED, SIH_SONG, assert_same
 
 #: Units of interface.md.
@@ -55,6 +56,10 @@ GRID: dict[str, Any] = {
     "datum": [0.2, 1.0],
 }
 POSITIONS = (-2.0, -0.5, 0.9, 1.001)
+#: Friction, both charges: nothing that hangs on the datum does so by chance alone.
+CASE_OF_DATUM: dict[str, Any] = {
+    "volume_fraction": 0.67, "radius": 0.14, "load": 1e4, "friction": 0.4, "charge": 1e-7, "magnetic_charge": -1e-3
+}  # fmt: skip
 ONE = {"material": "BaTiO3", "radius": 0.05, "load": 1e5}
 
 
@@ -238,3 +243,31 @@ def test_a_result_can_be_written_and_read_again() -> None:
     for name in out.data_vars:
         np.testing.assert_array_equal(again[name], out[name])
         assert again[name].attrs == out[name].attrs
+
+
+def test_what_is_marked_as_hanging_on_the_datum_is_what_changes_with_it() -> None:
+    case = {**CASE_OF_DATUM, "datum": [0.01, 1.0, 10.0]}
+    of_surface = solver.solve(case, POSITIONS, peaks=True)
+    of_body = solver.solve_interior(case, [0.0, 0.5], [-0.5], fields=[*INTERIOR, *INTERIOR_ON_REQUEST])
+    for out, known in ((of_surface, EVERY_QUANTITY | FIELDS), (of_body, INTERIOR | INTERIOR_ON_REQUEST)):
+        changed = set()
+        for name, array in out.data_vars.items():
+            values = array.transpose("datum", ...).values.reshape(3, -1)
+            if np.any(np.ptp(values, axis=0) > 1e-9 * np.abs(values).max()):
+                changed.add(name)
+        assert changed == {name for name, one in known.items() if one.on_datum}
+        assert set(out.data_vars) == set(known)
+
+
+@pytest.mark.parametrize(
+    ("datum", "expected"),
+    [({}, "1 m, the default"), ({"datum": 0.25}, "0.25 m"), ({"datum": [0.1, 1.0]}, "that of the coordinate datum")],
+)
+def test_what_hangs_on_the_datum_says_which_one_it_has(datum: dict[str, Any], expected: str) -> None:
+    case = CASE_OF_DATUM | datum
+    voltage = solver.solve(case)["voltage"]
+    assert voltage.attrs["comment"].endswith(f"datum: {expected}")
+    inside = solver.solve_interior(case, [0.0], [-1.0], fields=["electric_potential", "stress_xx"])
+    assert inside["electric_potential"].attrs["comment"] == voltage.attrs["comment"]
+    assert "comment" not in inside["stress_xx"].attrs
+    assert "just inside" in solver.solve(case)["trailing_tension"].attrs["comment"]

@@ -17,8 +17,10 @@ import surrogate
 from solver import solve
 from surrogate.netcdf import read_whole
 from tests.workflow.conftest import Project
-from workflow import predictions
+from workflow import predictions, scenarios, whatif
 from workflow.dataset import open_results
+from workflow.study import load
+from workflow.target import Target
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 _NUMBER = re.compile(r"-?\d+\.?\d*(?:e[-+]\d+)?")
@@ -71,7 +73,12 @@ console.error = console.warn = (...words) => complaints.push(words.join(" "));
 </script>
 """
 
-#: Moves every slider to given places, then presses the buttons, and reads the panel each time.
+#: Reads the limits of the panel: text, verdict, value, and how far from the limit it still counts as held.
+LIMITS = """[...root.querySelectorAll("li[data-limit]")].map(({ dataset: l, innerText }) => ({
+    limit: l.limit, verdict: l.verdict, value: Number(l.value), room: Number(l.room), text: innerText }))"""
+
+#: Moves every slider to given places, then presses the buttons, and reads the panel each time; then moves the sliders
+#: from each design to the same design, so that the surrogate and no longer the design's own verdict judges it.
 SLIDE = """
 <script>
 addEventListener("load", () => {
@@ -85,7 +92,7 @@ addEventListener("load", () => {
     upper: all("tr[data-output]", "output", "upper"),
     interval: Object.fromEntries([...root.querySelectorAll("tr[data-output]")].map(
       (row) => [row.dataset.output, [row.cells[1].innerText, row.cells[2].innerText]])),
-    kept: [...root.querySelectorAll("li[data-limit]")].map((l) => l.dataset.kept === "true"),
+    limits: LIMITS,
     shown: [...root.querySelectorAll("tr[data-output]")].map((r) => r.innerText),
     curve: root.querySelector("svg polyline") ? root.querySelector("svg polyline").getAttribute("points") : "",
   });
@@ -97,14 +104,25 @@ addEventListener("load", () => {
     });
     seen.push(read());
   }
-  const presets = [...root.querySelectorAll("button[data-case]")].map((button) => { button.click(); return read(); });
+  const buttons = [...root.querySelectorAll("button[data-case]")];
+  const presets = buttons.map((button) => { button.click(); return read(); });
+  const { surrogate, cases: designs } = JSON.parse(document.getElementById("whatif-data").textContent);
+  const moved = buttons.map((button, c) => {
+    button.click();
+    sliders.forEach((slider, k) => {
+      slider.step = "any";
+      slider.value = String(toUnit(surrogate.inputs[k], designs[c].values[surrogate.inputs[k].name]));
+      slider.dispatchEvent(new Event("input"));
+    });
+    return read();
+  });
   const pre = document.createElement("pre");
   pre.id = "probe";
-  pre.textContent = JSON.stringify({ seen, presets, complaints });
+  pre.textContent = JSON.stringify({ seen, presets, moved, complaints });
   document.body.replaceChildren(pre);
 });
 </script>
-"""
+""".replace("LIMITS", LIMITS)
 
 
 def page(project: Project) -> str:
@@ -247,10 +265,19 @@ def test_sliders_move_numbers_that_are_those_of_python(ran: Project, tmp_path: P
             assert [re.sub(r"\D", "", text).lstrip("0") for text in seen] == [
                 re.sub(r"e.*|\D", "", text).lstrip("0") for text in told
             ]
-        tension, peak = float(mean["trailing_tension"]), float(mean["peak_pressure"])
-        assert one["kept"] == [tension <= 50e6, peak <= 500e6, tension <= 1e6]
         assert one["curve"] == ""  # the small study does not learn the contact's extents
+    worst = {
+        "friction": scenarios.corners(load(ran.folder / "config/small.yaml").design["sensor"], {1: 9}).values[
+            "friction"
+        ]
+    }
     for place, one in zip(places, found["seen"][1:], strict=True):
+        spread = model.predict({name: float(value) for name, value in one["inputs"].items()} | worst)
+        for said, name, limit in zip(one["limits"], ("trailing_tension", "peak_pressure"), (50e6, 500e6), strict=True):
+            assert said["value"] == pytest.approx(float(spread[name].max()), rel=1e-9)
+            excess = said["value"] - limit
+            words = "broken" if excess > said["room"] else "held" if excess < -said["room"] else "on the limit"
+            assert said["verdict"].startswith(words)
         for (name, value), t in zip(one["inputs"].items(), place, strict=True):
             assert float(value) == pytest.approx(float(model.box[name].from_unit(t)), rel=1e-12)
     texts = {tuple(one["shown"]) for one in found["seen"]}
@@ -258,6 +285,62 @@ def test_sliders_move_numbers_that_are_those_of_python(ran: Project, tmp_path: P
     design = read_whole(ran.folder / "results/small/design/sensor.nc")
     for name, value in found["presets"][0]["inputs"].items():
         assert float(value) == pytest.approx(float(design["worst"].sel(factor=name)[0]), rel=1e-9)
+
+
+def designs_are_never_called_broken(found: dict[str, Any], folder: Path, targets: list[str]) -> None:
+    """The panel on every design says what the design's own verdict says, of the design's own limits."""
+    for shown, moved, name in zip(found["presets"], found["moved"], targets, strict=True):
+        answer = read_whole(folder / "design" / f"{name}.nc")
+        limited = answer.sel(term=np.isfinite(answer["limit"]))
+        held = limited["margin"].values >= 0
+        assert [one["limit"] for one in shown["limits"]] == list(limited["term"].values)
+        assert [one["verdict"] for one in shown["limits"]] == ["held" if one else "broken" for one in held]
+        assert [one["value"] for one in shown["limits"]] == pytest.approx(limited["exact"].values)
+        # the surrogate, asked for the same design: by the same tolerance as the verdict's
+        assert [one["verdict"] != "broken" for one in moved["limits"]] == list(held)
+        assert [one["value"] for one in moved["limits"]] == pytest.approx(limited["predicted"].values, rel=1e-9)
+        assert [one["room"] for one in moved["limits"]] == pytest.approx(limited["half"].values, rel=1e-6)
+        assert bool(answer["feasible"]) == all(held)
+
+
+@needs_browser
+def test_the_panel_agrees_with_every_design(ran: Project, tmp_path: Path) -> None:
+    found = opened(page(ran), tmp_path, 1000, SLIDE.replace("PLACES", "[]"))
+    assert found["complaints"] == []
+    assert found["seen"][0]["limits"] == found["presets"][0]["limits"]
+    assert len(found["presets"][0]["limits"]) == 2
+    designs_are_never_called_broken(found, ran.folder / "results/small", ["sensor", "impossible"])
+    assert found["moved"][0]["limits"][0]["verdict"].startswith("on the limit")  # it binds
+
+
+@needs_browser
+def test_a_probability_is_not_judged_at_one_point(ran: Project, tmp_path: Path) -> None:
+    text = page(ran).replace('"judged":true', '"judged":false')
+    found = opened(text, tmp_path, 1000, SLIDE.replace("PLACES", "[]"))
+    assert [one["verdict"] for one in found["presets"][0]["limits"]] == ["held", "held"]
+    for one in [limit for place in found["moved"] for limit in place["limits"]]:
+        assert one["verdict"] == "not judged at one point"
+        assert one["text"] == f"{one['limit']}: not judged at one point"
+
+
+@pytest.mark.parametrize(
+    ("limit", "judged"),
+    [("trailing_tension <= 50 MPa", True), ("trailing_tension <= 50 MPa with probability 0.9", False),
+     ("deviation(voltage_sensitivity) <= 5 %", False)],
+)  # fmt: skip
+def test_the_page_knows_which_limits_a_point_decides(ran: Project, limit: str, judged: bool) -> None:
+    config = load(ran.folder / "config/small.yaml")
+    changed = {"worst_case": {}, "uncertain": {"friction": {"normal": [0.2, 0.03]}}, "subject_to": [limit]}
+    target = Target.model_validate(config.design["sensor"].model_dump() | changed)
+    answer = read_whole(ran.folder / "results/small/design/sensor.nc").isel(term=[0, 1])
+    answer = answer.assign_coords(term=[str(answer["term"].values[0]), limit])
+    folder, model = ran.folder / "results/small", surrogate.load(ran.folder / "results/small/surrogate.nc")
+    quantities = read_whole(folder / "quantities.nc")
+    found = whatif.content(config.model_copy(update={"design": {"one": target}}), model, quantities, [answer])
+    assert found is not None
+    (case,) = found["cases"]
+    assert case["over"] == "friction 0.11 to 0.29"
+    assert [one["judged"] for one in case["limits"]] == [judged]
 
 
 #: A study whose punch and composite are chosen from lists.
@@ -293,6 +376,7 @@ addEventListener("load", () => {
     names: choosers.map((one) => one.value),
     inputs: all("output[data-input]", "input", "value"),
     mean: all("tr[data-output]", "output", "mean"),
+    limits: LIMITS,
   });
   const seen = [];
   const [one, other] = choosers;
@@ -309,7 +393,7 @@ addEventListener("load", () => {
   document.body.replaceChildren(pre);
 });
 </script>
-"""
+""".replace("LIMITS", LIMITS)
 
 
 @pytest.fixture(scope="module")
@@ -350,6 +434,8 @@ def test_lists_choose_what_the_panel_shows(chosen: Project, tmp_path: Path) -> N
             expected = float(answer[f"{name}[{', '.join(one['names'])}]"])
             assert float(value) == pytest.approx(expected, rel=1e-9)
     assert found["seen"][-1]["names"] == ["laminate", "half_cylinder"]
+    assert [one["verdict"] for one in found["seen"][-2]["limits"]] == ["held"]
+    assert found["seen"][-1]["limits"] == []
     assert "Best of every choice, on the surrogate: fibrous, cylinder" in found["text"]
     words = ["--maximise", "abs(voltage_sensitivity)", "--over", "radius,composite", "--at", "volume_fraction=0.6"]
     told = chosen.run("meecontact", "design", "results/chosen", *words).stdout

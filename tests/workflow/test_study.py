@@ -71,7 +71,7 @@ def test_quickstart_is_the_factorial_of_the_documentation() -> None:
         ("<= 50 MPa", "= 50 MPa", "design.sensor: 'trailing_tension = 50 MPa' is not of the form: expression"),
         ("<= 50 MPa", "<= 50 mm", "design.sensor: 'trailing_tension <= 50 mm': unit mismatch: the limit is in mm, "),
         ("abs(volt", "sinh(volt", "design.sensor: 'sinh(voltage_sensitivity)': 'sinh' is not a function; did you"),
-        ("abs(volt", "load + (volt", "design.sensor: 'load + (voltage_sensitivity)': 'kg s-2' and 'm2 s-1 A-1' cannot"),
+        ("abs(volt", "load + (volt", "design.sensor: 'load + (voltage_sensitivity)': 'N m-1' and 'V m N-1' cannot"),
         ("maximise: abs", "maximize: abs", "design.sensor.maximize: unknown key; did you mean 'maximise'? allowed:"),
         ("maximise: abs(voltage_sensitivity)", "robust: mean", "design.sensor: maximise or minimise: missing; one"),
         ("[trailing_tension <= 50 MPa,", "[depth <= 1 mm with probability 0.9,", "design.sensor: subject_to: depth <="),

@@ -208,3 +208,26 @@ def test_units_agree_with_the_si_brochure(one: str, other: str, ratio: float) ->
     a, b = units.parse(one), units.parse(other)
     assert a.fits(b)
     assert a.factor / b.factor == pytest.approx(ratio, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("abs(voltage) / load", "V m N-1"),
+        ("abs(stroke_per_volt) * 3e5 * (contact_trailing + contact_leading)", "m2 V-1"),
+        ("voltage_sensitivity * load", "V"),
+        ("charge * voltage", "N"),
+        ("load / radius", "Pa"),
+        ("charge / load", "C N-1"),
+        ("peak_pressure * radius", "Pa m"),
+        ("sqrt(peak_pressure)", "Pa1/2"),
+        ("depth / radius", "1"),
+        ("1 / voltage", "V-1"),
+        ("radius / speed", "s"),
+    ],
+)
+def test_units_of_expressions_are_those_that_the_reader_knows(text: str, expected: str) -> None:
+    unit = targets.objective(text).expression.unit()
+    assert str(unit) == expected
+    assert unit is not None
+    assert units.parse(expected).fits(unit)

@@ -16,9 +16,9 @@
     const match = /^(.*?)\s*\[([^\]]*)\]/.exec(label);
     return match ? [match[1], ` ${match[2]}`] : [label, ""];
   };
-  const said = (label, value) => {
+  const named = (label, value) => {
     const [name, unit] = split(label);
-    return `${name ? `${name}: ` : ""}${Number(value.toPrecision(5))}${unit}`;
+    return `${name ? `${name}: ` : ""}${digits(value, 5)}${unit}`;
   };
 
   function nearestOfCurves(axes, u, v, aspect) {
@@ -28,7 +28,7 @@
         const s = place(axes.x, curve.x[k]), t = place(axes.y, curve.y[k]);
         if (!(s >= -0.01 && s <= 1.01 && t >= -0.01 && t <= 1.01)) continue;
         const distance = Math.hypot((s - u) * aspect, t - v);
-        if (!best || distance < best.distance) best = { distance, s, t, lines: [curve.label, said(axes.x.label, curve.x[k]), axes.names.length ? axes.names[Math.round(curve.y[k])] || "" : said(axes.y.label, curve.y[k])] };
+        if (!best || distance < best.distance) best = { distance, s, t, lines: [curve.label, named(axes.x.label, curve.x[k]), axes.names.length ? axes.names[Math.round(curve.y[k])] || "" : named(axes.y.label, curve.y[k])] };
       }
     }
     return best && best.distance < 0.12 ? best : null;
@@ -38,7 +38,7 @@
     const { x, y, values, label } = axes.map;
     const closest = (scale, list, share) => list.reduce((best, one, k) => (Math.abs(place(scale, one) - share) < Math.abs(place(scale, list[best]) - share) ? k : best), 0);
     const i = closest(axes.x, x, u), j = closest(axes.y, y, v);
-    return { s: u, t: v, lines: [said(label, values[j * x.length + i]), said(axes.x.label, x[i]), said(axes.y.label, y[j])] };
+    return { s: u, t: v, lines: [named(label, values[j * x.length + i]), named(axes.x.label, x[i]), named(axes.y.label, y[j])] };
   }
 
   for (const svg of document.querySelectorAll("svg.figure")) {

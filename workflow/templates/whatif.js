@@ -1,23 +1,6 @@
 // The what-if panel: sliders in, every quantity with its interval, the contact pressure and the limits out.
 "use strict";
 
-const PREFIXES = { "-15": "f", "-12": "p", "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T" };
-const SUPERSCRIPT = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹", "/": "ᐟ" };
-
-// A prefix fits where the first symbol of a unit has no exponent, as in "V m N-1".
-function engineering(value, units) {
-  const scalable = units && units !== "1" && /^[A-Za-z]+( |$)/.test(units);
-  const power = value === 0 || !scalable ? 0 : Math.min(Math.max(3 * Math.floor(Math.log10(Math.abs(value)) / 3), -15), 12);
-  const pretty = units === "1" ? "" : units.replace(/([A-Za-z])(-?[0-9/]+)/g, (_, s, e) => s + [...e].map((c) => SUPERSCRIPT[c]).join(""));
-  return { size: 10 ** power, units: (scalable ? PREFIXES[power] : "") + pretty };
-}
-
-function digits(value, count) {
-  if (value === 0 || (Math.abs(value) >= 1e-3 && Math.abs(value) < 1e5)) return Number(value.toPrecision(count)).toString().replace("-", "−");
-  const [mantissa, power] = value.toExponential(count - 1).split("e");
-  return `${Number(mantissa)}×10${[...String(Number(power))].map((c) => SUPERSCRIPT[c]).join("")}`.replace("-", "−");
-}
-
 // Two figures of an interval's half width, as meecontact query prints (workflow/predictions.py).
 function figures(size, half) {
   return half > 0 ? Math.min(Math.max(Math.floor(Math.log10(size)) - Math.floor(Math.log10(half)) + 2, 4), 15) : 10;
@@ -66,6 +49,7 @@ function startWhatIf(root) {
   const point = [...data.start]; // finer than a slider's step
   const choosers = [...root.querySelectorAll("select[data-category]")], svg = root.querySelector("svg");
   let kind = data.kinds[data.kind]; // one combination of the categories
+  let chosen = 0, design = data.cases.length ? 0 : null; // whose limits; the design shown, until something moves
 
   function show() {
     const answer = predict(model, point), values = { ...data.fixed };
@@ -74,7 +58,7 @@ function startWhatIf(root) {
     data.quantities.forEach((output, p) => { values[output.name] = mean[p]; });
     showInputs(values);
     showOutputs(mean, half);
-    showLimits(values);
+    showLimits();
     if (svg) svg.closest("figure").hidden = !kind.pressure;
     if (kind.pressure) drawPressure(svg, values);
   }
@@ -103,28 +87,62 @@ function startWhatIf(root) {
     });
   }
 
-  function showLimits(values) {
-    data.limits.forEach((limit, k) => {
-      const row = root.querySelectorAll("li[data-limit]")[k], value = evaluate(limit.tree, values);
-      const shown = engineering(value, limit.units), kept = limit.upper ? value <= limit.value : value >= limit.value;
-      row.className = kept ? "good" : "bad";
-      row.dataset.kept = String(kept);
-      row.querySelector("b").textContent = kept ? "kept" : "broken";
-      row.querySelector("span").textContent = `${digits(value / shown.size, 4)} ${shown.units}`;
+  // Values of every name in each scenario of a target at the point, and the standard deviations of the quantities.
+  function scenarios(target) {
+    return Array.from({ length: target.count }, (_, s) => {
+      const t = model.inputs.map((input, k) => (input.name in target.scenarios ? toUnit(input, target.scenarios[input.name][s]) : point[k]));
+      const answer = predict(model, t), values = { ...data.fixed }, std = {};
+      model.inputs.forEach((input, k) => { values[input.name] = input.name in target.scenarios ? target.scenarios[input.name][s] : fromUnit(input, t[k]); });
+      data.quantities.forEach(({ name }, p) => { values[name] = answer.mean[kind.columns[p]]; std[name] = answer.std[kind.columns[p]]; });
+      return { values, std };
     });
   }
 
-  sliders.forEach((slider, k) => slider.addEventListener("input", () => { point[k] = Number(slider.value); show(); }));
+  // The verdict of workflow/judgement.py: exact at the design; elsewhere the worst scenario on the surrogate, where what
+  // is within its interval and the study's tolerance of the limit counts as held.
+  function verdict(limit, cases) {
+    if (design !== null) return { value: limit.exact, room: 0, words: limit.held ? "held" : "broken" };
+    if (!limit.judged) return { value: null, room: 0, words: "not judged at one point" };
+    const all = cases.map(({ values }) => evaluate(limit.tree, values)), value = (limit.upper ? Math.max : Math.min)(...all);
+    const { values, std } = cases[all.indexOf(value)];
+    const room = data.quantities.reduce((sum, { name }) => {
+      const size = data.halfWidth * std[name] + kind.allowances[name], at = (one) => evaluate(limit.tree, { ...values, [name]: one });
+      return sum + Math.abs(at(values[name] + size) - at(values[name] - size)) / 2;
+    }, 1e-12 * Math.abs(limit.value));
+    const excess = limit.upper ? value - limit.value : limit.value - value;
+    return { value, room, words: excess > room ? "broken" : excess < -room ? "held" : "on the limit, as exactly as the surrogate can say" };
+  }
+
+  function showLimits() {
+    const list = root.querySelector("ul.limits"), target = data.cases[chosen];
+    if (!list) return;
+    const over = target.over ? ` over ${target.over}` : "", name = target.name.replaceAll("_", " ");
+    const how = design === null ? `on the surrogate${over}${over ? ", whatever the sliders say of that" : ""}` : `exact${over}, at its design`;
+    document.getElementById("judged").textContent = target.limits.length ? `Limits of ${name}, ${how}:` : `${name} has no limits.`;
+    const cases = design === null && target.limits.some(({ judged }) => judged) ? scenarios(target) : [];
+    list.replaceChildren(...target.limits.map((limit) => {
+      const { value, room, words } = verdict(limit, cases), row = document.createElement("li");
+      row.className = words === "broken" ? "bad" : words.startsWith("not") ? "soft" : "good";
+      Object.assign(row.dataset, { limit: limit.text, verdict: words, value: String(value), room: String(room) });
+      row.textContent = `${limit.text}: ${value === null ? "" : `${said(value, limit.units, 5)}, `}${words}`;
+      return row;
+    }));
+    root.querySelectorAll("button[data-case]").forEach((button, k) => button.setAttribute("aria-pressed", String(k === chosen)));
+  }
+
+  sliders.forEach((slider, k) => slider.addEventListener("input", () => { point[k] = Number(slider.value); design = null; show(); }));
   choosers.forEach((one) => one.addEventListener("change", () => {
     kind = data.kinds.find(({ names }) => choosers.every((other) => names[other.dataset.category] === other.value));
+    design = null;
     show();
   }));
   root.querySelectorAll("button[data-case]").forEach((button) => button.addEventListener("click", () => {
-    const { values: chosen, kind: k } = data.cases[Number(button.dataset.case)];
+    chosen = design = Number(button.dataset.case);
+    const { values, kind: k } = data.cases[chosen];
     kind = data.kinds[k];
     choosers.forEach((one) => { one.value = kind.names[one.dataset.category]; });
     model.inputs.forEach((input, k) => {
-      point[k] = Math.min(Math.max(toUnit(input, chosen[input.name]), -1), 1); // finer than a slider's step
+      point[k] = Math.min(Math.max(toUnit(input, values[input.name]), -1), 1); // finer than a slider's step
       sliders[k].value = String(point[k]);
     });
     show();
