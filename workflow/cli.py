@@ -5,10 +5,11 @@ import csv
 import io
 import os
 import sys
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TextIO
 
 import numpy as np
 import xarray as xr
@@ -55,7 +56,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     options = _parser().parse_args(arguments)
     try:
-        return int(options.run(options) or 0)
+        with warnings.catch_warnings():
+            warnings.showwarning = _warned
+            return int(options.run(options) or 0)
     except (InputError, FactorError, MaterialError, OutOfBoxError, FormatError) as error:
         print(f"meecontact: {one_line(str(error))}", file=sys.stderr)
         return 2
@@ -69,6 +72,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         reason = f"{error.filename}: {error.strerror}" if error.filename else str(error)
         print(f"meecontact: {one_line(reason)}", file=sys.stderr)
         return 2
+
+
+def _warned(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """What is doubtful in an answer (:class:`solver.PrecisionWarning`), in one line."""
+    _say(f"meecontact: warning: {message}")
 
 
 def _parser() -> _Parser:

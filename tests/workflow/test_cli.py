@@ -48,6 +48,16 @@ def test_solve_gives_every_quantity_of_every_case(tmp_path: Path) -> None:
     assert data.attrs["Conventions"] == "CF-1.11"
 
 
+def test_lost_digits_are_told_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    speed = float(solver.limiting_speed(solver.find("steel"))) * (1 - 1e-9)
+    cases = tmp_path / "cases.csv"
+    cases.write_text(f"material,radius,load,speed\nsteel,0.05,1e5,{speed!r}\n", encoding="utf-8")
+    assert main(["solve", str(cases), "-o", str(tmp_path / "out.nc")]) == 0
+    warned, wrote = capsys.readouterr().err.splitlines()
+    assert warned.startswith("meecontact: warning: steel: a speed so near the limiting one that rounding costs digits")
+    assert wrote.startswith("wrote ")
+
+
 def test_solve_gives_fields_where_positions_are_given(tmp_path: Path) -> None:
     cases = write(tmp_path / "cases.csv", "volume_fraction,radius,load\n0.5,0.05,1e5\n0.7,0.05,1e5\n")
     out = tmp_path / "out.nc"
