@@ -45,9 +45,13 @@ def changes(study: Study) -> list[dict[str, Any]]:
 
 
 def of_design(study: Study, target: Target, answer: xr.Dataset) -> list[dict[str, Any]]:
-    """The terms of a design that hang on the datum: in the case that decides, at the same three lengths."""
+    """The terms of a design that hang on the datum: in the case that decides, at the same three lengths.
+
+    A deviation has no value in one case: its ``values`` are empty.
+    """
     expressions: dict[str, Expression] = {str(one): one.expression for one in target.objectives}
     expressions |= {str(one): one.expression for one in target.limits}
+    deviations = {str(one) for one in target.limits if one.deviation}
     own = study.narrowed({name: kind for name, kind, _ in answers.kinds(answer)})
     rows = []
     for label in map(str, answer["term"].values):
@@ -56,7 +60,13 @@ def of_design(study: Study, target: Target, answer: xr.Dataset) -> list[dict[str
         case = _case(answer.sel(term=label))
         known: dict[str, Any] = {**case, **_solved(own, case, every=True)}
         values = np.broadcast_to(expressions[label].evaluate(known), len(_TIMES))
-        rows.append({"name": label, "values": values.tolist(), "units": str(answer["units"].sel(term=label).values)})
+        rows.append(
+            {
+                "name": label,
+                "values": [] if label in deviations else values.tolist(),
+                "units": str(answer["units"].sel(term=label).values),
+            }
+        )
     return rows
 
 
