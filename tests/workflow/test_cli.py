@@ -52,7 +52,7 @@ def test_lost_digits_are_told_in_one_line(tmp_path: Path, capsys: pytest.Capture
     speed = float(solver.limiting_speed(solver.find("steel"))) * (1 - 1e-9)
     cases = tmp_path / "cases.csv"
     cases.write_text(f"material,radius,load,speed\nsteel,0.05,1e5,{speed!r}\n", encoding="utf-8")
-    assert main(["solve", str(cases), "-o", str(tmp_path / "out.nc")]) == 0
+    assert cli.main(["solve", str(cases), "-o", str(tmp_path / "out.nc")]) == 0
     warned, wrote = capsys.readouterr().err.splitlines()
     assert warned.startswith("meecontact: warning: steel: a speed so near the limiting one that rounding costs digits")
     assert wrote.startswith("wrote ")
