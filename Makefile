@@ -13,7 +13,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
 
-# a verification compares with methods that live in the tests, and needs what these need
+# a verification compares with independent methods, which need more than the rest
 run: .venv/$(if $(shell grep -s '^verification:' "config/$(STUDY).yaml"),dev,run).stamp  ## run one study to its report: make run [STUDY=quickstart] [CORES=all]
 	@$(BIN)/meecontact run "$(STUDY)" --cores "$(CORES)" --profile "$(PROFILE)"
 
@@ -50,7 +50,7 @@ docs: .venv/dev.stamp  ## draw the picture of the pipeline and build the documen
 	@echo "documentation: build/docs/index.html"
 
 schema: .venv/run.stamp  ## write the JSON schema and the documented default of a study from the model
-	$(BIN)/python -m workflow.schema
+	$(BIN)/python -m workflow.study.schema
 
 .venv/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Python >= 3.11 is needed; set PYTHON=/path/to/one"; exit 2; }

@@ -12,8 +12,8 @@ from time import perf_counter
 
 from benchmarks import page
 from benchmarks.history import printed
-from workflow.files import write_text
-from workflow.provenance import ROOT, versions
+from storage.files import write_text
+from workflow.run.provenance import ROOT, versions
 
 FOLDER = ROOT / "results"
 MEASUREMENTS = [

@@ -17,10 +17,11 @@ import netCDF4
 import numpy as np
 
 from benchmarks.history import printed
-from surrogate.netcdf import PACKED, read_whole
-from workflow import dataset, factorial
-from workflow.provenance import ROOT
-from workflow.study import Study, load
+from storage.netcdf import PACKED, read_whole
+from workflow.dataset import factorial
+from workflow.dataset import slabs as dataset
+from workflow.run.provenance import ROOT
+from workflow.study.model import Study, load
 
 
 def measure(levels: int = 25, repeats: int = 3) -> dict[str, float]:

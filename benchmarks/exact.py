@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from workflow import factorial
-from workflow.provenance import ROOT
-from workflow.study import load
-from workflow.timing import seconds
+from workflow.dataset import factorial
+from workflow.learning.timing import seconds
+from workflow.run.provenance import ROOT
+from workflow.study.model import load
 
 
 def measure() -> dict[str, float]:

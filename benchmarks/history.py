@@ -14,8 +14,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from workflow.files import write_text
-from workflow.provenance import ROOT
+from storage.files import write_text
+from workflow.run.provenance import ROOT
 
 HISTORY = Path(__file__).with_name("history.csv")
 HEADER = ["date", "commit", "cores", "measurement", "name", "value"]

@@ -21,7 +21,7 @@ from resource import RUSAGE_CHILDREN, getrusage
 from time import perf_counter
 
 from benchmarks.history import printed
-from workflow.provenance import ROOT
+from workflow.run.provenance import ROOT
 
 PARTS = ("solver", "surrogate", "workflow", "benchmarks", "config")
 # what holds measured times

@@ -12,10 +12,10 @@ from scipy.stats import qmc
 
 from benchmarks.rivals import Rival, installed
 from surrogate import GridGP, Input
-from surrogate.baseline import chebyshev_interpolation
-from workflow import factorial
-from workflow.provenance import ROOT
-from workflow.study import Study, load
+from surrogate.use.baseline import chebyshev_interpolation
+from workflow.dataset import factorial
+from workflow.run.provenance import ROOT
+from workflow.study.model import Study, load
 
 Array = NDArray[np.float64]
 

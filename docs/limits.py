@@ -3,8 +3,8 @@
 import numpy as np
 
 import solver
-from solver.halfplane import HalfPlane
-from solver.sliding import Sliding
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
 
 CASE = {"volume_fraction": 0.5, "radius": 0.05, "load": 1e5, "friction": 0.3}
 

@@ -4,15 +4,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from solver.composite import fibrous, laminate
-    from solver.factors import FactorError
-    from solver.labelled import solve
-    from solver.labelled_interior import solve_interior
-    from solver.library import find, materials
-    from solver.material import Material, MaterialError
-    from solver.precision import PrecisionWarning
-    from solver.profile import Profile
-    from solver.speed import limiting_speed
+    from solver.face.factors import FactorError
+    from solver.face.interior import solve_interior
+    from solver.face.solution import solve
+    from solver.halfplane.precision import PrecisionWarning
+    from solver.halfplane.profile import Profile
+    from solver.halfplane.speed import limiting_speed
+    from solver.material.composite import fibrous, laminate
+    from solver.material.constants import Material, MaterialError
+    from solver.material.library import find, materials
 
 __all__ = [
     "FactorError",
@@ -31,18 +31,18 @@ __all__ = [
 
 # imported when asked for: a job that needs only `solver.names` is often shorter than the imports of the solution
 _MODULES = {
-    "FactorError": "factors",
-    "Material": "material",
-    "MaterialError": "material",
-    "PrecisionWarning": "precision",
-    "Profile": "profile",
-    "fibrous": "composite",
-    "find": "library",
-    "laminate": "composite",
-    "limiting_speed": "speed",
-    "materials": "library",
-    "solve": "labelled",
-    "solve_interior": "labelled_interior",
+    "FactorError": "face.factors",
+    "Material": "material.constants",
+    "MaterialError": "material.constants",
+    "PrecisionWarning": "halfplane.precision",
+    "Profile": "halfplane.profile",
+    "fibrous": "material.composite",
+    "find": "material.library",
+    "laminate": "material.composite",
+    "limiting_speed": "halfplane.speed",
+    "materials": "material.library",
+    "solve": "face.solution",
+    "solve_interior": "face.interior",
 }
 
 

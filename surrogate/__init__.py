@@ -3,15 +3,15 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from surrogate.inputs import Input, chebyshev_levels
-from surrogate.points import OutOfBoxError
-from surrogate.sealed import FormatError
+from storage.sealed import FormatError
+from surrogate.data.inputs import Input, chebyshev_levels
+from surrogate.data.points import OutOfBoxError
 
 if TYPE_CHECKING:
-    from surrogate.gridgp import GridGP
-    from surrogate.model import GaussianProcess
-    from surrogate.persistence import load
-    from surrogate.scattergp import ScatterGP
+    from surrogate.gp.gridgp import GridGP
+    from surrogate.gp.model import GaussianProcess
+    from surrogate.gp.persistence import load
+    from surrogate.gp.scattergp import ScatterGP
 
 __all__ = [
     "FormatError",
@@ -25,7 +25,7 @@ __all__ = [
 ]
 
 # imported when asked for: scikit-learn, on which they stand, takes longer to import than most jobs take for their work
-_MODELS = {"GaussianProcess": "model", "GridGP": "gridgp", "ScatterGP": "scattergp", "load": "persistence"}
+_MODELS = {"GaussianProcess": "gp.model", "GridGP": "gp.gridgp", "ScatterGP": "gp.scattergp", "load": "gp.persistence"}
 
 
 def __getattr__(name: str) -> object:

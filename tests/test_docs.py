@@ -14,7 +14,7 @@ import pytest
 import yaml
 
 from tests.workflow.conftest import Project, copy
-from workflow.provenance import ROOT
+from workflow.run.provenance import ROOT
 
 __all__ = ["copy"]
 

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from workflow import factorial, learning
-from workflow.provenance import ROOT
-from workflow.study import load
+from workflow.dataset import factorial
+from workflow.learning import training
+from workflow.run.provenance import ROOT
+from workflow.study.model import load
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
@@ -23,7 +24,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     study = load(ROOT / "config/quickstart.yaml")
     (folder / "results/quickstart").mkdir(parents=True)
     exact = factorial.exact(study, dict(factorial.levels(study)))
-    learning.fit(study, exact).save(folder / "results/quickstart/surrogate.nc")
+    training.fit(study, exact).save(folder / "results/quickstart/surrogate.nc")
     return folder
 
 

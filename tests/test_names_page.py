@@ -9,12 +9,12 @@ import xarray as xr
 from scipy.special import digamma
 
 import solver
-from solver.halfplane import HalfPlane
-from solver.material import UNITS
+from solver.halfplane.surface import HalfPlane
+from solver.material.constants import UNITS
 from solver.names import CHOICES, EVERY_QUANTITY, FACTORS, PEAKS, PROFILES, QUANTITIES
-from workflow.casetable import TEXT_FACTORS, read_cases
-from workflow.inputs import read_material
-from workflow.provenance import ROOT
+from workflow.cli.casetable import TEXT_FACTORS, read_cases
+from workflow.run.provenance import ROOT
+from workflow.study.reading import read_material
 
 PAGE = (ROOT / "docs/names.md").read_text(encoding="utf-8")
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from docs import drawing, formulas, limits
-from workflow.provenance import ROOT
+from workflow.run.provenance import ROOT
 
 PAGE = (ROOT / "docs/theory.md").read_text(encoding="utf-8")
 SECTIONS = set(re.findall(r"^## (\d+)\. ", PAGE, re.MULTILINE))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from hypothesis import strategies as st
 
-from surrogate.trial import SCRIPT
+from storage.quarantine import SCRIPT
 from tests.faults.conftest import TINY
 
 CANARY = "canary"

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from surrogate import examined
-from surrogate.sealed import seal
+from storage import examined
+from storage.sealed import seal
 
 _LIBRARY = ctypes.CDLL(sys.modules["netCDF4._netCDF4"].__file__)
 _LENGTH = 100

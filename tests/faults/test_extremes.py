@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from solver import FactorError, Material, MaterialError, find, solve
-from solver.material import UNITS
+from solver.material.constants import UNITS
 from solver.names import FIELDS, QUANTITIES
-from surrogate.netcdf import read_whole
-from workflow.cli import main
+from storage.netcdf import read_whole
+from workflow.cli.main import main
 
 FRICTIONS = [0.0, 1e-12, 1e-6, 1e-2, 1.0, 10.0]
 RADII = [1e-9, 1e-6, 1e-3, 1.0, 1e3]

@@ -18,15 +18,16 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 import surrogate
-from surrogate import examined, trial
-from surrogate.sealed import SEAL, FormatError, seal
+from storage import examined, quarantine
+from storage.sealed import SEAL, FormatError, seal
 from tests.faults import hostile, hostilefiles
 from tests.faults.conftest import TINY
-from workflow import factorial, learning
-from workflow import study as studies
-from workflow.cli import main
-from workflow.inputs import InputError
-from workflow.parts import MOST_CASES
+from workflow.cli.main import main
+from workflow.dataset import factorial
+from workflow.learning import training
+from workflow.study import model as studies
+from workflow.study.reading import InputError
+from workflow.study.sections import MOST_CASES
 
 SECONDS = 20  # bounds, not speed: what a shared machine still keeps
 BYTES = 2 * 2**30
@@ -38,7 +39,7 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     folder = tmp_path_factory.mktemp("model")
     (folder / "tiny.yaml").write_text(TINY, encoding="utf-8")
     study = studies.load(folder / "tiny.yaml")
-    learning.fit(study, factorial.exact(study, dict(factorial.levels(study)))).save(folder / "surrogate.nc")
+    training.fit(study, factorial.exact(study, dict(factorial.levels(study)))).save(folder / "surrogate.nc")
     return (folder / "surrogate.nc").read_bytes()
 
 
@@ -262,7 +263,7 @@ def test_every_command_refuses_a_surrogate_that_is_not_plain(
 @pytest.fixture(params=["forked", "started"])
 def child(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     """Either way to a process of its own."""
-    monkeypatch.setattr(trial, "_has_one_thread", lambda: request.param == "forked")
+    monkeypatch.setattr(quarantine, "_has_one_thread", lambda: request.param == "forked")
     return str(request.param)
 
 
@@ -285,21 +286,21 @@ def test_a_file_that_never_ends_crashes_the_library_or_asks_for_gigabytes_is_ref
 ) -> None:
     root = str(Path(hostile.__file__).parents[2])
     (place / "script.py").write_text(_SPOILT_SCRIPT.format(root=root, what=what), encoding="utf-8")
-    monkeypatch.setattr(trial, "SCRIPT", str(place / "script.py"))
+    monkeypatch.setattr(quarantine, "SCRIPT", str(place / "script.py"))
     monkeypatch.setattr(examined, "SECONDS", 1)
     monkeypatch.setattr(examined, "examine", getattr(hostilefiles, what))
     with pytest.raises(FormatError, match=rf"surrogate\.nc: no readable netCDF-4 file .*{says}"):
-        trial.try_to_read(place / "surrogate.nc", BYTES)
+        quarantine.try_to_read(place / "surrogate.nc", BYTES)
 
 
 @pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 def test_either_way_a_plain_file_passes_and_another_is_refused_in_the_same_words(child: str, place: Path) -> None:
-    trial.try_to_read(place / "surrogate.nc", BYTES)
+    quarantine.try_to_read(place / "surrogate.nc", BYTES)
     hostilefiles.write("fifo", place / "spoilt.nc")
     with pytest.raises(FormatError, match="the values of variable 'x' are stored elsewhere"):
-        trial.try_to_read(place / "spoilt.nc", BYTES)
+        quarantine.try_to_read(place / "spoilt.nc", BYTES)
     with pytest.raises(FileNotFoundError, match="no such file"):
-        trial.try_to_read(place / "fifo", BYTES)
+        quarantine.try_to_read(place / "fifo", BYTES)
 
 
 def test_the_guard_sees_what_it_should(place: Path) -> None:

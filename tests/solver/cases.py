@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 import solver
-from tests.oracles.half_plane import CONSTANTS
-from tests.oracles.precise import Solution
+from verification.oracles.half_plane import CONSTANTS
+from verification.oracles.precise import Solution
 
 SIH_SONG = "BaTiO3-CoFe2O4 50:50"
 

@@ -3,7 +3,7 @@
 import pytest
 
 import solver
-from solver.attributes import united
+from solver.face.attributes import united
 
 COMMON = "charge = 0 C m-1, magnetic_charge = 0 Wb m-1, speed = 0 m s-1, datum = 1 m"
 CONDUCTING = "electric = conducting, magnetic = conducting"

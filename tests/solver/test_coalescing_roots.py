@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 import solver
-from tests.oracles import precise
-from tests.oracles.sample_materials import BARIUM_TITANATE, COBALT_FERRITE, isotropic
-from tests.oracles.surface_response import surface_response
 from tests.solver.cases import CHARGED, assert_agrees
+from verification.oracles import precise
+from verification.oracles.sample_materials import BARIUM_TITANATE, COBALT_FERRITE, isotropic
+from verification.oracles.surface_response import surface_response
 
 POSITIONS = (-3.0, -1.001, -0.999, 0.25, 0.999, 1.001, 50.0)
 

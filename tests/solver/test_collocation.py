@@ -5,9 +5,9 @@ import pytest
 from numpy.typing import NDArray
 
 import solver
-from tests.oracles import collocation, profile
-from tests.oracles.surface_response import SurfaceResponse, surface_response
 from tests.solver.cases import CHARGED, SIH_SONG, constants
+from verification.oracles import collocation, profile
+from verification.oracles.surface_response import SurfaceResponse, surface_response
 
 POSITIONS = np.array([-6.0, -1.01, -0.98, -0.3, 0.4, 0.98, 1.01, 2.5])
 

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 
 import solver
-from solver.material import UNITS
-from tests.oracles.half_plane import CONSTANTS
+from solver.material.constants import UNITS
 from tests.solver import micromechanics
 from tests.solver.strategies import PROPERTY, between, phases
+from verification.oracles.half_plane import CONSTANTS
 
 BOTH = pytest.mark.parametrize("kind", ["fibrous", "laminate"])
 MIX: dict[str, Any] = {"fibrous": solver.fibrous, "laminate": solver.laminate}

@@ -7,8 +7,8 @@ import pytest
 from mpmath import isnan
 
 import solver
-from tests.oracles import precise
-from tests.oracles.half_plane import CONSTANTS
+from verification.oracles import precise
+from verification.oracles.half_plane import CONSTANTS
 
 SIH_SONG = "BaTiO3-CoFe2O4 50:50"
 POSITIONS = [-250.0, -1.7, -1.0001, -0.95, 0.2, 0.95, 1.0001, 4.0]

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 
 import solver
-from tests.oracles.surface_response import surface_response
 from tests.solver.quadrature import Array, rule
 from tests.solver.strategies import PROPERTY, constants, loads
+from verification.oracles.surface_response import surface_response
 
 _RULE = rule()
 _INSIDE = np.array([-0.93, -0.41, 0.07, 0.55, 0.9])

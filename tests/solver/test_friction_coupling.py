@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 import solver
-from tests.oracles import precise
-from tests.oracles.surface_response import surface_response
 from tests.solver.cases import CHARGED, SIH_SONG, assert_agrees, closed_form
+from verification.oracles import precise
+from verification.oracles.surface_response import surface_response
 
 MADE = {"c11": 211e9, "c13": 407e9, "c33": 1230e9, "e31": -2.5, "e33": 22.0, "e15": 9.6, "f31": 235.0, "f33": 1180.0}
 MADE |= {"f15": 130.0, "eps11": 2.3e-9, "eps33": 9.5e-9, "g11": 0.0, "g33": 5e-9, "mu11": 107e-6, "mu33": 16e-6}

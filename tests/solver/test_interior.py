@@ -8,10 +8,10 @@ import xarray as xr
 
 import solver
 from solver.names import INTERIOR, INTERIOR_ON_REQUEST
-from tests.oracles import collocation, interior, profile
-from tests.oracles.half_plane import CONSTANTS
-from tests.oracles.surface_response import surface_response
-from tests.oracles.weighted_chebyshev import end_proof_nodes
+from verification.oracles import collocation, interior, profile
+from verification.oracles.half_plane import CONSTANTS
+from verification.oracles.surface_response import surface_response
+from verification.oracles.weighted_chebyshev import end_proof_nodes
 
 SIH_SONG = "BaTiO3-CoFe2O4 50:50"
 POINTS = [(0.0, -0.7), (0.9, -0.1), (-1.2, -0.1), (3.0, -5.0), (1.0, -0.02), (-200.0, -30.0)]

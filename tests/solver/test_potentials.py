@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import solver
-from solver.halfplane import HalfPlane
+from solver.halfplane.surface import HalfPlane
 
 BOTH = ("electric", "magnetic")
 POTENTIALS = [f"{field}_potential" for field in BOTH]

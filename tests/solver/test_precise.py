@@ -5,9 +5,9 @@ from typing import Any
 import pytest
 
 import solver
-from tests.oracles import precise
 from tests.solver import micromechanics
 from tests.solver.cases import CHARGED, SIH_SONG, assert_agrees, constants
+from verification.oracles import precise
 
 POSITIONS = (-1e4, -1.2, -0.999, 0.1, 0.8, 30.0)
 UP_TO_THE_EDGES = (-1e4, -3.17, -1 - 1e-7, -1 + 1e-7, -0.5, 0.0, 0.7, 1 - 1e-7, 1 + 1e-7, 1.49, 3.2, 1e4)

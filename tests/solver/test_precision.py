@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import solver
-from solver.halfplane import HalfPlane
-from solver.precision import TOLERATED, rounding
-from solver.speed import limiting_speed
-from tests.oracles.half_plane import half_plane
+from solver.halfplane.precision import TOLERATED, rounding
+from solver.halfplane.speed import limiting_speed
+from solver.halfplane.surface import HalfPlane
 from tests.solver.test_conduction import plain
+from verification.oracles.half_plane import half_plane
 
 CASE = {"radius": 0.05, "load": 1e5, "friction": 0.3}
 

@@ -7,10 +7,10 @@ import pytest
 import xarray as xr
 
 import solver
-from tests.oracles import collocation, profile
-from tests.oracles.sample_materials import SIH_SONG as CONSTANTS
-from tests.oracles.surface_response import surface_response
-from tests.oracles.test_collocation import POSITIONS, fields, quantities, reduced
+from tests.verification.test_collocation import POSITIONS, fields, quantities, reduced
+from verification.oracles import collocation, profile
+from verification.oracles.sample_materials import SIH_SONG as CONSTANTS
+from verification.oracles.surface_response import surface_response
 
 BASE: dict[str, Any] = {"material": "BaTiO3-CoFe2O4 50:50", "load": 1e5, "datum": 0.2}
 CONDUCTED = [(1, 2), (1,), (2,), ()]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import solver
-from solver.halfplane import HalfPlane
+from solver.halfplane.surface import HalfPlane
 from tests.solver.cases import SIH_SONG
 
 AT = {"radius": 0.05, "load": 1e5}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import solver
-from solver.library import published
-from solver.material import UNITS
+from solver.material.constants import UNITS
+from solver.material.library import published
 
 FRACTIONS = ("0.0", "0.2", "0.4", "0.6", "0.8", "1.0")
 COUPLED = ("e31", "e33", "f31", "f33", "f15", "eps33", "g33", "mu33", "g11", "mu11")

@@ -8,11 +8,11 @@ from mpmath import cos, mp, mpf, pi, sin
 from scipy.optimize import brentq
 
 import solver
-from solver.halfplane import HalfPlane
-from solver.speed import limiting_speed, transonic_speed
-from tests.oracles import precise
-from tests.oracles.half_plane import half_plane
+from solver.halfplane.speed import limiting_speed, transonic_speed
+from solver.halfplane.surface import HalfPlane
 from tests.solver.test_conduction import POSITIONS, SIH_SONG, plain
+from verification.oracles import precise
+from verification.oracles.half_plane import half_plane
 
 BOTH = np.array([True, True])
 

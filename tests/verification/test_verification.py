@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import solver
-from tests.oracles.surface_response import surface_response
-from tests.verification import GROUPS, Findings, Sizes, finite_elements, integral_equations, limits
-from tests.verification.cases import SIH_SONG, constants
-from tests.verification.findings import check
-from workflow.study import CHECK_GROUPS
+from verification import GROUPS, Findings, Sizes, finite_elements, integral_equations, limits
+from verification.cases import SIH_SONG, constants
+from verification.findings import check
+from verification.oracles.surface_response import surface_response
+from workflow.study.model import CHECK_GROUPS
 
 SMALL = Sizes(cases=4, elements=24, timed=0)
 

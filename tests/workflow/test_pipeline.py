@@ -18,9 +18,9 @@ import snakemake
 import surrogate
 from solver import solve
 from solver.names import FIELDS, QUANTITIES
-from surrogate.netcdf import read_whole
+from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
-from workflow.provenance import ROOT
+from workflow.run.provenance import ROOT
 
 REPORT = "results/small/report.html"
 
@@ -192,13 +192,13 @@ def test_edits_rerun_exactly_what_depends_on_them(copy: Callable[[str], Project]
     assert plan(study, "friction: [0.0, 0.3]", "friction: [0.0, 0.2]") == {
         "effect", "figure_effect", "interior", "figure_interior", "provenance", "report",
     }  # fmt: skip
-    assert plan(project.folder / "surrogate/gridgp.py", '"""', '"""Edited. ') == everything_after_the_surrogate
-    solver = plan(project.folder / "solver/contact.py", '"""', '"""Edited. ')
+    assert plan(project.folder / "surrogate/gp/gridgp.py", '"""', '"""Edited. ') == everything_after_the_surrogate
+    solver = plan(project.folder / "solver/halfplane/contact.py", '"""', '"""Edited. ')
     assert solver == everything_after_the_surrogate | {
         "slab", "quantities", "card", "cases", "figure_fields",
         "effect", "figure_effect", "interior", "figure_interior",
     }  # fmt: skip
-    assert plan(project.folder / "workflow/templates/report.html.j2", "<h2>Study", "<h2>The study") == {"report"}
+    assert plan(project.folder / "workflow/report/templates/report.html.j2", "<h2>Study", "<h2>The study") == {"report"}
     assert plan(project.folder / "workflow/scripts/design.py", '"""Rule', '"""The rule') >= {"design", "report"}
     assert study.read_text(encoding="utf-8") == original
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from tests.workflow.conftest import Project
-from workflow.provenance import ROOMS, ROOT
+from workflow.run.provenance import ROOMS, ROOT
 
 MATERIAL = "c11: 166e9\nc12: 77e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\neps11: 11.2e-9\neps33: 12.6e-9\n"
 STUDY = """\

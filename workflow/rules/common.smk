@@ -6,9 +6,11 @@
 import sys
 from functools import cache
 
-from workflow import location, partition, planned, provenance, running, unreached
-from workflow import study as studies
-from workflow.study import CHECK_GROUPS, CONVERGING, PHYSICS
+from workflow.design import unreached
+from workflow.run import provenance, lock
+from workflow.study import location, partition, planned
+from workflow.study import model as studies
+from workflow.study.model import CHECK_GROUPS, CONVERGING, PHYSICS
 
 # jobs look for modules where this process does, before the folder of their script, which has a surrogate.py of its own
 sys.path.insert(0, str(provenance.ROOT))
@@ -97,7 +99,7 @@ def results_of(wildcards):
 
 
 def captions_of(*kinds):
-    return [f"workflow/captions/{kind}.rst" for kind in kinds]
+    return [f"workflow/report/captions/{kind}.rst" for kind in kinds]
 
 
 def slabs_of(wildcards, file):

@@ -41,7 +41,7 @@ rule readout:
         nc="results/{study}/readout/{name}.nc",
         figure=report(
             "results/{study}/figures/readout_{name}.svg",
-            caption="../captions/readout.rst",
+            caption="../report/captions/readout.rst",
             category="Design",
             labels={"figure": "read-out", "target": "{name}"},
         ),

@@ -7,7 +7,7 @@ rule figure_fields:
     output:
         report(
             "results/{study}/figures/fields.svg",
-            caption="../captions/fields.rst",
+            caption="../report/captions/fields.rst",
             category="Data set",
             labels={"figure": "surface fields"},
         ),
@@ -25,25 +25,25 @@ rule figure_errors:
     output:
         decay=report(
             "results/{study}/figures/decay.svg",
-            caption="../captions/decay.rst",
+            caption="../report/captions/decay.rst",
             category="Surrogate",
             labels={"figure": "decay of the coefficients"},
         ),
         errors=report(
             "results/{study}/figures/errors.svg",
-            caption="../captions/errors.rst",
+            caption="../report/captions/errors.rst",
             category="Surrogate",
             labels={"figure": "errors"},
         ),
         parity=report(
             "results/{study}/figures/parity.svg",
-            caption="../captions/parity.rst",
+            caption="../report/captions/parity.rst",
             category="Surrogate",
             labels={"figure": "parity"},
         ),
         intervals=report(
             "results/{study}/figures/intervals.svg",
-            caption="../captions/intervals.rst",
+            caption="../report/captions/intervals.rst",
             category="Surrogate",
             labels={"figure": "intervals"},
         ),
@@ -61,13 +61,13 @@ rule figure_sensitivity:
     output:
         indices=report(
             "results/{study}/figures/sensitivity.svg",
-            caption="../captions/sensitivity.rst",
+            caption="../report/captions/sensitivity.rst",
             category="Surrogate",
             labels={"figure": "Sobol' indices"},
         ),
         effects=report(
             "results/{study}/figures/main_effects.svg",
-            caption="../captions/main.rst",
+            caption="../report/captions/main.rst",
             category="Surrogate",
             labels={"figure": "main effects"},
         ),
@@ -87,7 +87,7 @@ rule figure_design:
         report(
             directory("results/{study}/figures/design_{name}"),
             patterns=["{kind}_{target}.svg"],
-            caption="../captions/design.rst",
+            caption="../report/captions/design.rst",
             category="Design",
             labels={"figure": "{kind}", "target": "{target}"},
         ),
@@ -106,7 +106,7 @@ rule figure_effect:
     output:
         report(
             "results/{study}/figures/effect_{name}.svg",
-            caption="../captions/effect.rst",
+            caption="../report/captions/effect.rst",
             category="Effects",
             labels={"figure": "surface fields", "factor": "{name}"},
         ),
@@ -124,7 +124,7 @@ rule figure_interior:
     output:
         report(
             "results/{study}/figures/interior_{name}.svg",
-            caption="../captions/interior.rst",
+            caption="../report/captions/interior.rst",
             category="Effects",
             labels={"figure": "below the punch", "factor": "{name}"},
         ),

@@ -1,13 +1,11 @@
-# Is the solver right? Groups of checks against independent methods, which live in tests/; the run fails if one is red.
+# Is the solver right? Groups of checks against independent methods, in verification/; the run fails if one is red.
 
 rule check:
     output:
         "results/{study}/verification/{group}.json",
     params:
         study=sections("verification"),
-        code=lambda wildcards: provenance.code(
-            "workflow/scripts/check.py", f"tests/verification/{wildcards.group}.py"
-        ),
+        code=lambda wildcards: provenance.code("workflow/scripts/check.py", f"verification/{wildcards.group}.py"),
     threads: lambda wildcards: workflow.cores if wildcards.group == "integral_equations" else 1  # timed: alone
     log:
         "logs/{study}/check/{group}.log",
@@ -23,7 +21,7 @@ rule figure_convergence:
     output:
         report(
             "results/{study}/figures/convergence_{group}.svg",
-            caption="../captions/convergence.rst",
+            caption="../report/captions/convergence.rst",
             category="Verification",
             labels={"figure": "convergence", "checks": "{group}"},
         ),

@@ -4,8 +4,10 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from surrogate.netcdf import write_whole
-from workflow import factorial, joblog, planned
+from storage.netcdf import write_whole
+from workflow.dataset import factorial
+from workflow.run import joblog
+from workflow.study import planned
 
 snakemake: Snakemake
 

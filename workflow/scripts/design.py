@@ -4,9 +4,10 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from surrogate.netcdf import read_whole, write_whole
-from workflow import answers, joblog
-from workflow.files import write_text
+from storage.files import write_text
+from storage.netcdf import read_whole, write_whole
+from workflow.design import answers
+from workflow.run import joblog
 
 snakemake: Snakemake
 

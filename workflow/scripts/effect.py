@@ -4,8 +4,10 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from surrogate.netcdf import write_whole
-from workflow import effects, joblog, planned
+from storage.netcdf import write_whole
+from workflow.dataset import effects
+from workflow.run import joblog
+from workflow.study import planned
 
 snakemake: Snakemake
 

@@ -4,8 +4,10 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from surrogate.netcdf import read_whole
-from workflow import designfigures, figures, joblog, planned
+from storage.netcdf import read_whole
+from workflow.report.figures import design, plots
+from workflow.run import joblog
+from workflow.study import planned
 
 snakemake: Snakemake
 
@@ -13,5 +15,5 @@ joblog.start(snakemake.log[0])
 target = planned.study(snakemake.wildcards.study, snakemake.params.study).design[snakemake.wildcards.name]
 folder = Path(snakemake.output[0])
 folder.mkdir()
-for kind, figure in designfigures.figures_of(read_whole(Path(snakemake.input[0])), target).items():
-    figures.save(figure, folder / f"{kind}_{snakemake.wildcards.name}.svg")
+for kind, figure in design.figures_of(read_whole(Path(snakemake.input[0])), target).items():
+    plots.save(figure, folder / f"{kind}_{snakemake.wildcards.name}.svg")

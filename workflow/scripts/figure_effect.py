@@ -4,10 +4,11 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from surrogate.netcdf import read_whole
-from workflow import figures, joblog
+from storage.netcdf import read_whole
+from workflow.report.figures import plots
+from workflow.run import joblog
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-figures.save(figures.effect(read_whole(Path(snakemake.input[0]))), Path(snakemake.output[0]))
+plots.save(plots.effect(read_whole(Path(snakemake.input[0]))), Path(snakemake.output[0]))

@@ -4,14 +4,15 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from surrogate.netcdf import read_whole
-from workflow import decay, figures, intervals, joblog
+from storage.netcdf import read_whole
+from workflow.report.figures import decay, intervals, plots
+from workflow.run import joblog
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
 validation = read_whole(Path(snakemake.input[0]))
-figures.save(decay.figure(validation), Path(snakemake.output.decay))
-figures.save(figures.errors(validation), Path(snakemake.output.errors))
-figures.save(figures.parity(validation), Path(snakemake.output.parity))
-figures.save(intervals.figure(validation), Path(snakemake.output.intervals))
+plots.save(decay.figure(validation), Path(snakemake.output.decay))
+plots.save(plots.errors(validation), Path(snakemake.output.errors))
+plots.save(plots.parity(validation), Path(snakemake.output.parity))
+plots.save(intervals.figure(validation), Path(snakemake.output.intervals))

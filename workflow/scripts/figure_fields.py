@@ -5,12 +5,13 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from surrogate.netcdf import read_whole
-from workflow import figures, joblog
+from storage.netcdf import read_whole
+from workflow.report.figures import plots
+from workflow.run import joblog
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
 with ExitStack() as stack:
     slabs = [stack.enter_context(read_whole(Path(file), lazy=True)) for file in snakemake.input]
-    figures.save(figures.fields(slabs), Path(snakemake.output[0]))
+    plots.save(plots.fields(slabs), Path(snakemake.output[0]))

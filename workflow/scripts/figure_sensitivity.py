@@ -4,12 +4,14 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from surrogate.netcdf import read_whole
-from workflow import figures, influence, joblog
+from storage.netcdf import read_whole
+from workflow.report.figures import plots
+from workflow.report.figures import sensitivity as influence
+from workflow.run import joblog
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
 sensitivity = read_whole(Path(snakemake.input[0]))
-figures.save(influence.indices(sensitivity), Path(snakemake.output.indices))
-figures.save(influence.main_effects(sensitivity, snakemake.params.shown), Path(snakemake.output.effects))
+plots.save(influence.indices(sensitivity), Path(snakemake.output.indices))
+plots.save(influence.main_effects(sensitivity, snakemake.params.shown), Path(snakemake.output.effects))

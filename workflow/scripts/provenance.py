@@ -4,7 +4,8 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from workflow import joblog, location, provenance
+from workflow.run import joblog, provenance
+from workflow.study import location
 
 snakemake: Snakemake
 

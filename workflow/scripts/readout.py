@@ -4,14 +4,17 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
+from storage.netcdf import write_whole
 from surrogate import load
-from surrogate.netcdf import write_whole
-from workflow import figures, joblog, planned, readout
+from workflow.learning import readout_trial
+from workflow.report.figures import plots, readout
+from workflow.run import joblog
+from workflow.study import planned
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
 config = planned.study(snakemake.wildcards.study, snakemake.params.study)
-tried = readout.trial(config, config.readout[snakemake.wildcards.name], load(snakemake.input[0]))
+tried = readout_trial.trial(config, config.readout[snakemake.wildcards.name], load(snakemake.input[0]))
 write_whole(tried, Path(snakemake.output.nc))
-figures.save(readout.figure(tried), Path(snakemake.output.figure))
+plots.save(readout.figure(tried), Path(snakemake.output.figure))

@@ -4,11 +4,11 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
+from storage.described import described
+from storage.netcdf import write_whole
 from surrogate import load
-from surrogate.described import described
-from surrogate.netcdf import write_whole
-from surrogate.sensitivity import sobol
-from workflow import joblog
+from surrogate.use.sensitivity import sobol
+from workflow.run import joblog
 
 snakemake: Snakemake
 

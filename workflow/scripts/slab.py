@@ -4,10 +4,12 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from workflow import choice, dataset, joblog, planned
+from workflow.dataset import levels, slabs
+from workflow.run import joblog
+from workflow.study import planned
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
-config = choice.resolved(planned.study(snakemake.wildcards.study, snakemake.params.study), snakemake.input.levels)
-dataset.write_slab(config, int(snakemake.wildcards.slab), Path(snakemake.output[0]))
+config = levels.resolved(planned.study(snakemake.wildcards.study, snakemake.params.study), snakemake.input.levels)
+slabs.write_slab(config, int(snakemake.wildcards.slab), Path(snakemake.output[0]))

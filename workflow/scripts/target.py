@@ -4,13 +4,15 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
+from storage.netcdf import write_whole
 from surrogate import load
-from surrogate.netcdf import write_whole
-from workflow import design, joblog, planned
+from workflow.design import search
+from workflow.run import joblog
+from workflow.study import planned
 
 snakemake: Snakemake
 
 joblog.start(snakemake.log[0])
 config = planned.study(snakemake.wildcards.study, snakemake.params.study)
-answer = design.solve_target(config, snakemake.wildcards.name, load(snakemake.input[0]))
+answer = search.solve_target(config, snakemake.wildcards.name, load(snakemake.input[0]))
 write_whole(answer, Path(snakemake.output[0]))

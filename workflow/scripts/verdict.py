@@ -4,8 +4,9 @@ from pathlib import Path
 
 from snakemake.iocontainers import Snakemake
 
-from workflow import joblog, verdict
-from workflow.files import write_text
+from storage.files import write_text
+from workflow.report import verdict
+from workflow.run import joblog
 
 snakemake: Snakemake
 

@@ -1,0 +1,1 @@
+"""The labelled face: named factors in, an ``xarray.Dataset`` with units out."""

@@ -1,0 +1,77 @@
+"""Global attributes of a solution: what it is, and what was used although no factor says it."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import xarray as xr
+
+from solver.halfplane.profile import Profile
+from solver.material.constants import Material
+from solver.names import CHOICES, FACTORS, PROFILES, Described
+
+#: How every solution is made (CF: the method of production).
+SOURCE = "meecontact: closed-form solution of plane contact in the Stroh formalism"
+_LISTS = ("composite", "phases", "defaults")
+
+
+def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[str | Material]) -> dict[str, str]:
+    """Title, source, composite and phases, and the defaults of all factors that were not given.
+
+    Parameters
+    ----------
+    title
+        What was solved for.
+    arrays
+        The factors that were given, checked.
+    phases
+        Phase one and phase two of a composite.
+    """
+    defaults = _defaults(arrays)
+    found = {"title": title, "source": SOURCE}
+    if "volume_fraction" in arrays:
+        used = _kinds(arrays, "composite") or [str(defaults["composite"])]
+        found["composite"] = ", ".join(str(one) for one in used)
+        found["phases"] = ", ".join(one.name if isinstance(one, Material) else one for one in phases)
+    words = {name: f" {FACTORS[name].units}" for name in defaults if name in FACTORS and FACTORS[name].units != "1"}
+    shown = {name: f"{value:g}" if isinstance(value, float) else value for name, value in defaults.items()}
+    return {**found, "defaults": ", ".join(f"{name} = {text}{words.get(name, '')}" for name, text in shown.items())}
+
+
+def of_output(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[str, str]:
+    """CF attributes of an output; what hangs on the datum says which one the cases have."""
+    if not described.on_datum:
+        return described.attrs
+    datum = arrays.get("datum")
+    if datum is None:
+        length = f"{FACTORS['datum'].default:g} m, the default"
+    else:
+        length = "that of the coordinate datum" if datum.ndim else f"{float(datum):.15g} m"
+    return described.attrs | {"comment": f"{described.comment}; datum: {length}"}
+
+
+def united(parts: Sequence[Mapping[Any, Any]]) -> dict[Any, Any]:
+    """Attributes of solutions that are put together: lists hold what any of them holds."""
+    whole = dict(parts[0])
+    for key in _LISTS:
+        entries = [entry for part in parts for entry in str(part.get(key, "")).split(", ") if entry]
+        if entries:
+            whole[key] = ", ".join(dict.fromkeys(entries))
+    return whole
+
+
+def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
+    """Defaults that are used; only what a profile takes is one."""
+    found: dict[str, float | str] = {
+        name: factor.default for name, factor in FACTORS.items() if factor.default is not None and name not in arrays
+    }
+    kinds = _kinds(arrays, "profile") or [CHOICES["profile"][0]]
+    takes = {name for kind in kinds if not isinstance(kind, Profile) for name in PROFILES[str(kind)][1]}
+    if "slope" in takes and not {"slope", "moment"} & set(arrays):
+        found["slope"] = 0.0
+    spared = {"composite"} if "volume_fraction" not in arrays else set()
+    spared |= set() if "corner" in takes else {"corner"}
+    return found | {name: names[0] for name, names in CHOICES.items() if name not in arrays and name not in spared}
+
+
+def _kinds(arrays: Mapping[str, xr.DataArray], name: str) -> list[Any]:
+    return list(dict.fromkeys(arrays[name].values.ravel().tolist())) if name in arrays else []

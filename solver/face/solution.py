@@ -1,0 +1,133 @@
+"""The labelled face of the solver: named factors in, an ``xarray.Dataset`` with units out."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver.arrays import Array
+from solver.face.attributes import attributes, of_output
+from solver.face.cases import by_kind, contact_of_cases, coordinates, require_c12, require_finite
+from solver.face.factors import FactorError, checked
+from solver.halfplane.contact import Contact
+from solver.halfplane.fields import surface_fields
+from solver.halfplane.peaks import peak_principal_tension, peak_von_mises
+from solver.halfplane.quantities import quantities
+from solver.material.constants import Material
+from solver.names import EVERY_QUANTITY, FIELDS, PEAKS, SINGULAR
+
+
+def solve(
+    factors: Mapping[str, Any] | xr.Dataset,
+    positions: Iterable[float] | None = None,
+    *,
+    materials: Mapping[str, Material] = MappingProxyType({}),
+    phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
+    regular: bool = False,
+    peaks: bool = False,
+) -> xr.Dataset:
+    """Exact solution of every case: all quantities, and the surface fields where positions are given.
+
+    Parameters
+    ----------
+    factors
+        Values by factor name: scalars, ``DataArray`` of any dimensions, or plain sequences, which become a dimension
+        named after their factor; dimensions broadcast, so sequences span the full factorial. ``load`` must be given,
+        what the ``profile`` needs (default ``cylinder``: ``radius``; see ``solver.names.PROFILES``; or a
+        :class:`Profile` of one's own), and either ``material`` (a name or :class:`Material`) or ``volume_fraction``
+        (with ``composite``, default ``fibrous``). The rest default to 0 (``datum``: 1 m; ``electric`` and
+        ``magnetic``: conducting).
+    positions
+        Surface positions X = (x - c)/h, dimensionless, any but +-1.
+    materials
+        Own materials by name, beside the built-in ones.
+    phases
+        Phase one and phase two of a composite, names or :class:`Material`.
+    regular
+        Also give ``<field>_regular``, the square-root singular fields times sqrt|1 - X^2|.
+    peaks
+        Also give the quantities of ``solver.names.PEAKS``, which are searched for over the body: some milliseconds a
+        case where the others take some microseconds. They need c12.
+
+    Returns
+    -------
+    xarray.Dataset
+        Quantities over the factors' dimensions, fields over these and ``position``; names and units as in
+        ``solver.names``. Values that a dimension does not change are broadcast views, not copies. A quantity that
+        some case does not have is left out: the potentials of a field that a punch does not conduct; peak pressure,
+        edge intensities and edge stresses at a corner of the punch, where they are infinite.
+
+    Raises
+    ------
+    FactorError
+        Unknown, missing, non-finite or out-of-range factor or position; a charge on an insulating punch; a speed that
+        is not below the limiting one; a contact that would need tension. Names field, value and what is allowed.
+    MaterialError
+        Unknown or inadmissible material.
+    """
+    arrays = checked(factors)
+    X = None if positions is None else _positions(positions)
+
+    def part(arrays: dict[str, xr.DataArray]) -> xr.Dataset:
+        contact, datum, dims, shape = contact_of_cases(arrays, materials, phases)
+        with np.errstate(all="ignore"):  # what is not finite is named below
+            values = quantities(contact, datum)
+        if peaks:
+            values |= _peaks(contact)
+        for name, value in values.items():
+            require_finite(name, value, "factors (contact as wide as the datum, or overflow)")
+        out = xr.Dataset(
+            {
+                name: (dims, np.broadcast_to(value, shape), of_output(EVERY_QUANTITY[name], arrays))
+                for name, value in values.items()
+            },
+            coords=coordinates(arrays),
+        )
+        return out if X is None else _with_fields(out, contact, X, dims, shape, regular=regular)
+
+    title = "exact solution of a punch sliding on a magneto-electro-elastic half-plane"
+    out = by_kind(arrays, part).assign_attrs(attributes(title, arrays, phases))
+    first = [name for name in EVERY_QUANTITY if name in out]
+    return out[[*first, *(name for name in out.data_vars if name not in first)]]
+
+
+def _peaks(contact: Contact) -> dict[str, Array]:
+    require_c12(contact.halfplane.material, list(PEAKS))
+    largest = peak_von_mises(contact)
+    tension = peak_principal_tension(contact)
+    return dict(zip(PEAKS, (largest.value, largest.depth, tension.value), strict=True))
+
+
+def _with_fields(
+    out: xr.Dataset, contact: Contact, X: Array, dims: tuple[str, ...], shape: tuple[int, ...], *, regular: bool
+) -> xr.Dataset:
+    """The data set with the surface fields at positions X."""
+    with np.errstate(all="ignore"):  # what is not finite is named below
+        fields = surface_fields(contact, X)
+    position = {"position": ("position", X, {"units": "1", "long_name": "surface position X = (x - c)/h"})}
+    found: dict[str, Any] = {}
+    for name, described in FIELDS.items():
+        with np.errstate(all="ignore"):
+            value = getattr(fields, name).values if name in SINGULAR else getattr(fields, name)
+        require_finite(name, value, "factors and positions (overflow)")
+        found[name] = ((*dims, "position"), np.broadcast_to(value, (*shape, X.size)), described.attrs)
+        if regular and name in SINGULAR:
+            attrs = {"units": described.units, "long_name": f"{described.long_name}, times sqrt|1 - X^2|"}
+            whole = np.broadcast_to(getattr(fields, name).regular, (*shape, X.size))
+            found[f"{name}_regular"] = ((*dims, "position"), whole, attrs)
+    return out.assign_coords(position).assign(found)
+
+
+def _positions(positions: Iterable[float]) -> Array:
+    X = np.empty(())
+    with suppress(TypeError, ValueError):
+        X = np.asarray(positions if isinstance(positions, np.ndarray) else list(positions), dtype=np.float64)
+    if X.ndim != 1 or not X.size:
+        raise FactorError("positions: not a list of at least one number")
+    bad = X[~np.isfinite(X) | (np.abs(X) == 1)]
+    if bad.size:
+        raise FactorError(f"positions: {bad[0]:g} is not allowed; any finite X but -1 and 1 (the edges are singular)")
+    return X

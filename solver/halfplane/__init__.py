@@ -1,0 +1,1 @@
+"""The half-plane in closed form: surface response, contact, fields, punch response."""

@@ -1,0 +1,166 @@
+"""Contact of a rigid punch sliding with friction: extent, pressure scale, edge values (theory sections 3 and 4).
+
+Arrays have the case axes first, aligned so that they broadcast; the fields' axis (electric, magnetic) is last where
+there is one. Each attribute has the smallest shape that it needs: the friction angle never sees radius or load.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.halfplane.angle import FrictionAngle
+from solver.halfplane.pressing import Pressing, press
+from solver.halfplane.profile import Profile
+from solver.halfplane.shape import Shape
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
+
+_NEWTON_STEPS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Contact under one punch per case.
+
+    Parameters
+    ----------
+    sliding
+        Material, friction and conducted fields.
+    profile
+        The punch.
+    load
+        Normal load P > 0 [N/m]; (...).
+    charges
+        Electric charge T [C/m] and magnetic charge J [Wb/m]; (..., 2); 0 where the punch does not conduct.
+
+    Notes
+    -----
+    On the contact, with ``s = slope_scale``, ``q = (D_y, B_y)`` and S, D of :mod:`solver.halfplane.shape`:
+
+        lam sigma_yy = s S,    q = (s / lam) (eta d D - r S) + e0 / sqrt(1 - X^2).
+    """
+
+    sliding: Sliding
+    profile: Profile
+    load: Array
+    charges: Array
+
+    @property
+    def halfplane(self) -> HalfPlane:
+        """Surface response of the material."""
+        return self.sliding.halfplane
+
+    @property
+    def friction(self) -> Array:
+        """Coulomb coefficient eta [1]."""
+        return self.sliding.friction
+
+    @property
+    def angle(self) -> FrictionAngle:
+        """Friction angle theta."""
+        return self.sliding.angle
+
+    @cached_property
+    def pressing(self) -> Pressing:
+        """Extent of the contact and shape of the pressure.
+
+        Raises
+        ------
+        ContactError
+            No contact carries the load, or it would need tension.
+        """
+        return press(self.profile, self.angle, self.sliding.lam, self.load)
+
+    @property
+    def shape(self) -> Shape:
+        """S, D and their transforms."""
+        return self.pressing.shape
+
+    @property
+    def exponent(self) -> Array:
+        """Pressure exponent alpha, 0 < alpha < 1."""
+        return 0.5 + self.angle.delta
+
+    @property
+    def half_width(self) -> Array:
+        """h = (a + b)/2 [m]."""
+        return self.pressing.half_width
+
+    @property
+    def trailing(self) -> Array:
+        """a [m]: the trailing edge is x = a."""
+        return self.half_width * (1 + self.pressing.centre)
+
+    @property
+    def leading(self) -> Array:
+        """b [m]: the leading edge is x = -b."""
+        return self.half_width * (1 - self.pressing.centre)
+
+    @cached_property
+    def pressure_scale(self) -> Array:
+        """s / lam [Pa]: the unit of the contact stresses."""
+        return self.pressing.slope_scale / self.sliding.lam
+
+    @cached_property
+    def peak_pressure(self) -> Array:
+        """Largest contact pressure [Pa], of a contact with two smooth edges: Newton's iteration from a scan."""
+        factor = self.shape.factor
+        first, second = _derivative(factor), _derivative(_derivative(factor))
+        delta, cos = self.angle.delta, self.angle.cos
+        place = -2 * delta  # exact where the factor is constant
+        if factor.shape[-1] > 1:
+            scan = np.cos(np.pi * (np.arange(256) + 0.5) / 256)
+            pressure = -self.shape.traction(scan)[0]
+            place = scan[np.argmax(pressure, -1)]
+            for _ in range(_NEWTON_STEPS):
+                ratio = _at(first, place) / _at(factor, place)
+                slope = -(0.5 + delta) / (1 - place) + (0.5 - delta) / (1 + place) + ratio
+                bend = -(0.5 + delta) / (1 - place) ** 2 - (0.5 - delta) / (1 + place) ** 2
+                step = slope / (bend + _at(second, place) / _at(factor, place) - ratio**2)
+                place = np.clip(place - step, (place - 1) / 2, (place + 1) / 2)
+                if np.all(np.abs(step) < 1e-9):  # of second order in the pressure
+                    break
+        weight = (1 - place) ** (0.5 + delta) * (1 + place) ** (0.5 - delta)
+        return -self.pressure_scale * cos * weight * _at(factor, place)
+
+    @cached_property
+    def charge_density(self) -> Array:
+        """Strength e0 of the 1/sqrt(1 - X^2) part of (D_y, B_y) that carries the charges; (..., 2).
+
+        ``e0 = [(-T, -J) - r P] / (pi h)``; the friction part of the theory's e stands in D.
+        """
+        width = (np.pi * self.half_width)[..., None]
+        return -(self.charges + self.sliding.screening * self.load[..., None]) / width
+
+    @cached_property
+    def relative_charge_density(self) -> Array:
+        """e0 over the pressure scale; (..., 2), as small as the shape of the pressure where there are no charges."""
+        carried = -self.shape.total[..., None] * self.sliding.screening  # r P / (h pressure_scale)
+        if np.any(self.charges):
+            carried = carried + self.charges / (self.half_width * self.pressure_scale)[..., None]
+        return -carried / np.pi
+
+    def edge_intensity(self, edge: float) -> Array:
+        """lim sqrt(2 pi r) (D_y, B_y) [C m^-3/2, T m^1/2] at a smooth edge, X = 1 trailing or -1 leading; (..., 2)."""
+        follower = (self.friction * self.shape.follower_at(edge) * self.pressure_scale)[..., None]
+        root = np.sqrt(np.pi * self.half_width)[..., None]
+        return np.asarray(root * (follower * self.sliding.friction_screening + self.charge_density))
+
+    def edge_stress(self, edge: float) -> Array:
+        """sigma_xx [Pa] on the free surface just outside a smooth edge, X = 1 trailing or -1 leading; (...)."""
+        slope = _at(self.pressing.slope, np.array(edge))
+        per_slope = self.halfplane.in_plane_stiffness * self.halfplane.tangential_compliance * self.friction
+        return per_slope * self.pressure_scale * slope
+
+
+def _derivative(coefficients: Array) -> Array:
+    """Of a polynomial in ascending powers; (..., max(k - 1, 1))."""
+    count = coefficients.shape[-1]
+    return coefficients[..., 1:] * np.arange(1, count) if count > 1 else 0 * coefficients
+
+
+def _at(coefficients: Array, x: Array) -> Array:
+    """The polynomial of each case at its own point."""
+    return np.asarray(np.polynomial.polynomial.polyval(x, np.moveaxis(coefficients, -1, 0), tensor=False))

@@ -1,0 +1,146 @@
+"""Fields inside the half-plane (theory section 5), at dimensionless points ((x - c)/h, y/h), y <= 0.
+
+With the matrix ``Pi`` of :mod:`solver.halfplane.spectrum` and ``Z = A B^-1 = -S L^-1 - i L^-1``, the generalised
+displacement u and stress function phi (t_2 = phi,x) of surface tractions t are
+
+    [u,x; phi,x] = Re{ [Z; I] i H_t(x + y Pi) },   H_t(z) = (1/pi) int t(s)/(s - z) ds,   [u,y; phi,y] = N [u,x; phi,x].
+
+Every field is ``pressure_scale * U + sum_j charge_density_j * W_j``, as on the surface.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.arrays import Array, ComplexArray, stack
+from solver.halfplane.contact import Contact
+from solver.halfplane.spectrum import spectrum
+from solver.halfplane.surface import HalfPlane
+
+#: What belongs to S, to D and to the charges, at points z.
+Functions = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray, ComplexArray]]
+
+#: Fields that are linear in the tractions, in the order of the rows of :func:`field_rows`.
+LINEAR = (
+    "stress_xx", "stress_yy", "stress_xy", "stress_zz",
+    "electric_displacement_x", "electric_displacement_y", "magnetic_induction_x", "magnetic_induction_y",
+    "electric_field_x", "electric_field_y", "magnetic_field_x", "magnetic_field_y",
+    "strain_xx", "strain_yy", "strain_xy",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class InteriorParts:
+    """Fields of unit pressure scale and of unit charge densities; each in its smallest shape.
+
+    Attributes
+    ----------
+    of_load
+        U; (..., field, point).
+    of_charges
+        W_0 (electric) and W_1 (magnetic); each (..., field, point).
+    """
+
+    of_load: Array
+    of_charges: tuple[Array, Array]
+
+    def whole(self, contact: Contact) -> Array:
+        """The fields of the contact, SI; (..., field, point)."""
+        scale, e = contact.pressure_scale[..., None, None], contact.charge_density[..., None, None, :]
+        return np.asarray(scale * self.of_load + e[..., 0] * self.of_charges[0] + e[..., 1] * self.of_charges[1])
+
+
+def interior_parts(contact: Contact, x: Array, y: Array, fields: tuple[str, ...]) -> InteriorParts:
+    """Parts of the named fields of ``LINEAR`` at points (x, y).
+
+    Parameters
+    ----------
+    contact
+        The solved contact, case axes (...).
+    x, y
+        (x - c)/h and y/h <= 0, each (..., point), case axes broadcasting; not an edge (+-1, 0).
+    fields
+        Names of ``LINEAR``; ``stress_zz`` needs c12.
+    """
+    return parts_of(contact, x, y, fields, lambda z: transforms(contact, z))
+
+
+def transforms(contact: Contact, z: ComplexArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """H[S], H[D] and -H[1/sqrt(1 - X^2)] at points z on or above the real axis; (..., point)."""
+    root: ComplexArray = np.sqrt(z - 1) * np.sqrt(z + 1)
+    HS, HD_root = contact.shape.transforms(z, root, contact.pressing.slope)
+    inverse = 1 / root
+    return HS, HD_root * inverse, inverse
+
+
+def parts_of(contact: Contact, x: Array, y: Array, fields: tuple[str, ...], functions: Functions) -> InteriorParts:
+    """As :func:`interior_parts`, with other functions of z in place of :func:`transforms`."""
+    half, sliding = contact.halfplane, contact.sliding
+    nodes, weights = spectrum(half)
+    rows = field_rows(half)[..., [LINEAR.index(name) for name in fields], :]
+    both = np.concatenate([half.surface_impedance, np.broadcast_to(np.eye(4), half.surface_impedance.shape)], -2)
+    answers = 1j * (rows @ both)[..., None, :, :] @ (weights * half.scale[..., None, None, :])  # (..., node, field, 4)
+
+    nothing, one, eta, r = np.zeros(()), np.ones(()), contact.friction, sliding.screening
+    d = eta[..., None] * sliding.friction_screening
+    pressed = _applied(answers, stack(eta, one, -r[..., 0], -r[..., 1]))
+    followed = _applied(answers, stack(nothing, nothing, d[..., 0], d[..., 1]))
+    charged = [_applied(answers, np.eye(4)[2 + j]) for j in (0, 1)]
+
+    load = np.zeros(())
+    charges = [np.zeros(()), np.zeros(())]
+    for j in range(nodes.shape[-1]):
+        z = _conjugate_points(x, y, nodes[..., j])
+        of_S, of_D, of_charge = functions(z)
+        load = load + _real(pressed[..., j, :], of_S) + _real(followed[..., j, :], of_D)
+        charges = [sum_ - _real(of[..., j, :], of_charge) for sum_, of in zip(charges, charged, strict=True)]
+    return InteriorParts(load, (charges[0], charges[1]))
+
+
+def _applied(answers: ComplexArray, traction: Array) -> ComplexArray:
+    """Answers to one traction vector, conjugated as the points are; (..., node, field)."""
+    return np.asarray(np.conj(answers @ traction[..., None, :, None])[..., 0])
+
+
+def _conjugate_points(x: Array, y: Array, p: ComplexArray) -> ComplexArray:
+    """Conjugates of x + p y: on or above the real axis, with the zero imaginary part of the surface positive."""
+    z = np.empty(np.broadcast_shapes(x.shape, y.shape, (*p.shape, 1)), np.complex128)
+    z.real = x + p.real[..., None] * y
+    z.imag = np.abs(p.imag[..., None] * y)
+    return z
+
+
+def _real(coefficients: ComplexArray, values: ComplexArray) -> Array:
+    """Re(coefficients * values) as (..., field, point)."""
+    c, v = coefficients[..., :, None], values[..., None, :]
+    return np.asarray(c.real * v.real - c.imag * v.imag)
+
+
+def field_rows(half: HalfPlane) -> Array:
+    """What each field of ``LINEAR`` takes of the scaled [u,x; phi,x], in SI units; (..., field, 8)."""
+    m, N = half.material, half.stroh_matrix
+    units = np.concatenate([half.scale, 1 / half.scale], -1)
+    along = units[..., None] * np.eye(8)  # [u,x; phi,x]
+    down = units[..., None] * N  # [u,y; phi,y]
+    Q, R, _ = m.generalised_stiffness()
+    first = Q @ along[..., :4, :] + R @ down[..., :4, :]  # (sigma_xx, sigma_xy, D_x, B_x), at any speed
+    couplings = ((m.c12, along, 0), (m.c13, down, 1), (m.e31, down, 2), (m.f31, down, 3))
+    shape = np.broadcast_shapes(first.shape[:-2], m.shape)
+    rows = [
+        first[..., 0, :], along[..., 5, :], along[..., 4, :], sum(c[..., None] * v[..., k, :] for c, v, k in couplings),
+        first[..., 2, :], along[..., 6, :], first[..., 3, :], along[..., 7, :],
+        -along[..., 2, :], -down[..., 2, :], -along[..., 3, :], -down[..., 3, :],
+        along[..., 0, :], down[..., 1, :], (down[..., 0, :] + along[..., 1, :]) / 2,
+    ]  # fmt: skip
+    return np.stack([np.broadcast_to(row, (*shape, 8)) for row in rows], -2)
+
+
+def von_mises(xx: Array, yy: Array, xy: Array, zz: Array) -> Array:
+    """Von Mises stress of plane strain [Pa]."""
+    return np.asarray(np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy**2))
+
+
+def principal_tension(xx: Array, yy: Array, xy: Array, zz: Array) -> Array:
+    """Largest of the three principal stresses [Pa]."""
+    return np.asarray(np.maximum((xx + yy) / 2 + np.hypot((xx - yy) / 2, xy), zz))

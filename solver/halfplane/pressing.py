@@ -1,0 +1,215 @@
+"""Extent of the contact and shape of the pressure under a punch pressed by a given load (theory sections 3 and 4).
+
+In units of the half-width, x = c + h X, the slope is ``g' = s G(X)`` and ``sigma_yy = (s / lam) S(X)``; the load is
+``P = -(h s / lam) int S dX``. Two smooth edges ask for a balance besides, a corner for its own place.
+"""
+
+from dataclasses import dataclass
+from math import comb
+
+import numpy as np
+
+from solver.arrays import Array, stack
+from solver.halfplane.angle import FrictionAngle
+from solver.halfplane.profile import Profile
+from solver.halfplane.shape import Shape, imbalance
+
+_NEWTON_STEPS = 100
+_TOLERANCE = 4e-16
+_TENSION = 1e-12  # of the largest factor of the pressure: rounding at the limit of tension
+_SAMPLES = np.cos(np.pi * np.arange(257) / 256)
+_NO_ODD_POWER = (
+    "slope: an even power of x alone has no smooth edge on one side; a punch without corners needs an odd one"
+)
+
+
+class ContactError(ValueError):
+    """A punch and a load that the contact of the theory does not exist for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pressing:
+    """A pressed punch. Rates are derivatives in log P at fixed charges.
+
+    Attributes
+    ----------
+    half_width, centre
+        h [m]; (...), and c / h; (...).
+    slope_scale
+        s [1]; (...).
+    slope, slope_rate
+        Coefficients of G, ascending powers of X, and of d(s G)/dlogP / s at fixed X, where h is fixed; (..., k).
+    shape, shape_rate
+        S and d(s S)/dlogP / s at fixed X.
+    width_rate, centre_rate
+        dlog h/dlog P; d(c/h)/dlog P.
+    """
+
+    half_width: Array
+    centre: Array
+    slope_scale: Array
+    slope: Array
+    slope_rate: Array
+    shape: Shape
+    shape_rate: Shape
+    width_rate: Array
+    centre_rate: Array
+
+    @property
+    def rise(self) -> Array:
+        """g at the trailing edge [m]: height of the punch there over its origin."""
+        return self.half_width * self.slope_scale * _integral(self.slope, -self.centre, 1.0)
+
+    @property
+    def rise_rate(self) -> Array:
+        """d rise / dlog P [m]."""
+        edge = self.centre + 1
+        moved = np.sum(self.slope, -1) * (self.width_rate * edge + self.centre_rate)
+        turned = _integral(self.slope_rate, -self.centre, 1.0)
+        return np.asarray(self.half_width * self.slope_scale * (moved + turned))
+
+
+def press(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -> Pressing:
+    """Contact of the profile under the load P [N/m] on a surface of compliance lam [1/Pa] and friction angle theta.
+
+    Raises
+    ------
+    ContactError
+        No contact carries the load, or it would need tension.
+    """
+    if profile.width is not None:
+        pressing = _between_corners(profile, profile.width, angle, lam, load)
+    elif profile.homogeneous:
+        pressing = _similar(profile, angle, lam, load)
+    else:
+        pressing = _searched(profile, angle, lam, load)
+    _refuse_tension(pressing)
+    return pressing
+
+
+def _between_corners(profile: Profile, width: Array, angle: FrictionAngle, lam: Array, load: Array) -> Pressing:
+    """The ends are known; the load scales the flat punch's own pressure, which is added to that of the slope."""
+    half, smooth = width / 2, profile.smooth
+    scale = lam * load / half
+    flat = Shape(angle, smooth, np.ones(1))
+    carried = -1 / flat.total
+    slope = stack(*(c * half**k for k, c in enumerate(profile.slope))) / scale[..., None]
+    rate = np.zeros(1)
+    if profile.moment is not None:
+        tilted = Shape.of_slope(angle, smooth, np.ones(1)).first_moment
+        slope = np.array(slope + np.zeros((*np.shape(profile.moment / load + half + tilted + carried), 1)))
+        slope[..., 0] = 0.0
+        others = Shape.of_slope(angle, smooth, slope).first_moment + flat.first_moment * carried
+        slope[..., 0] = (-profile.moment / (half * load) - others) / tilted
+        rate = (-flat.first_moment * carried / tilted)[..., None]
+
+    def shape(of: Array) -> Shape:
+        factor = Shape.of_slope(angle, smooth, of).factor
+        factor = np.array(factor + np.zeros((*np.shape(carried), 1)))
+        factor[..., 0] += carried
+        return Shape(angle, smooth, factor)
+
+    nothing = np.zeros(())
+    return Pressing(half, nothing, scale, slope, rate, shape(slope), shape(rate), nothing, nothing)
+
+
+def _similar(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -> Pressing:
+    """g' = gamma x^n: c / h and the pressure's shape depend on the friction angle only, h^(n+1) goes as the load."""
+    n, gamma = len(profile.slope) - 1, profile.slope[-1]
+    centre = _centre(profile.smooth, angle, n)
+    slope = np.sign(gamma)[..., None] * _shifted_power(centre, n)
+    shape = Shape.of_slope(angle, profile.smooth, slope)
+    carried = -shape.total
+    if not np.all(carried > 0):
+        raise ContactError("slope: the punch does not widen upwards from its lowest point: it carries no load")
+    half = (lam * load / (np.abs(gamma) * carried)) ** (1 / (n + 1))
+    rate = np.array(1 / (n + 1))
+    shape_rate = Shape(angle, profile.smooth, n * rate * shape.factor)
+    slope_rate = np.zeros(1)  # G keeps its form in x
+    return Pressing(half, centre, np.abs(gamma) * half**n, slope, slope_rate, shape, shape_rate, rate, np.zeros(()))
+
+
+def _centre(smooth: tuple[bool, bool], angle: FrictionAngle, n: int) -> Array:
+    """c / h under the slope (X + c/h)^n: Newton's iteration, exact at once for n = 1."""
+    if not all(smooth):
+        return np.array(1.0 if smooth[0] else -1.0)
+    centre = -2 * angle.delta
+    if n % 2 == 0:
+        raise ContactError(_NO_ODD_POWER)
+    for _ in range(_NEWTON_STEPS if n > 1 else 0):
+        step = imbalance(angle, _shifted_power(centre, n)) / imbalance(angle, n * _shifted_power(centre, n - 1))
+        centre = centre - step
+        if np.all(np.abs(step) <= _TOLERANCE):
+            break
+    return centre
+
+
+def _searched(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -> Pressing:
+    """Any other slope: Newton's iteration for log h and c / h, from the contact of the steepest power alone."""
+    smooth = profile.smooth
+    powers = [k for k, c in enumerate(profile.slope) if np.any(c) and (k % 2 or not all(smooth))]
+    if not powers:
+        raise ContactError(_NO_ODD_POWER)
+    n = powers[-1]
+    start = _similar(Profile((*(np.zeros(()),) * n, profile.slope[n]), smooth), angle, lam, load)
+    half, centre = np.broadcast_arrays(*(np.asarray(v) for v in (start.half_width, start.centre + 0 * load)))
+    half, centre = np.array(half + 0 * sum(profile.slope)), np.array(centre + 0 * sum(profile.slope))
+
+    def slopes(half: Array, centre: Array) -> tuple[Array, Array, Array]:
+        """g'(h (X + c/h)) and its derivatives in log h and c / h."""
+        powers = [c[..., None] * (half[..., None] ** k) for k, c in enumerate(profile.slope)]
+        size = len(powers)
+
+        def whole(*terms: Array) -> Array:
+            return np.asarray(sum(np.pad(t, [(0, 0)] * (t.ndim - 1) + [(0, size - t.shape[-1])]) for t in terms))
+
+        value = whole(*(p * _shifted_power(centre, k) for k, p in enumerate(powers)))
+        by_width = whole(*(k * p * _shifted_power(centre, k) for k, p in enumerate(powers)))
+        slopes = [k * p * _shifted_power(centre, k - 1) for k, p in enumerate(powers) if k]
+        return value, by_width, whole(*slopes) if slopes else 0 * value
+
+    for _ in range(_NEWTON_STEPS):
+        value, by_width, by_centre = slopes(half, centre)
+        shapes = [Shape.of_slope(angle, smooth, g) for g in (value, by_width, by_centre)]
+        total, total_by_width, total_by_centre = (s.total for s in shapes)
+        if not np.all(total < 0):
+            raise ContactError("slope: no contact of this punch carries the load without tension")
+        miss = np.log(-half * total / (lam * load))
+        by = 1 + total_by_width / total, total_by_centre / total
+        if all(smooth):
+            off, off_width, off_centre = (imbalance(angle, g) for g in (value, by_width, by_centre))
+        else:
+            off, off_width, off_centre = 0 * miss, 0 * miss, 1 + 0 * miss
+        determinant = by[0] * off_centre - by[1] * off_width
+        width_step = (miss * off_centre - by[1] * off) / determinant
+        centre_step = (by[0] * off - miss * off_width) / determinant
+        half = half * np.exp(-np.clip(width_step, -2, 2))
+        centre = centre - np.clip(centre_step, -1, 1)
+        if np.all(np.abs(width_step) + np.abs(centre_step) <= 64 * _TOLERANCE):
+            break
+    else:
+        raise ContactError("slope: no contact of this punch carries the load")
+    width_rate, centre_rate = off_centre / determinant, -off_width / determinant
+    value, by_width, by_centre = slopes(half, centre)
+    change = width_rate[..., None] * by_width + centre_rate[..., None] * by_centre
+    shape, shape_rate = (Shape.of_slope(angle, smooth, g) for g in (value, change))
+    one = np.ones(())
+    return Pressing(half, centre, one, value, np.zeros(1), shape, shape_rate, width_rate, centre_rate)
+
+
+def _refuse_tension(pressing: Pressing) -> None:
+    """Raise where sigma_yy would be positive."""
+    factor = np.polynomial.polynomial.polyval(_SAMPLES, np.moveaxis(pressing.shape.factor, -1, 0))
+    if np.any(np.max(factor, -1) > _TENSION * np.max(np.abs(factor), -1)):
+        raise ContactError("contact: it would need tension between punch and surface (too much tilt or moment)")
+
+
+def _shifted_power(centre: Array, n: int) -> Array:
+    """Coefficients of (X + centre)^n in powers of X; (..., n + 1)."""
+    return stack(*(comb(n, k) * centre ** (n - k) for k in range(n + 1)))
+
+
+def _integral(coefficients: Array, low: Array, high: float) -> Array:
+    """Integral of a polynomial in X."""
+    terms = [coefficients[..., k] * (high ** (k + 1) - low ** (k + 1)) / (k + 1) for k in range(coefficients.shape[-1])]
+    return np.asarray(sum(terms, np.zeros(())))

@@ -1,0 +1,122 @@
+"""Punch response (depth, potentials) and the sensor and actuator tangents (theory section 6), in closed form.
+
+With ell = log(h / 2L), the generalised surface displacement at the trailing edge is
+
+    u_J(a) = N_J . (P, T, J) ell / pi + P B_J,        J in (u_y, phi, psi),
+    B_J = [(N_J0 - N_Jq.r) <S> + eta (N_Jq.d) <D>] / (pi int S) - eta k_J / 2,
+
+with the logarithmic moments <S>, <D> of :mod:`solver.halfplane.shape`, gathered so that nothing cancels. Along a load,
+the logarithm grows at the rate of the contact's width and the bracket at that of the pressure's shape.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array, dot
+from solver.halfplane.contact import Contact
+from solver.halfplane.shape import Shape
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Response of the punch; scalars per case, shapes as small as each needs.
+
+    What belongs to the potential of a field means nothing where the punch does not conduct that field.
+
+    Parameters
+    ----------
+    contact
+        The solved contact.
+    datum
+        Reference length L > 0 of the logarithmic potentials [m].
+    """
+
+    contact: Contact
+    datum: Array
+
+    @cached_property
+    def log_width(self) -> Array:
+        """ell = log(h / 2L)."""
+        return np.log(self.contact.half_width / (2 * self.datum))
+
+    def _bracket(self, shape: Shape) -> Array:
+        """The bracket of B_J over pi int S; (..., 3)."""
+        sliding = self.contact.sliding
+        along = sliding.halfplane.friction_coupling - sliding.friction_coupling
+        follower = (sliding.friction * shape.follower_moment)[..., None]
+        own = sliding.normal_compliance * shape.logarithmic_moment[..., None]
+        return (own + along * follower) / (np.pi * self.contact.shape.total)[..., None]
+
+    @cached_property
+    def _load_constant(self) -> Array:
+        """B_J; (..., 3)."""
+        return self._bracket(self.contact.shape) - self._shear_part
+
+    @property
+    def _shear_part(self) -> Array:
+        """eta k_J / 2; (..., 3)."""
+        return self.contact.friction[..., None] * self.contact.halfplane.friction_coupling / 2
+
+    @cached_property
+    def _load_constant_rate(self) -> Array:
+        """d (P B_J) / dP; (..., 3)."""
+        pressing = self.contact.pressing
+        widened = pressing.width_rate[..., None] * self._bracket(self.contact.shape)
+        return widened + self._bracket(pressing.shape_rate) - self._shear_part
+
+    def _displacement(self, J: int) -> Array:
+        """u_J(a)."""
+        c, N = self.contact, self.contact.halfplane.compliance
+        charge_part = dot(N[..., J, 1:], c.charges) / np.pi
+        return np.asarray(self._load_part(J) * c.load + charge_part * self.log_width)
+
+    def _load_part(self, J: int) -> Array:
+        """u_J(a) / P without charges."""
+        N = self.contact.halfplane.compliance
+        return N[..., J, 0] / np.pi * self.log_width + self._load_constant[..., J]
+
+    def _load_tangent(self, J: int, *, charged: bool) -> Array:
+        """d u_J(a) / dP, with or without the charges of the case."""
+        c, N = self.contact, self.contact.halfplane.compliance
+        width_rate = c.pressing.width_rate / np.pi
+        tangent = N[..., J, 0] * (self.log_width / np.pi + width_rate) + self._load_constant_rate[..., J]
+        if charged:
+            tangent = tangent + dot(N[..., J, 1:], c.charges) * width_rate / c.load
+        return np.asarray(tangent)
+
+    @property
+    def depth(self) -> Array:
+        """g(a) - u_y(a): approach of the punch, at its origin, relative to the datum [m]."""
+        return self.contact.pressing.rise - self._displacement(0)
+
+    @cached_property
+    def _depth_tangent(self) -> Array:
+        """d depth / dP at fixed charges [m2/N]."""
+        c = self.contact
+        return c.pressing.rise_rate / c.load - self._load_tangent(0, charged=True)
+
+    def potential(self, field: int) -> Array:
+        """Electric [V] (field 0) or magnetic [A] (field 1) potential of the punch relative to the datum."""
+        return self._displacement(1 + field)
+
+    def sensitivity(self, field: int) -> Array:
+        """d potential / d load without charges [V m/N, A m/N]."""
+        return self._load_tangent(1 + field, charged=False)
+
+    def short_circuit(self, field: int) -> Array:
+        """Charge per load that makes the potential 0, the other charge 0 [C/N, Wb/N]."""
+        N = self.contact.halfplane.compliance
+        return -np.pi * self._load_part(1 + field) / (N[..., 1 + field, 1 + field] * self.log_width)
+
+    def stroke(self, field: int) -> Array:
+        """(d depth/d charge) / (d potential/d charge) at fixed load [m/V, m/A]; a constant of the material."""
+        N = self.contact.halfplane.compliance
+        return -N[..., 0, 1 + field] / N[..., 1 + field, 1 + field]
+
+    def blocked_load(self, field: int) -> Array:
+        """d load / d potential at fixed depth and other charge [N/(m V), N/(m A)]."""
+        N = self.contact.halfplane.compliance
+        cross, own = N[..., 0, 1 + field], N[..., 1 + field, 1 + field]
+        return cross / (self._load_tangent(1 + field, charged=True) * cross + own * self._depth_tangent)

@@ -1,0 +1,79 @@
+"""What material, friction and conduction make of the integral equations (2.2), before any profile or load."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array, BoolArray, dot, stack
+from solver.halfplane.angle import FrictionAngle
+from solver.halfplane.surface import HalfPlane
+
+
+@dataclass(frozen=True, eq=False)
+class Sliding:
+    """Elimination of the conducted fields from (2.2).
+
+    Parameters
+    ----------
+    halfplane
+        Surface response of the material.
+    friction
+        Coulomb coefficient eta >= 0 [1]; (...).
+    conducts
+        Whether the punch conducts (electric, magnetic); (..., 2). A field that it does not conduct drops out of (2.2):
+        M, n and kq are taken over the conducted ones, and r and d are 0 for the others.
+    """
+
+    halfplane: HalfPlane
+    friction: Array
+    conducts: BoolArray
+
+    @cached_property
+    def screening(self) -> Array:
+        """r = M^-1 n: how the conducted fields follow the pressure; (..., 2)."""
+        return self._solve_conducted(self.halfplane.compliance[..., 1:, 0])
+
+    @cached_property
+    def friction_screening(self) -> Array:
+        """d = M^-1 kq: how the conducted fields follow the friction; (..., 2)."""
+        return self._solve_conducted(self.halfplane.friction_coupling[..., 1:])
+
+    def _solve_conducted(self, right: Array) -> Array:
+        """M^-1 right over the conducted fields, rows and columns brought to order one first (theory section 2)."""
+        M = self.halfplane.compliance[..., 1:, 1:]
+        scale = 1 / np.sqrt(np.abs(np.diagonal(M, axis1=-2, axis2=-1)))
+        both = self.conducts[..., :, None] & self.conducts[..., None, :]
+        scaled = np.where(both, M * scale[..., :, None] * scale[..., None, :], np.eye(2))
+        masked = np.where(self.conducts, scale * right, 0.0)
+        return np.asarray(np.linalg.solve(scaled, masked[..., None])[..., 0] * scale)
+
+    @cached_property
+    def normal_compliance(self) -> Array:
+        """N_J0 - N_Jq.r of J = (u_y, phi, psi): lam, and 0 for a conducted field; (..., 3)."""
+        return self._follow(self.halfplane.compliance[..., 0], self.screening)
+
+    @cached_property
+    def friction_coupling(self) -> Array:
+        """k_J - N_Jq.d of J = (u_y, phi, psi): kap, and 0 for a conducted field; (..., 3)."""
+        return self._follow(self.halfplane.friction_coupling, self.friction_screening)
+
+    def _follow(self, own: Array, follower: Array) -> Array:
+        N = self.halfplane.compliance
+        values = stack(*(own[..., J] - dot(N[..., J, 1:], follower) for J in range(3)))
+        return np.concatenate([values[..., :1], np.where(self.conducts, 0.0, values[..., 1:])], -1)
+
+    @property
+    def lam(self) -> Array:
+        """N11 - n.r > 0 [1/Pa]: normal compliance under the punch."""
+        return self.normal_compliance[..., 0]
+
+    @property
+    def kap(self) -> Array:
+        """k1 - n.d [1/Pa]: friction coupling under the punch (negative for the usual materials)."""
+        return self.friction_coupling[..., 0]
+
+    @cached_property
+    def angle(self) -> FrictionAngle:
+        """tan(theta) = eta kap / lam."""
+        return FrictionAngle(self.friction * self.kap / self.lam)

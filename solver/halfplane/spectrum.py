@@ -1,0 +1,64 @@
+"""Functions of the Stroh roots without eigenvectors of coalescing roots: nodes and matrix weights.
+
+Inside the half-plane every field is a function ``f(x + y Pi)`` of the 4 x 4 matrix ``Pi = B diag(p) B^-1`` of the upper
+roots (Ting, Anisotropic Elasticity, 1996, section 5.5), with f analytic where Im p > 0 and y <= 0. Hence
+
+    f(x + y Pi) = sum_j W_j f(x + y p_j).
+
+A root apart from the others is a node, and W_j its spectral projector. Roots that nearly coincide, whose eigenvectors
+nearly do too, share a contour around them: the trapezoid rule on a circle of the disk that the half-plane of p is
+mapped to, (p - c)/(p - conj c). Its error falls geometrically with the number of nodes, whatever x and y.
+"""
+
+import numpy as np
+
+from solver.arrays import Array, BoolArray, ComplexArray, column
+from solver.halfplane.surface import HalfPlane
+
+_APART = 0.05  # distance |p - p'|/|p - conj p'| from which a root's own eigenvector keeps all but two digits
+_SMALLEST = 0.1  # radius of a contour in the disk: the resolvent of a fourfold root grows as its fourth power
+_ERROR = 1e-15
+
+
+def spectrum(halfplane: HalfPlane) -> tuple[ComplexArray, ComplexArray]:
+    """Nodes p_j (..., node) and weights W_j (..., node, 4, 4), scaled as the Stroh matrix is."""
+    N = halfplane.stroh_matrix
+    Pi = N[..., 4:, :4] @ halfplane.surface_impedance + N[..., 4:, 4:]
+    roots, right = np.linalg.eig(Pi)
+    mirrored, left = np.linalg.eig(np.swapaxes(Pi, -1, -2))
+    order = np.argmin(np.abs(roots[..., :, None] - mirrored[..., None, :]), -1)
+    left = np.take_along_axis(left, order[..., None, :], -1)
+    apart = _apart(roots)
+
+    size = np.einsum("...ik,...ik->...k", left, right)
+    outer = right[..., :, None, :] * left[..., None, :, :] / np.where(apart, size, 1.0)[..., None, None, :]
+    own = np.where(apart[..., None, None], np.moveaxis(outer, -1, -3), 0.0)
+    if np.all(apart):
+        return roots, own
+    close = ~np.all(apart, -1)
+    rest = np.where(column(close), np.eye(4) - own.sum(-3), 0.0)
+    nodes, factors = _contour(roots, ~apart)
+    resolvent = np.linalg.inv(nodes[..., None, None] * np.eye(4) - Pi[..., None, :, :])
+    shared = factors[..., None, None] * (resolvent @ rest[..., None, :, :])
+    return np.concatenate([roots, nodes], -1), np.concatenate([own, shared], -3)
+
+
+def _apart(roots: ComplexArray) -> BoolArray:
+    """Which roots no other one is close to; (..., 4)."""
+    one, two = roots[..., :, None], roots[..., None, :]
+    distance = np.abs((one - two) / (one - np.conj(two))) + np.eye(4)
+    return np.asarray(np.min(distance, -1) >= _APART)
+
+
+def _contour(roots: ComplexArray, members: BoolArray) -> tuple[ComplexArray, ComplexArray]:
+    """Nodes around the member roots and the factors of the resolvent there; (..., node)."""
+    count = np.maximum(members.sum(-1, keepdims=True), 1)
+    mean = np.sum(np.where(members, roots, 0), -1, keepdims=True) / count
+    centre = np.where(members.any(-1, keepdims=True), mean, 1j)
+    spread = np.abs((roots - centre) / (roots - np.conj(centre)))
+    radius = np.sqrt(np.maximum(np.max(np.where(members, spread, 0.0), -1, keepdims=True), _SMALLEST**2))
+    nodes = int(np.ceil(np.log(_ERROR) / np.log(float(np.max(radius)))))
+    q: Array = np.exp(2j * np.pi * (np.arange(nodes) + 0.5) / nodes)
+    disk = radius * q
+    p = (centre - np.conj(centre) * disk) / (1 - disk)
+    return p, disk * (centre - np.conj(centre)) / (1 - disk) ** 2 / nodes

@@ -1,0 +1,91 @@
+"""The limiting speed of steady sliding: the first that no steady subsonic contact can have (theory section 4)."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.arrays import Array, BoolArray
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
+from solver.material.constants import UNITS, Material, MaterialError
+
+_SLOPES = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 241)])
+_SHORT_OF = 1 - 1e-6  # at the transonic speed itself a Stroh root is real, and the tensors are not defined
+
+
+def limiting_speed(material: Material, conducts: BoolArray | tuple[bool, bool] = (True, True)) -> Array:
+    """First critical speed [m/s]; cases as the material's and the conduction's broadcast.
+
+    It is the speed of the surface wave under the punch's conduction, where 1/lam falls to zero (Stroh's tensor L, over
+    the normal displacement and what the punch conducts, is singular), or the transonic one, whichever comes first.
+
+    Parameters
+    ----------
+    material
+        With a density.
+    conducts
+        Whether the punch conducts (electric, magnetic); (..., 2). The speed is lowest where it conducts both.
+
+    Raises
+    ------
+    MaterialError
+        A material without density.
+    """
+    from scipy.optimize import elementwise  # slow to import, and most cases do not ask for a speed
+
+    if np.any(np.isnan(material.rho)):
+        raise MaterialError(f"{material.name}: rho: missing; a speed needs the density [kg m-3]")
+    conducts = np.asarray(conducts)
+    shape = np.broadcast_shapes(material.shape, conducts.shape[:-1])
+    cases = Material(**_flat(material, shape), name=material.name)
+    conducted = np.broadcast_to(conducts, (*shape, 2)).reshape(-1, 2)
+    everywhere = np.arange(conducted.shape[0])
+
+    def stiffness(speed: Array, case: NDArray[Any]) -> Array:
+        which = case.astype(int)
+        picked: dict[str, Any] = {name: getattr(cases, name)[which] for name in UNITS}
+        moving = HalfPlane(Material(**picked, name=material.name), speed)
+        return 1 / Sliding(moving, np.zeros(()), conducted[which]).lam
+
+    transonic = transonic_speed(cases)
+    top = transonic * _SHORT_OF
+    found = elementwise.find_root(stiffness, (np.zeros_like(top), top), args=(everywhere,))
+    return np.where(stiffness(top, everywhere) > 0, transonic, found.x).reshape(shape)
+
+
+def transonic_speed(material: Material) -> Array:
+    """Speed [m/s] at which the first Stroh root becomes real; shape of the material's cases.
+
+    The least ``sqrt(lambda / rho)`` over real p, lambda an eigenvalue of the 2 x 2 acoustic matrix that is left of
+    ``Q + p (R + R^T) + p^2 T`` without its fields; even in p by the mirror symmetry.
+    """
+    from scipy.optimize import elementwise
+
+    cases = Material(**_flat(material, material.shape), name=material.name)
+    scale = HalfPlane(cases).scale
+    both = scale[..., :, None] * scale[..., None, :]
+    Q, R, T = (block * both for block in cases.generalised_stiffness())
+    unit = scale[..., 0] ** 2
+
+    def slowest(p: Array, case: NDArray[Any]) -> Array:
+        which = case.astype(int)
+        of_p = p[..., None, None]
+        whole = Q[which] + of_p * (R[which] + np.swapaxes(R[which], -1, -2)) + of_p**2 * T[which]
+        fields = np.linalg.solve(whole[..., 2:, 2:], whole[..., 2:, :2])
+        acoustic = whole[..., :2, :2] - whole[..., :2, 2:] @ fields
+        return np.asarray(np.linalg.eigvalsh((acoustic + np.swapaxes(acoustic, -1, -2)) / 2)[..., 0])
+
+    everywhere = np.arange(unit.size)
+    scan = slowest(_SLOPES + np.zeros((unit.size, 1)), everywhere[:, None] + np.zeros(_SLOPES.size, int))
+    least = np.argmin(scan, -1)
+    low = np.where(least > 0, _SLOPES[least - 1], -_SLOPES[1])
+    bracket = (low, _SLOPES[least], _SLOPES[np.minimum(least + 1, _SLOPES.size - 1)])
+    found = elementwise.find_minimum(slowest, bracket, args=(everywhere,))
+    value = np.minimum(np.where(found.success, found.f_x, np.inf), scan[everywhere, least])
+    return np.asarray(np.sqrt(value / unit / cases.rho).reshape(material.shape))
+
+
+def _flat(material: Material, shape: tuple[int, ...]) -> dict[str, Any]:
+    """Constants along one axis of cases."""
+    return {name: np.broadcast_to(getattr(material, name), shape).ravel() for name in UNITS}

@@ -1,0 +1,158 @@
+"""Surface response of the half-plane y < 0: the Stroh matrix, its roots, its Barnett-Lothe tensors (theory, 2)."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array, ComplexArray, column, dot
+from solver.material.constants import Material, MaterialError
+
+_NEWTON_STEPS = 40  # quadratic convergence: ordinary materials need 6 to 8
+_TOLERANCE = 1e-13
+_STALLED = 1e-8  # steps that no longer shrink below this are rounding, which grows as a root nears the real axis
+
+
+@dataclass(frozen=True, eq=False)
+class HalfPlane:
+    """What the surface of a material answers to tractions; every array carries the material's case axes first.
+
+    Parameters
+    ----------
+    material
+        An admissible material.
+    speed
+        Steady speed V >= 0 of the tractions along x [m/s], below the limiting speed; (...). The fields are
+        quasi-static, so that V enters as Q - rho V^2 diag(1, 1, 0, 0) (theory section 4). Any but 0 needs rho.
+
+    Notes
+    -----
+    Generalised displacement (u_x, u_y, phi, psi), traction (sigma_xy, sigma_yy, D_y, B_y), SI units:
+    ``du/dx (x, 0) = -S L^-1 t(x) + (1/pi) PV int L^-1 t(s)/(s - x) ds``  (theory, eq. 2.1).
+    """
+
+    material: Material
+    speed: Array = field(default_factory=lambda: np.zeros(()))
+
+    @cached_property
+    def inertia(self) -> Array:
+        """rho V^2 [Pa]; 0 at rest, where rho is not needed."""
+        return np.where(self.speed > 0, self.material.rho, 0.0) * self.speed**2
+
+    @cached_property
+    def scale(self) -> Array:
+        """Diagonal (..., 4) that makes every block of the material's own order one, whatever the base units."""
+        m = self.material
+        return np.stack(np.broadcast_arrays(m.c33, m.c33, m.eps33, m.mu33), -1) ** -0.5
+
+    @cached_property
+    def stroh_matrix(self) -> Array:
+        """Scaled N = [[N1, N2], [N3, N1^T]] of the eigenproblem N [a; b] = p [a; b]; (..., 8, 8), dimensionless."""
+        both = self._scales
+        Q, R, T = self.material.generalised_stiffness()
+        Q, R, T = (Q - column(self.inertia) * np.diag([1.0, 1.0, 0.0, 0.0])) * both, R * both, T * both
+        T_inv = np.linalg.inv(T)
+        N1 = -T_inv @ np.swapaxes(R, -1, -2)
+        N3 = -R @ N1 - Q
+        N1, T_inv = np.broadcast_to(N1, N3.shape), np.broadcast_to(T_inv, N3.shape)
+        return np.concatenate([np.concatenate([N1, T_inv], -1), np.concatenate([N3, np.swapaxes(N1, -1, -2)], -1)], -2)
+
+    @cached_property
+    def roots(self) -> ComplexArray:
+        """The four Stroh roots with Im p > 0; (..., 4), sorted by falling imaginary part."""
+        p = np.linalg.eigvals(self.stroh_matrix).astype(np.complex128)
+        upper = np.take_along_axis(p, np.argsort(-p.imag, axis=-1)[..., :4], -1)
+        order = np.lexsort((upper.real, -np.round(upper.imag, 9)), axis=-1)
+        return np.take_along_axis(upper, order, -1)
+
+    @cached_property
+    def _barnett_lothe(self) -> tuple[Array, Array]:
+        """S L^-1 and L^-1, both (..., 4, 4), scaled as the Stroh matrix is.
+
+        ``[[S, H], [-L, S^T]]`` is the matrix function that maps the roots p to i sign(Im p). Newton's iteration
+        X <- (mu X - (mu X)^-1) / 2 finds it without eigenvectors, so coalescing roots are no special case.
+        """
+        X, change = self.stroh_matrix, np.inf
+        for _ in range(_NEWTON_STEPS):
+            inverse = np.linalg.inv(X)
+            mu = np.sqrt(np.linalg.norm(inverse, axis=(-2, -1)) / np.linalg.norm(X, axis=(-2, -1)))
+            mu = np.where(abs(mu - 1) < 0.1, 1.0, mu)
+            previous, X = X, (column(mu) * X - inverse / column(mu)) / 2
+            last, change = change, float(np.max(abs(X - previous)) / np.max(abs(X)))
+            if change <= _TOLERANCE or (change <= _STALLED and change >= last / 2):
+                break
+        else:
+            raise MaterialError(
+                f"{self.material.name}: a Stroh root is (nearly) real ({self.roots.flat[-1]:.3g}): not elliptic"
+            )
+        X = (X - np.linalg.inv(X)) / 2
+        S, L = X[..., :4, :4], -X[..., 4:, :4]
+        L_inv = np.linalg.inv(L)
+        return S @ L_inv, (L_inv + np.swapaxes(L_inv, -1, -2)) / 2
+
+    @property
+    def condition(self) -> Array:
+        """Frobenius condition number of the scaled L; (...)."""
+        inverse = self._barnett_lothe[1]
+        return np.asarray(
+            np.linalg.norm(inverse, axis=(-2, -1)) * np.linalg.norm(np.linalg.inv(inverse), axis=(-2, -1))
+        )
+
+    @property
+    def surface_impedance(self) -> ComplexArray:
+        """A B^-1 = -S L^-1 - i L^-1, scaled as the Stroh matrix is; (..., 4, 4)."""
+        local, nonlocal_ = self._barnett_lothe
+        return np.asarray(-local - 1j * nonlocal_)
+
+    @property
+    def _scales(self) -> Array:
+        """Products of the scales of rows and columns; (..., 4, 4)."""
+        return self.scale[..., :, None] * self.scale[..., None, :]
+
+    @cached_property
+    def compliance(self) -> Array:
+        """N: L^-1 restricted to (u_y, phi, psi); (..., 3, 3), symmetric."""
+        return (self._barnett_lothe[1] * self._scales)[..., 1:, 1:]
+
+    @cached_property
+    def friction_coupling(self) -> Array:
+        """k = -(S L^-1)[(u_y, phi, psi), x]; (..., 3)."""
+        return -(self._barnett_lothe[0] * self._scales)[..., 1:, 0]
+
+    @cached_property
+    def tangential_compliance(self) -> Array:
+        """(L^-1)_xx [1/Pa]; (...)."""
+        return (self._barnett_lothe[1] * self._scales)[..., 0, 0]
+
+    @cached_property
+    def _in_plane(self) -> tuple[Array, Array]:
+        m = self.material
+        h = np.stack(np.broadcast_arrays(m.c13, m.e31, m.f31), -1)
+        scale = self.scale[..., 1:]
+        T3 = m.generalised_stiffness()[2][..., 1:, 1:] * scale[..., :, None] * scale[..., None, :]
+        share = np.linalg.solve(T3, (h * scale)[..., None])[..., 0] * scale
+        return m.c11 - dot(h, share), share
+
+    @property
+    def in_plane_stiffness(self) -> Array:
+        """c11 - h T3^-1 h [Pa]: sigma_xx per du_x/dx on a traction-free surface (theory section 5); (...)."""
+        return self._in_plane[0]
+
+    @property
+    def in_plane_share(self) -> Array:
+        """h T3^-1: sigma_xx per surface (sigma_yy, D_y, B_y) at du_x/dx = 0 (theory section 5); (..., 3)."""
+        return self._in_plane[1]
+
+    @cached_property
+    def transverse_shear_share(self) -> Array:
+        """(e15, f15) / c44: surface (D_x, B_x) per sigma_xy at d(phi, psi)/dx = 0; (..., 2)."""
+        m = self.material
+        return np.stack(np.broadcast_arrays(m.e15 / m.c44, m.f15 / m.c44), -1)
+
+    @cached_property
+    def transverse_permittivity(self) -> Array:
+        """Surface (D_x, B_x) per -d(phi, psi)/dx at sigma_xy = 0, from (1b) and (1c) of the paper; (..., 2, 2)."""
+        m = self.material
+        eps, g, mu = m.eps11 + m.e15**2 / m.c44, m.g11 + m.e15 * m.f15 / m.c44, m.mu11 + m.f15**2 / m.c44
+        eps, g, mu = np.broadcast_arrays(eps, g, mu)
+        return np.stack([np.stack([eps, g], -1), np.stack([g, mu], -1)], -2)

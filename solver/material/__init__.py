@@ -1,0 +1,1 @@
+"""Materials and composites: constants, admissibility, the built-in library."""

@@ -1,0 +1,148 @@
+"""Effective constants of two-phase composites poled along y (theory section 7)."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from solver.arrays import Array, column
+from solver.material.constants import Material, MaterialError
+
+
+def fibrous(fibre: Material, matrix: Material, fraction: ArrayLike) -> Material:
+    """1-3 composite by Mori-Tanaka: circular fibres along y in a matrix.
+
+    Parameters
+    ----------
+    fibre, matrix
+        The phases; both need c12.
+    fraction
+        Volume fraction of the fibres, 0 to 1, any shape.
+
+    Raises
+    ------
+    MaterialError
+        Fraction outside 0..1, a phase without c12, or an inadmissible result.
+
+    Notes
+    -----
+    Closed form of theory section 7, with the differences of the phases' bulk moduli cancelled by hand, so that
+    equal phases and the fractions 0 and 1 are ordinary values.
+    """
+    v = _fraction(fraction)
+    for phase in (fibre, matrix):
+        phase.check()
+        if np.any(np.isnan(phase.c12)):
+            raise MaterialError(f"{phase.name}: c12: missing; a fibrous composite needs it [Pa]")
+    bulk_f, bulk_m = (fibre.c11 + fibre.c12) / 2, (matrix.c11 + matrix.c12) / 2
+    shear_f, shear_m = (fibre.c11 - fibre.c12) / 2, (matrix.c11 - matrix.c12) / 2
+
+    weight = v * (bulk_m + shear_m) + (1 - v) * (bulk_f + shear_m)
+    bulk = (bulk_f + shear_m) * (bulk_m + shear_m) / weight - shear_m
+    strain_share = v * (bulk_m + shear_m) / weight  # (k* - k_m) / (k_f - k_m)
+    curvature = v * (1 - v) / weight  # -(k* - <k>) / (k_f - k_m)^2
+    shear_gap = shear_f - shear_m
+    softening = (1 - v) * (bulk_m + 2 * shear_m) / (2 * shear_m * (bulk_m + shear_m))
+    shear = shear_m + v * shear_gap / (1 + shear_gap * softening)
+
+    h_f, h_m = (np.stack(np.broadcast_arrays(m.c13, m.e31, m.f31), -1) for m in (fibre, matrix))
+    h_gap = h_f - h_m
+    h = h_m + strain_share[..., None] * h_gap
+    T_f, T_m = (m.generalised_stiffness()[2][..., 1:, 1:] for m in (fibre, matrix))
+    T = column(v) * T_f + column(1 - v) * T_m - column(curvature) * h_gap[..., :, None] * h_gap[..., None, :]
+    G_f, G_m = (m.generalised_stiffness()[0][..., 1:, 1:] for m in (fibre, matrix))
+    G = _mori_tanaka_shear(G_f, G_m, v)
+
+    return _admissible(
+        Material(
+            c11=bulk + shear, c12=bulk - shear,
+            c13=h[..., 0], e31=h[..., 1], f31=h[..., 2],
+            c33=T[..., 0, 0], e33=T[..., 0, 1], f33=T[..., 0, 2],
+            eps33=-T[..., 1, 1], g33=-T[..., 1, 2], mu33=-T[..., 2, 2],
+            c44=G[..., 0, 0], e15=G[..., 0, 1], f15=G[..., 0, 2],
+            eps11=-G[..., 1, 1], g11=-G[..., 1, 2], mu11=-G[..., 2, 2],
+            rho=v * fibre.rho + (1 - v) * matrix.rho,
+            name=f"fibrous {fibre.name} in {matrix.name}", source="Mori-Tanaka of the phases",
+        )
+    )  # fmt: skip
+
+
+def laminate(first: Material, second: Material, fraction: ArrayLike) -> Material:
+    """2-2 composite, exact: layers normal to y.
+
+    Parameters
+    ----------
+    first, second
+        The phases; c12 of the result is NaN unless both have it.
+    fraction
+        Volume fraction of the first phase, 0 to 1, any shape.
+
+    Raises
+    ------
+    MaterialError
+        Fraction outside 0..1, or an inadmissible result.
+    """
+    v = _fraction(fraction)
+    for phase in (first, second):
+        phase.check()
+    scale = _scale(first, second)
+    both = scale * scale[:, None]
+    Q_1, R_1, T_1 = (block * both for block in first.generalised_stiffness())
+    Q_2, R_2, T_2 = (block * both for block in second.generalised_stiffness())
+
+    def average(one: Array, two: Array) -> Array:
+        return column(v) * one + column(1 - v) * two
+
+    def transposed(block: Array) -> Array:
+        return np.swapaxes(block, -1, -2)
+
+    I_1, I_2 = np.linalg.inv(T_1), np.linalg.inv(T_2)
+    schur = average(Q_1 - R_1 @ I_1 @ transposed(R_1), Q_2 - R_2 @ I_2 @ transposed(R_2))
+    T_inv = average(np.asarray(I_1), np.asarray(I_2))
+    T = np.linalg.inv(T_inv)
+    R = average(R_1 @ I_1, R_2 @ I_2) @ T
+    Q = (schur + R @ T_inv @ transposed(R)) / both
+    R, T = R / both, T / both
+
+    # c12 belongs to the out-of-plane stress, which the plane blocks do not hold: the layers share eps_xx, and the
+    # shear stiffness (c11 - c12)/2 in the plane of the layers averages
+    shear = v * (first.c11 - first.c12) / 2 + (1 - v) * (second.c11 - second.c12) / 2
+    return _admissible(
+        Material(
+            c11=Q[..., 0, 0], c12=Q[..., 0, 0] - 2 * shear, c13=R[..., 0, 1], e31=R[..., 0, 2], f31=R[..., 0, 3],
+            c33=T[..., 1, 1], e33=T[..., 1, 2], f33=T[..., 1, 3],
+            eps33=-T[..., 2, 2], g33=-T[..., 2, 3], mu33=-T[..., 3, 3],
+            c44=Q[..., 1, 1], e15=Q[..., 1, 2], f15=Q[..., 1, 3],
+            eps11=-Q[..., 2, 2], g11=-Q[..., 2, 3], mu11=-Q[..., 3, 3],
+            rho=v * first.rho + (1 - v) * second.rho,
+            name=f"laminate of {first.name} and {second.name}", source="exact laminate of the phases",
+        )
+    )  # fmt: skip
+
+
+def _fraction(fraction: ArrayLike) -> Array:
+    v = np.asarray(fraction, dtype=np.float64)
+    bad = v[~((v >= 0) & (v <= 1))]
+    if bad.size:
+        raise MaterialError(f"volume_fraction: {bad.flat[0]:g} is not within 0 to 1")
+    return v
+
+
+def _scale(*phases: Material) -> Array:
+    """Diagonal that brings the blocks of all phases near one (theory section 2); (4,)."""
+    stiffness = max(float(np.max(p.c33)) for p in phases)
+    electric = max(float(np.max(p.eps33)) for p in phases)
+    magnetic = max(float(np.max(p.mu33)) for p in phases)
+    return np.array([stiffness, stiffness, electric, magnetic]) ** -0.5
+
+
+def _mori_tanaka_shear(G_f: Array, G_m: Array, v: Array) -> Array:
+    """Longitudinal shear block G_m + v dG (I + (1-v)/2 G_m^-1 dG)^-1, scaled before the inverse; (..., 3, 3)."""
+    scale = 1 / np.sqrt(np.abs(np.diagonal(G_m, axis1=-2, axis2=-1)))
+    both = scale[..., :, None] * scale[..., None, :]
+    gap, host = (G_f - G_m) * both, G_m * both
+    concentration = np.linalg.inv(np.eye(3) + column((1 - v) / 2) * np.linalg.solve(host, gap))
+    return np.asarray((host + column(v) * gap @ concentration) / both)
+
+
+def _admissible(material: Material) -> Material:
+    material.check()
+    return material

@@ -1,0 +1,44 @@
+"""The built-in materials."""
+
+import tomllib
+from collections.abc import Mapping
+from difflib import get_close_matches
+from functools import cache
+from importlib.resources import files
+from types import MappingProxyType
+
+from solver.material.constants import Material, MaterialError
+
+
+@cache
+def materials() -> Mapping[str, Material]:
+    """Every built-in material by name; constants and sources stand in ``solver/material/materials.toml``."""
+    table = tomllib.loads(files("solver.material").joinpath("materials.toml").read_text(encoding="utf-8"))
+    return MappingProxyType({name: Material.from_mapping({"name": name, **entry}) for name, entry in table.items()})
+
+
+@cache
+def published() -> Mapping[str, Mapping[str, float]]:
+    """BaTiO3-CoFe2O4 as published, constants by volume fraction of BaTiO3: to compare with, not admissible.
+
+    Up to 0.8 they carry the wrong sign of CoFe2O4's mu11; sources stand in ``solver/material/published.toml``,
+    and the repaired materials among :func:`materials` under ``BaTiO3-CoFe2O4 <fraction>``.
+    """
+    table = tomllib.loads(files("solver.material").joinpath("published.toml").read_text(encoding="utf-8"))
+    return MappingProxyType({fraction: MappingProxyType(entry) for fraction, entry in table.items()})
+
+
+def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Material:
+    """The material of this name, from ``more`` (a user's own) first, then from the built-in ones.
+
+    Raises
+    ------
+    MaterialError
+        Naming the nearest known name.
+    """
+    known = {**materials(), **more}
+    if name not in known:
+        near = get_close_matches(name, known, 1, 0.5)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        raise MaterialError(f"material: {name!r} is unknown; {hint}known are {', '.join(known)}")
+    return known[name]

@@ -1,0 +1,168 @@
+"""netCDF files written block by block, so that a data set may be larger than the memory.
+
+The file that `write_blocks` makes is one of `storage.netcdf`: it appears whole or not at all, has the same checksum
+as if it had been written at once, and equal data give equal bytes.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from math import prod
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from storage.netcdf import (
+    CHECKSUM,
+    COMPRESS_FROM,
+    PACKED,
+    checksum_parts,
+    combined,
+    contents,
+    encodings,
+    finished,
+    started,
+)
+from storage.rootunits import as_stored
+from storage.sealed import appearing
+
+#: Attributes that `write_blocks` adds to every variable.
+STATISTICS = ("actual_range", "mean", "standard_deviation")
+_PORTION = 2**15  # numbers that are summed up at a time, while they are near the processor
+
+#: A region of an array: along every axis from where to where.
+Region = tuple[slice, ...]
+
+
+@dataclass
+class Moments:
+    """Extremes, mean and standard deviation of numbers that come in pieces (Chan, Golub and LeVeque 1979)."""
+
+    count: int = 0
+    mean: float = 0.0
+    squares: float = 0.0
+    low: float = np.inf
+    high: float = -np.inf
+
+    def add(self, values: NDArray[Any]) -> None:
+        """Take further numbers in; ValueError if one is not finite."""
+        flat = values.ravel()
+        for begin in range(0, flat.size, _PORTION):
+            part = flat[begin : begin + _PORTION]
+            low, high = float(part.min()), float(part.max())
+            if not (np.isfinite(low) and np.isfinite(high)):
+                raise ValueError(f"not finite in {values.dtype}")
+            exact = part.astype(np.float64)
+            mean = float(exact.sum()) / part.size
+            exact -= mean
+            total, step = self.count + part.size, mean - self.mean
+            self.squares += float(np.dot(exact, exact)) + step**2 * self.count * part.size / total
+            self.mean += step * part.size / total
+            self.low, self.high = min(self.low, low), max(self.high, high)
+            self.count = total
+
+    @property
+    def attrs(self) -> dict[str, Any]:
+        """As attributes of a variable; `actual_range` is CF's name."""
+        deviation = float(np.sqrt(max(self.squares, 0.0) / max(self.count, 1)))
+        return {"actual_range": [self.low, self.high], "mean": self.mean, "standard_deviation": deviation}
+
+
+@dataclass
+class _Stored:
+    """A variable of the file while it is written: what was summed up of it so far."""
+
+    variable: "netCDF4.Variable[Any]"
+    digest: Any
+    moments: Moments = field(default_factory=Moments)
+
+
+def write_blocks(
+    path: str | PathLike[str],
+    frame: xr.Dataset,
+    blocks: Iterable[tuple[Region, Mapping[str, NDArray[Any]]]],
+    chunks: Mapping[str, int],
+) -> None:
+    """Write a data set to a netCDF-4 file in blocks; the file appears whole or not at all.
+
+    Every variable gets its statistics as attributes: `actual_range`, `mean`, `standard_deviation`.
+
+    Parameters
+    ----------
+    path : path-like
+        Where to; its folder must exist.
+    frame : Dataset
+        Coordinates, attributes, and every variable's dimensions, size and type; the variables' values are not read
+        (broadcast views will do).
+    blocks : iterable of (region, values)
+        Values of all variables in one region after the other, in C order: together they fill the arrays from their
+        first element to their last. A region has a slice for every axis that all variables share.
+    chunks : mapping
+        Length of a chunk along each dimension, at most.
+
+    Raises
+    ------
+    FileNotFoundError
+        The folder does not exist.
+    ValueError
+        The blocks do not fill the arrays, or a value is not finite.
+    OSError
+        No room or no permission, in the system's words, with the file.
+    """
+    frame = as_stored(frame.drop_encoding())
+    frame.attrs.setdefault("Conventions", "CF-1.11")
+    with appearing(Path(path), sealed=True) as partial:
+        _write(partial, frame, blocks, chunks)
+
+
+def _write(
+    partial: Path,
+    frame: xr.Dataset,
+    blocks: Iterable[tuple[Region, Mapping[str, NDArray[Any]]]],
+    chunks: Mapping[str, int],
+) -> None:
+    skeleton = frame.drop_vars(list(frame.data_vars))
+    skeleton.to_netcdf(partial, format="NETCDF4", engine="netcdf4", encoding=encodings(skeleton))
+    with netCDF4.Dataset(partial, "a") as file:
+        for dim, size in frame.sizes.items():
+            if dim not in file.dimensions:
+                file.createDimension(str(dim), size)
+        stored = {str(name): _created(file, str(name), frame[name], chunks) for name in frame.data_vars}
+        for region, values in blocks:
+            for name, one in stored.items():
+                _put(name, one, region, np.asarray(values[name]))
+        for name, one in stored.items():
+            if one.moments.count != one.variable.size:
+                raise ValueError(f"{name}: {one.moments.count} of {one.variable.size} values given")
+            one.variable.setncatts(one.moments.attrs)
+        digests = {
+            name: finished(one.digest, {**frame[name].attrs, **one.moments.attrs}) for name, one in stored.items()
+        }
+        file.setncattr(CHECKSUM, combined(checksum_parts(skeleton) | digests, frame.attrs))
+
+
+def _created(file: netCDF4.Dataset, name: str, array: xr.DataArray, chunks: Mapping[str, int]) -> _Stored:
+    sizes = [min(chunks.get(str(dim), size), size) for dim, size in array.sizes.items()]
+    settings = PACKED if prod(sizes) >= COMPRESS_FROM // 4 else {}  # small chunks gain nothing
+    dims = tuple(str(dim) for dim in array.dims)
+    variable = file.createVariable(name, array.dtype, dims, chunksizes=sizes or None, fill_value=False, **settings)
+    if sizes:  # room for one chunk: it is packed when it is complete, and not kept
+        variable.set_var_chunk_cache(size=prod(sizes) * array.dtype.itemsize)
+    variable.set_auto_maskandscale(False)
+    variable.setncatts(array.attrs)
+    return _Stored(variable, started(array.dims, array.shape, array.dtype))
+
+
+def _put(name: str, one: _Stored, region: Region, values: NDArray[Any]) -> None:
+    with np.errstate(over="ignore"):  # what is not finite is named below
+        values = np.ascontiguousarray(values, dtype=one.variable.dtype)
+    try:
+        one.moments.add(values)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+    one.variable[region] = values
+    one.digest.update(contents(values))

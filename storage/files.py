@@ -1,0 +1,76 @@
+"""Files that appear whole or not at all, and what may be read or replaced."""
+
+import errno
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+from storage.sealed import appearing
+
+
+def regular(path: Path) -> Path:
+    """The path, unless it is a device or a pipe: one never ends, the other makes its reader wait.
+
+    Raises
+    ------
+    OSError
+        There is no such file, or it is a device, a pipe or a socket; it names the file.
+    """
+    mode = path.stat().st_mode
+    if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):  # a folder says so itself when it is opened
+        raise OSError(errno.EINVAL, "not a regular file", str(path))
+    return path
+
+
+def output(path: Path, *inputs: Path) -> Path:
+    """Where to write what an option asks for: the file itself, or what a link leads to.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such folder.
+    OSError
+        The path is a device, a pipe or a folder, which a new file would replace, or one of the inputs; it names it.
+    """
+    target = path.resolve() if path.is_symlink() else path
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"{path}: the folder {target.parent} does not exist")
+    if target.exists():
+        if not target.is_file():
+            raise OSError(errno.EINVAL, "not a regular file, so it is not replaced", str(path))
+        for one in inputs:
+            if one.exists() and target.samefile(one):
+                raise OSError(errno.EINVAL, "is an input of this command, so it is not replaced", str(path))
+    return target
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text in UTF-8, whole or not at all."""
+    write_bytes(path, text.encode())
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write beside the final name, then rename: a reader never sees half a file.
+
+    Raises
+    ------
+    OSError
+        No room, or no permission; it names the file.
+    """
+    with writing(path) as file:
+        file.write(content)
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[BinaryIO]:
+    """A file to write to, beside the final name; it takes that name in the end, or is removed after an error.
+
+    Raises
+    ------
+    OSError
+        No room, or no permission; it names the file.
+    """
+    with appearing(path) as partial, partial.open("xb") as file:
+        yield file

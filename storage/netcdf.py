@@ -1,0 +1,226 @@
+"""netCDF-4 files that appear whole or not at all, and are verified when read.
+
+A killed netCDF-4 writer leaves a file that opens. Therefore a file is written under a temporary name in the same
+folder, sealed as the very last step, flushed to disk and only then renamed (`storage.sealed`).
+"""
+
+import hashlib
+import json
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import xarray as xr
+
+from storage.rootunits import as_meant, as_stored
+from storage.sealed import FormatError, appearing, check_seal
+
+CHECKSUM = "checksum"
+# Arrays below this size gain nothing from compression.
+COMPRESS_FROM = 4096
+# what every netCDF library reads: Debian's has neither Blosc nor Zstandard
+PACKED: dict[str, Any] = {"compression": "zlib", "complevel": 1, "shuffle": True}
+MAX_BYTES = 16 * 2**30
+# What one string of a variable-length array takes in memory, at least.
+STRING_BYTES = 64
+FAILURES = (
+    OSError,
+    RuntimeError,
+    ValueError,
+    KeyError,
+    TypeError,
+    AttributeError,
+    IndexError,
+    OverflowError,
+    MemoryError,
+)
+
+
+def write_whole(
+    dataset: xr.Dataset, path: str | PathLike[str], encoding: Mapping[Hashable, Mapping[str, Any]] | None = None
+) -> None:
+    """Write a data set to a netCDF-4 file that appears whole or not at all.
+
+    The attribute `checksum` is the SHA-256 of the names, dimensions, attributes and bytes of all variables. Equal data
+    sets give equal bytes. Large float arrays are compressed (zlib level 1 after a byte shuffle, which every
+    netCDF library reads).
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Numbers, booleans and strings; no times, and no encoding of its own (it is dropped).
+    path : path-like
+        Where to; its folder must exist. An existing file is replaced.
+    encoding : mapping, optional
+        netCDF encoding by variable, beyond the default; it must be lossless, or the file fails its checksum.
+
+    Raises
+    ------
+    FileNotFoundError
+        The folder does not exist.
+    TypeError
+        A variable or attribute of a kind that the file cannot hold.
+    OSError
+        No room or no permission, in the system's words, with the file.
+    """
+    plain = as_stored(dataset.drop_encoding())
+    plain.attrs.pop(CHECKSUM, None)
+    plain.attrs.setdefault("Conventions", "CF-1.11")
+    mark = checksum(plain)
+    settings = encodings(plain)
+    for name, extra in (encoding or {}).items():
+        settings[name] |= extra
+    with appearing(Path(path), sealed=True) as partial:
+        plain.to_netcdf(partial, mode="w", format="NETCDF4", engine="netcdf4", encoding=settings)
+        with netCDF4.Dataset(partial, "a") as file:
+            file.setncattr(CHECKSUM, mark)
+
+
+def read_whole(
+    path: str | PathLike[str],
+    lazy: bool = False,
+    max_bytes: int = MAX_BYTES,
+    names: Collection[str] | None = None,
+) -> xr.Dataset:
+    """Read a file of `write_whole` or `write_blocks`.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    lazy : bool
+        Verify the bytes of the file, but leave the arrays on disk; close the data set after use. By default
+        everything is loaded, and its contents are verified too.
+    max_bytes : int
+        Refuse a file that is, or unpacks to, more than this.
+    names : collection of str, optional
+        Load these variables (and the coordinates) only, from a file whose bytes are verified.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such file.
+    FormatError
+        The file is no netCDF-4, truncated, incomplete, altered or too large; one line with file and reason.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise FileNotFoundError(f"{path}: no such file")
+    check_seal(path, max_bytes)
+    mark = _inspect(path, max_bytes)
+    with _reported(path):
+        dataset = xr.open_dataset(path, engine="netcdf4", decode_times=False, decode_timedelta=False)
+    if lazy:
+        return as_meant(dataset)
+    if names is not None:
+        with dataset, _reported(path):
+            return as_meant(dataset[[name for name in dataset.data_vars if name in names]].load())
+    with dataset, _reported(path):
+        loaded = dataset.load()
+        found = checksum(loaded)
+    if found != mark:
+        raise FormatError(path, "altered: its contents do not match their checksum")
+    return as_meant(loaded)
+
+
+def checksum(dataset: xr.Dataset) -> str:
+    """Return the SHA-256 over the names, dimensions, attributes and bytes of all variables, in hexadecimal."""
+    return combined(checksum_parts(dataset), dataset.attrs)
+
+
+def checksum_parts(dataset: xr.Dataset) -> dict[str, str]:
+    """Digest of every variable."""
+    digests = {}
+    for name, variable in dataset.variables.items():
+        digest = started(variable.dims, variable.shape, variable.dtype)
+        try:
+            digest.update(contents(variable.to_numpy()))
+        except TypeError as error:
+            raise TypeError(f"variable {name!r}: {error}") from None
+        digests[str(name)] = finished(digest, variable.attrs)
+    return digests
+
+
+def started(dims: Iterable[Hashable], shape: Iterable[int], dtype: np.dtype[Any]) -> "hashlib._Hash":
+    """Digest of a variable's shape, to be fed with its contents, in pieces where it is large."""
+    kind = dtype.newbyteorder("<").str if dtype.kind in "biuf" else "text"
+    return hashlib.sha256(json.dumps([[str(dim) for dim in dims], list(shape), kind]).encode())
+
+
+def contents(values: np.ndarray[Any, Any]) -> memoryview | bytes:
+    """The bytes of numbers or strings that a digest is fed with."""
+    if values.dtype.kind in "biuf":
+        return np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).data
+    if all(isinstance(one, str) for one in values.astype(object).flat):
+        return json.dumps([str(one) for one in values.flat]).encode()
+    raise TypeError(f"cannot store {values.dtype} values; numbers, booleans and strings only")
+
+
+def finished(digest: "hashlib._Hash", attrs: Mapping[Any, Any]) -> str:
+    """Digest of a variable with its attributes."""
+    digest.update(_attributes(attrs))
+    return digest.hexdigest()
+
+
+def combined(digests: Mapping[str, str], attrs: Mapping[Any, Any]) -> str:
+    """Digest of a whole data set from those of its variables."""
+    own = {key: value for key, value in attrs.items() if key != CHECKSUM}
+    return hashlib.sha256(json.dumps(sorted(digests.items())).encode() + _attributes(own)).hexdigest()
+
+
+def _attributes(attrs: Mapping[Any, Any]) -> bytes:
+    def plain(value: object) -> object:
+        # netCDF has no scalars beside arrays of length one
+        return value if isinstance(value, str) else np.atleast_1d(np.asarray(value)).tolist()
+
+    return json.dumps({str(key): plain(attrs[key]) for key in sorted(attrs, key=str)}).encode()
+
+
+def encodings(dataset: xr.Dataset) -> dict[Hashable, dict[str, Any]]:
+    """How every variable is stored: large numbers packed, and no number that stands for a missing one."""
+    return {
+        name: {"_FillValue": None, **(PACKED if variable.size >= COMPRESS_FROM else {})}
+        if variable.dtype.kind == "f"
+        else {}
+        for name, variable in dataset.variables.items()
+    }
+
+
+def _inspect(path: Path, max_bytes: int) -> str:
+    """Check sizes in the header alone, before anything is loaded; return the checksum."""
+    with _reported(path), netCDF4.Dataset(path, "r") as file:
+        declared = sum(_size(path, variable) for variable in file.variables.values())
+        unlimited = [name for name, dim in file.dimensions.items() if dim.isunlimited()]
+        mark = file.getncattr(CHECKSUM) if CHECKSUM in file.ncattrs() else None
+    if declared > max_bytes:
+        raise FormatError(path, f"too large: it unpacks to {declared} bytes, at most {max_bytes} are read")
+    if unlimited:
+        raise FormatError(path, f"unexpected unlimited dimension {unlimited[0]!r}")
+    if not isinstance(mark, str):
+        raise FormatError(path, "it has no checksum, so it is not of this program")
+    return mark
+
+
+def _size(path: Path, variable: "netCDF4.Variable[Any]") -> int:
+    count = 1
+    for length in variable.shape:
+        count *= int(length)
+    if variable.dtype is str:
+        return count * STRING_BYTES
+    if not isinstance(variable.dtype, np.dtype) or variable.dtype.kind not in "iuf":
+        raise FormatError(path, f"variable {variable.name!r} has an unexpected type")
+    return count * int(variable.dtype.itemsize)
+
+
+@contextmanager
+def _reported(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except FormatError:
+        raise
+    except FAILURES as error:
+        raise FormatError(path, f"no readable netCDF-4 file ({error})") from error

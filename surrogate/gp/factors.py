@@ -1,0 +1,278 @@
+"""What one factor contributes to a separable Gaussian process: its kernel on the levels and its features at a query.
+
+Every factor brings an orthonormal basis of functions on its levels, ordered from smooth to rough (discrete Chebyshev
+polynomials: on Chebyshev-Gauss levels the discrete cosine transform), in which smooth data have few and quickly
+decaying coefficients. The kernel of factor f for output p is ``constant + amplitude[f, p] * K_f(x, y)``.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from surrogate.data.inputs import gauss_points
+
+Array = NDArray[np.float64]
+
+# Mean features drop contributions of the kernel's tail below rounding.
+NEGLIGIBLE = 1e-17
+
+
+@dataclass(frozen=True)
+class Features:
+    """What the process needs of one factor at B query points.
+
+    Attributes
+    ----------
+    mean : ndarray, shape (modes, B)
+        Functions that the coefficients of the mean multiply.
+    prior : ndarray, shape (B,)
+        K(x, x), without constant and amplitude.
+    residual : ndarray, shape (B,)
+        Part of K(x, x) that the levels leave unknown, >= 0: K(x, x) - K(x, X) K(X, X)^-1 K(X, x).
+    """
+
+    mean: Array
+    prior: Array
+    residual: Array
+
+
+class Factor(ABC):
+    """Kernel of one factor on given levels, in the scaled coordinate.
+
+    Attributes
+    ----------
+    t : ndarray, shape (n,)
+        Levels in the scaled coordinate.
+    parameter : float
+        The kernel's one hyper-parameter.
+    affine : bool
+        Whether the kernel's functions are affine, so that the levels leave nothing unknown.
+    constant : float
+        Constant part of the kernel beside the scaled part.
+    basis : ndarray, shape (n, n)
+        Orthonormal columns, from smooth to rough.
+    weights : ndarray, shape (n,)
+        Scale between coefficients in `basis` and those that multiply `Features.mean`.
+    """
+
+    constant: ClassVar[float]
+    t: Array
+    parameter: float
+    affine: bool = False
+    basis: Array
+    weights: Array
+
+    @abstractmethod
+    def inverse(self) -> tuple[Array, Array]:
+        """Return K^-1 basis, shape (n, n), and the diagonal of K^-1, shape (n,), at unit amplitude."""
+
+    @abstractmethod
+    def features(self, t: Array, modes: int) -> Features:
+        """Return the features at scaled points t, shape (B,), with the first `modes` mean features."""
+
+    @abstractmethod
+    def slopes(self, t: Array, modes: int) -> Features:
+        """Return the derivatives of `features` with respect to t."""
+
+
+class ChebyshevFactor(Factor):
+    """Factor kernel sum_{0<m<2n} rho^m T_m(x) T_m(y) beside a constant, on the n zeros of T_n.
+
+    On these levels T_{2n-m} = -T_m and T_n = 0, so every kernel that is diagonal in the Chebyshev polynomials has the
+    discrete cosine transform as eigenvectors, and each pair (m, 2n-m) shares one eigenvalue rho^m + rho^(2n-m). With
+    2n terms the constant has no alias and the mean reproduces it exactly. What the levels leave unknown is
+
+        T_n(x)^2 [rho^n + 4 sum_{0<m<n} rho^m rho^(2n-m) / (rho^m + rho^(2n-m)) T_{n-m}(x)^2],
+
+    a sum of squares that vanishes on the levels (from T_m + T_{2n-m} = 2 T_n T_{n-m}). A factor with two levels is
+    taken as affine: its kernel ends at T_1 and nothing is left unknown.
+    Source: aliasing, Trefethen, Approximation Theory and Approximation Practice (2013), chapter 4; the rest follows.
+
+    Parameters
+    ----------
+    levels : int
+        Number of levels n >= 2.
+    rho : float
+        Decay of the kernel's coefficients, 0 < rho < 1.
+    """
+
+    constant = 1.0
+
+    def __init__(self, levels: int, rho: float) -> None:
+        self.parameter, self.t = rho, gauss_points(levels)
+        n = self._n = levels
+        self.affine = n == 2
+        self.basis, self.weights = cosine_basis(n)
+        decay = rho ** np.arange(2 * n)
+        decay[0] = 0.0
+        if self.affine:
+            decay = np.array([0.0, 1.0])
+        self._decay = decay
+        alias = np.zeros(n)
+        if not self.affine:
+            alias[1:] = decay[:n:-1]
+        self._eigenvalues = decay[:n] + alias
+        self._eigenvalues[0] = 1.0
+        self._damping = alias / self._eigenvalues
+        # T_{n-m} takes the m-th share, hence the reversal; T_0 stands for the term of T_n itself
+        self._unknown = np.zeros(n)
+        if not self.affine:
+            self._unknown[1:] = 4 * (decay[:n] * self._damping)[:0:-1]
+            self._unknown[0] = decay[n]
+        significant = np.flatnonzero(self._damping > NEGLIGIBLE)
+        self._first_damped = int(significant[0]) if significant.size else n
+
+    def inverse(self) -> tuple[Array, Array]:
+        """Return K^-1 basis and the diagonal of K^-1; the basis diagonalises K."""
+        inverse = self.basis * (self.weights**2 / self._eigenvalues)
+        return inverse, np.einsum("im,im->i", inverse, self.basis)
+
+    def features(self, t: Array, modes: int) -> Features:
+        """Return T_m damped by its alias, K(x, x) and what the levels leave unknown."""
+        T = _chebyshev(t, len(self._decay))
+        squares = T * T
+        residual = self._unknown @ squares[: self._n]
+        if not self.affine:
+            residual *= squares[self._n]
+        return Features(self._mean(T, modes), self._decay @ squares, residual)
+
+    def slopes(self, t: Array, modes: int) -> Features:
+        """Return the derivatives of `features` with respect to t."""
+        T = _chebyshev(t, len(self._decay))
+        S = _chebyshev_slopes(t, T)
+        n, rows = self._n, self._damped(modes)
+        mean = S[:modes].copy()
+        prior = 2 * self._decay @ (T * S)
+        if self.affine:
+            return Features(mean, prior, np.zeros_like(t))
+        mirror = n - rows
+        mean[rows] -= 2 * self._damping[rows, None] * (S[n] * T[mirror] + T[n] * S[mirror])
+        shape, shape_slope = self._unknown @ T[:n] ** 2, 2 * self._unknown @ (T[:n] * S[:n])
+        return Features(mean, prior, 2 * T[n] * S[n] * shape + T[n] ** 2 * shape_slope)
+
+    def plain(self) -> dict[str, object]:
+        """Return what `features` needs, as plain lists."""
+        return {
+            "levels": self._n,
+            "affine": self.affine,
+            "decay": self._decay.tolist(),
+            "damping": self._damping.tolist(),
+            "unknown": self._unknown.tolist(),
+            "firstDamped": self._first_damped,
+        }
+
+    def _mean(self, T: Array, modes: int) -> Array:
+        rows = self._damped(modes)
+        mean = T[:modes].copy()
+        if rows.size:
+            mean[rows] -= (2 * self._damping[rows, None] * T[self._n]) * T[self._n - rows]
+        return mean
+
+    def _damped(self, modes: int) -> NDArray[np.intp]:
+        return np.arange(self._first_damped, max(modes, self._first_damped))
+
+
+class StationaryFactor(Factor):
+    """Factor kernel that depends on the distance of scaled coordinates only: RBF or Matern, on any levels.
+
+    Formulas: C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning (2006), section 4.2.
+
+    Parameters
+    ----------
+    kind : {"rbf", "matern32", "matern52"}
+        Correlation function.
+    t : ndarray, shape (n,)
+        Levels in the scaled coordinate.
+    length_scale : float
+        In the scaled coordinate, where the box has width 2.
+    nugget : float
+        Added to the diagonal of K on the levels.
+    """
+
+    constant = 0.0
+
+    def __init__(self, kind: str, t: Array, length_scale: float, nugget: float) -> None:
+        self.parameter = length_scale
+        self._kind, self.t = kind, t
+        self.basis, self.weights = polynomial_basis(t), np.ones(len(t))
+        K = correlation(kind, t[:, None] - t, length_scale)[0] + nugget * np.eye(len(t))
+        eigenvalues, vectors = eigh(K)
+        # rounding can push the smallest eigenvalues of a smooth kernel below the nugget
+        eigenvalues = np.maximum(eigenvalues, max(nugget, len(t) * np.finfo(float).eps))
+        self._whiten = (vectors / np.sqrt(eigenvalues)).T
+        self._inverse = self._whiten.T @ self._whiten
+        self._cardinal = (self.basis.T @ self._whiten.T) @ self._whiten
+
+    def inverse(self) -> tuple[Array, Array]:
+        """Return K^-1 basis and the diagonal of K^-1, nugget included."""
+        return self._cardinal.T, np.diag(self._inverse)
+
+    def features(self, t: Array, modes: int) -> Features:
+        """Return basis^T K^-1 k(X, x), the constant prior and 1 - k^T K^-1 k."""
+        k, _ = correlation(self._kind, t - self.t[:, None], self.parameter)
+        white = self._whiten @ k
+        residual = np.maximum(1 - np.einsum("ib,ib->b", white, white), 0)
+        return Features(self._cardinal[:modes] @ k, np.ones_like(t), residual)
+
+    def slopes(self, t: Array, modes: int) -> Features:
+        """Return the derivatives of `features` with respect to t."""
+        k, slope = correlation(self._kind, t - self.t[:, None], self.parameter)
+        white, white_slope = self._whiten @ k, self._whiten @ slope
+        residual = -2 * np.einsum("ib,ib->b", white, white_slope)
+        return Features(self._cardinal[:modes] @ slope, np.zeros_like(t), residual)
+
+
+def correlation(kind: str, difference: Array, length_scale: float) -> tuple[Array, Array]:
+    """Return a stationary correlation function of a difference of coordinates, and its derivative; any shape."""
+    r = difference / length_scale
+    if kind == "rbf":
+        k = np.exp(-0.5 * r * r)
+        return k, -r * k / length_scale
+    if kind == "matern32":
+        s = np.sqrt(3) * np.abs(r)
+        decay = np.exp(-s)
+        return (1 + s) * decay, -3 * r * decay / length_scale
+    if kind == "matern52":
+        s = np.sqrt(5) * np.abs(r)
+        decay = np.exp(-s)
+        return (1 + s + s * s / 3) * decay, -5 / 3 * r * (1 + s) * decay / length_scale
+    raise ValueError(f"unknown kernel {kind!r}")
+
+
+def cosine_basis(n: int) -> tuple[Array, Array]:
+    """Return the discrete cosine basis on n Chebyshev-Gauss points, (n, n), and the norms that make it T_m, (n,)."""
+    weights = np.full(n, np.sqrt(2 / n))
+    weights[0] = np.sqrt(1 / n)
+    return np.ascontiguousarray(_chebyshev(gauss_points(n), n).T * weights), weights
+
+
+def polynomial_basis(t: Array) -> Array:
+    """Return polynomials of degree 0 to n-1 that are orthonormal on n points t, columns of an (n, n) matrix."""
+    basis, _ = np.linalg.qr(_chebyshev(t, len(t)).T)
+    return np.asarray(basis)
+
+
+def _chebyshev(t: Array, count: int) -> Array:
+    """T_0 .. T_{count-1} at t by their recurrence, shape (count, B); valid outside [-1, 1] too."""
+    T = np.empty((count, len(t)))
+    T[0] = 1
+    if count > 1:
+        T[1] = t
+    double = 2 * t
+    for m in range(2, count):
+        np.multiply(double, T[m - 1], out=T[m])
+        T[m] -= T[m - 2]
+    return T
+
+
+def _chebyshev_slopes(t: Array, T: Array) -> Array:
+    """Derivatives of the polynomials T, shape (count, B), from the derivative of their recurrence."""
+    S = np.zeros_like(T)
+    S[1] = 1
+    for m in range(2, len(T)):
+        S[m] = 2 * (T[m - 1] + t * S[m - 1]) - S[m - 2]
+    return S

@@ -1,0 +1,286 @@
+"""Exact Gaussian processes on complete factorial grids: product kernels, no N^3 and no N-sized work per query."""
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from typing import Any, ClassVar, Literal, Self, get_args
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from surrogate.data.factorial import check_levels, complete_factorial
+from surrogate.data.inputs import Input
+from surrogate.gp.factors import ChebyshevFactor, Factor, Features, StationaryFactor, cosine_basis, polynomial_basis
+from surrogate.gp.hyperparameters import amplitudes, choose, length_bounds, rho_bounds
+from surrogate.gp.model import GaussianProcess
+from surrogate.gp.tensortrain import TensorTrain, compress
+
+Kernel = Literal["chebyshev", "rbf", "matern32", "matern52"]
+KERNELS: tuple[str, ...] = get_args(Kernel)
+Array = NDArray[np.float64]
+
+
+class GridGP(GaussianProcess):
+    """Gaussian process on a complete factorial with a product kernel, noise-free, any number of outputs.
+
+    The covariance is the Kronecker product of the factors' kernels (Y. Saatci, Scalable Inference for Structured
+    Gaussian Process Models, 2011, chapter 5), so inference needs one small matrix a factor. The mean's coefficients are
+    compressed to a tensor train; the variance is a sum over factors of what their levels leave unknown.
+
+    Parameters
+    ----------
+    kernel : {"chebyshev", "rbf", "matern32", "matern52"}
+        Factor kernel. "chebyshev" needs Chebyshev-Gauss levels and has the accuracy of tensor Chebyshev interpolation;
+        a factor with 2 levels is taken as affine. The others take any levels.
+    inputs : sequence of Input, optional
+        Inputs with box and scale. By default read off the data set, see `factorial.complete_factorial`.
+    outputs : sequence of str, optional
+        Outputs to model, by default every variable.
+    hyperparameters : mapping, optional
+        Fixes, by input name, rho of the chebyshev kernel or the length scale (in the scaled coordinate, where the box
+        is 2 wide) of the others. By default they maximise the leave-one-level-out predictive density of all outputs.
+    compression : float
+        Root-mean-square error allowed to the compressed mean, relative to every output's standard deviation; 0 is none.
+    nugget : float
+        Added to the unit diagonal of every factor's kernel on its levels, except "chebyshev", which needs none.
+
+    Attributes
+    ----------
+    hyperparameters_ : dict of str to float
+        Chosen or fixed rho or length scale of every input.
+    amplitude_ : ndarray, shape (d, p)
+        Amplitude of every factor's kernel beside its constant (1 for the stationary kernels).
+    variance_ : ndarray, shape (p,)
+        Variance of the process of every output, in units of its squared standard deviation `scale_`.
+    """
+
+    engine: ClassVar[str] = "grid"
+    factors_: tuple[Factor, ...]
+    order_: tuple[int, ...]
+    train_: TensorTrain
+
+    def __init__(
+        self,
+        kernel: Kernel = "chebyshev",
+        inputs: Sequence[Input] | None = None,
+        outputs: Sequence[str] | None = None,
+        hyperparameters: Mapping[str, float] | None = None,
+        compression: float = 1e-12,
+        nugget: float = 1e-10,
+    ) -> None:
+        self.kernel = kernel
+        self.inputs = inputs
+        self.outputs = outputs
+        self.hyperparameters = hyperparameters
+        self.compression = compression
+        self.nugget = nugget
+
+    def fit(self, X: xr.Dataset, y: None = None) -> Self:
+        """Fit to a complete factorial.
+
+        Parameters
+        ----------
+        X : Dataset
+            Dimensions are the factors with their levels as coordinates; variables are the outputs, which may lack
+            factors that they do not depend on.
+        y : None
+            Ignored; scikit-learn's convention.
+
+        Raises
+        ------
+        ValueError
+            An unknown kernel, or a data set that is no complete factorial (the message names what is wrong).
+        """
+        if self.kernel not in KERNELS:
+            raise ValueError(f"kernel {self.kernel!r} is none of {', '.join(KERNELS)}")
+        data = complete_factorial(X, self.inputs, self.outputs, self.kernel == "chebyshev")
+        for name in self.hyperparameters or {}:
+            if name not in [one.name for one in data.inputs]:
+                raise ValueError(f"hyperparameters name {name!r}, which is no input")
+        self.inputs_, self.levels_ = data.inputs, data.levels
+        self.calibration_ = None
+        self.outputs_, self.attrs_ = tuple(data.outputs), data.attrs
+        points = [one.to_unit(levels) for one, levels in zip(data.inputs, data.levels, strict=True)]
+        bases = [cosine_basis(len(t))[0] if self.kernel == "chebyshev" else polynomial_basis(t) for t in points]
+        shape = tuple(map(len, points))
+        cases = int(np.prod(shape))
+
+        self.offset_, self.scale_ = np.empty(len(data.outputs)), np.empty(len(data.outputs))
+        grams = [np.empty((len(data.outputs), n, n)) for n in shape]
+        kept = []
+        # half of the squared error goes to dropping high modes, half to the tensor train
+        allowed = self.compression**2 * cases / 2
+        for p, values in enumerate(data.outputs.values()):
+            coefficients, self.offset_[p], self.scale_[p] = _transform(values, bases, [gram[p] for gram in grams])
+            kept.append(_chop(coefficients, [gram[p] for gram in grams], allowed / len(shape)))
+        for gram, n in zip(grams, shape, strict=True):
+            gram /= cases / n
+
+        self.factors_ = tuple(self._factor(k, t, grams[k]) for k, t in enumerate(points))
+        self.hyperparameters_ = {one.name: f.parameter for one, f in zip(data.inputs, self.factors_, strict=True)}
+        self.amplitude_, self.variance_ = amplitudes(self.factors_, grams)
+
+        modes = tuple(max(sizes) for sizes in zip(*(one.shape for one in kept), strict=True))
+        # contracting the largest factors first keeps the ranks, hence the cost of a query, small
+        self.order_ = tuple(int(k) for k in np.argsort([-m for m in modes], kind="stable"))
+        tensor = np.zeros((*modes, len(kept)))
+        for p, one in enumerate(kept):
+            tensor[..., p][tuple(map(slice, one.shape))] = one
+        ordered = tensor.transpose(*self.order_, len(shape))
+        weights = [self.factors_[k].weights[: modes[k]] for k in self.order_]
+        self.train_ = compress(ordered, float(np.sqrt(allowed))).scaled(weights)
+        return self
+
+    def _factor(self, k: int, t: Array, grams: Array) -> Factor:
+        fixed = (self.hyperparameters or {}).get(self.inputs_[k].name)
+        if fixed is None and self.kernel == "chebyshev" and len(t) == 2:
+            fixed = 0.5  # affine: rho has no part in it
+        if fixed is not None:
+            return self.make_factor(t, fixed)
+        bounds = rho_bounds(len(t)) if self.kernel == "chebyshev" else length_bounds(t)
+        return choose(lambda parameter: self.make_factor(t, parameter), grams, bounds)
+
+    def make_factor(self, t: Array, parameter: float) -> Factor:
+        """Return the kernel of one factor with scaled levels t, shape (n,), and the given hyper-parameter."""
+        if self.kernel == "chebyshev":
+            if not 0 < parameter < 1:
+                raise ValueError(f"rho must lie between 0 and 1, got {parameter}")
+            return ChebyshevFactor(len(t), parameter)
+        if parameter <= 0:
+            raise ValueError(f"a length scale must be positive, got {parameter}")
+        return StationaryFactor(self.kernel, t, parameter, self.nugget)
+
+    def state(self) -> xr.Dataset:
+        """Return what a file must hold beside inputs, outputs and probes."""
+        d = len(self.inputs_)
+        state = xr.Dataset(
+            {
+                "hyperparameter": ("input", [f.parameter for f in self.factors_]),
+                "contraction_order": ("input", np.array(self.order_)),
+                "amplitude": (("input", "output"), self.amplitude_),
+                "variance": ("output", self.variance_),
+                "output_offset": ("output", self.offset_),
+                "output_scale": ("output", self.scale_),
+            },
+            attrs={"kernel": self.kernel, "compression": self.compression, "nugget": self.nugget},
+        )
+        for k, (levels, core) in enumerate(zip(self.levels_, self.train_.cores, strict=True)):
+            state[f"levels_{k}"] = (f"level_{k}", levels)
+            state[f"core_{k}"] = ((f"rank_{k}", f"mode_{k}", f"rank_{k + 1}" if k < d - 1 else "output"), core)
+        return state
+
+    @classmethod
+    def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
+        """Return the model of a stored state; ValueError names what is inconsistent."""
+        attrs, d = stored.attrs, len(inputs)
+        if attrs["kernel"] not in KERNELS:
+            raise ValueError(f"unknown kernel {attrs['kernel']!r}")
+        model = cls(attrs["kernel"], inputs, tuple(outputs), None, float(attrs["compression"]), float(attrs["nugget"]))
+        model.inputs_, model.outputs_, model.attrs_ = inputs, tuple(outputs), outputs
+        model.levels_ = tuple(stored[f"levels_{k}"].values for k in range(d))
+        check_levels(inputs, model.levels_, model.kernel == "chebyshev")
+        parameters = stored["hyperparameter"].values.tolist()
+        points = [one.to_unit(levels) for one, levels in zip(inputs, model.levels_, strict=True)]
+        model.factors_ = tuple(model.make_factor(t, value) for t, value in zip(points, parameters, strict=True))
+        model.hyperparameters_ = {one.name: f.parameter for one, f in zip(inputs, model.factors_, strict=True)}
+        model.order_ = tuple(int(k) for k in stored["contraction_order"].values)
+        if sorted(model.order_) != list(range(d)):
+            raise ValueError(f"contraction_order {model.order_} is no order of {d} inputs")
+        model.amplitude_ = stored["amplitude"].transpose("input", "output").values
+        model.variance_, model.offset_ = stored["variance"].values, stored["output_offset"].values
+        model.scale_ = stored["output_scale"].values
+        if (model.amplitude_ < 0).any() or (model.variance_ < 0).any():
+            raise ValueError("negative variance or amplitude")
+        model.train_ = TensorTrain(tuple(stored[f"core_{k}"].values for k in range(d)))
+        model.train_.check([len(model.levels_[k]) for k in model.order_], len(outputs))
+        return model
+
+    def only(self, outputs: Sequence[str]) -> Self:
+        """Return the model of some outputs; means agree within `compression`, and cost less to ask for."""
+        columns = [self.outputs_.index(name) for name in outputs]
+        part = copy(self)
+        part.outputs_, part.attrs_ = tuple(outputs), {name: self.attrs_[name] for name in outputs}
+        part.offset_, part.scale_ = self.offset_[columns], self.scale_[columns]
+        part.amplitude_, part.variance_ = self.amplitude_[:, columns], self.variance_[columns]
+        part.calibration_ = None if self.calibration_ is None else self.calibration_.only(columns)
+        weights = [self.factors_[k].weights[:size] for k, size in zip(self.order_, self.train_.modes, strict=True)]
+        plain = self.train_.scaled([1 / one for one in weights])
+        error = self.compression * float(np.sqrt(np.prod([len(one) for one in self.levels_])))
+        part.train_ = plain.only(columns, error).scaled(weights)
+        return part
+
+    @property
+    def parts(self) -> int:
+        """Number of parts of the variance: one a factor."""
+        return len(self.inputs_)
+
+    def _mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+        features = self._features(t)
+        mean = self.train_.evaluate([features[k].mean for k in self.order_])
+        mean *= self.scale_[:, None]
+        mean += self.offset_[:, None]
+        if weights is None:
+            return mean, None
+        return mean, self._unit_variance(features, weights) * (self.variance_ * self.scale_**2)[:, None]
+
+    def _slopes(self, t: Array) -> Array:
+        features, slopes = self._features(t), self._features(t, slopes=True)
+        parts = self.train_.gradient([features[k].mean for k in self.order_], [slopes[k].mean for k in self.order_])
+        return np.asarray(parts[np.argsort(self.order_)] * self.scale_[:, None])
+
+    def _variance_slopes(self, t: Array, weights: Array) -> Array:
+        features, slopes = self._features(t), self._features(t, slopes=True)
+        size = (self.variance_ * self.scale_**2)[:, None]
+        return np.stack([self._unit_variance(features, weights, (k, one)) * size for k, one in enumerate(slopes)])
+
+    def _features(self, t: Array, slopes: bool = False) -> list[Features]:
+        modes = dict(zip(self.order_, self.train_.modes, strict=True))
+        return [(f.slopes if slopes else f.features)(t[k], modes[k]) for k, f in enumerate(self.factors_)]
+
+    def _unit_variance(
+        self, features: Sequence[Features], weights: Array, slope: tuple[int, Features] | None = None
+    ) -> Array:
+        """Return the posterior variance at unit process variance, (p, B), its parts weighted by (d, p).
+
+        prod_f k_f - prod_f q_f with q_f = k_f - r_f known and r_f unknown parts is the sum over factors of
+        q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative. It is linear in what every factor brings, so
+        that with the slopes of one factor in place of its features it is the derivative.
+        """
+        shape = (len(self.outputs_), len(features[0].prior))
+        unknown, known = np.zeros(shape), np.ones(shape)
+        for f, (factor, amplitude, weight) in enumerate(zip(self.factors_, self.amplitude_, weights, strict=True)):
+            derived = slope is not None and slope[0] == f
+            feature = slope[1] if slope is not None and derived else features[f]
+            k = amplitude[:, None] * feature.prior + (0.0 if derived else factor.constant)
+            r = amplitude[:, None] * feature.residual
+            unknown *= k
+            unknown += known * r * weight[:, None]
+            k -= r
+            known *= k
+        return unknown
+
+
+def _transform(values: Array, bases: Sequence[Array], grams: Sequence[Array]) -> tuple[Array, float, float]:
+    """Standardise one output and take its coefficients in the factors' bases; fills the Gram matrix of every factor.
+
+    Returns coefficients (n_1, ..., n_d), offset and scale.
+    """
+    offset = float(values.mean())
+    rest: Any = values - offset
+    spread = float(np.sqrt(np.vdot(rest, rest) / values.size))
+    scale = spread if spread > 0 else 1.0
+    # each product transforms the leading axis and moves it to the end, so after all of them the order is the old one
+    for basis, gram in zip(bases, grams, strict=True):
+        rest = rest.reshape(len(basis), -1).T @ (basis / scale)
+        gram[...] = rest.T @ rest
+        scale = 1.0
+    return rest.reshape(values.shape), offset, spread if spread > 0 else 1.0
+
+
+def _chop(coefficients: Array, grams: Sequence[Array], allowed: float) -> Array:
+    """Drop the highest modes of every factor, as long as their sum of squares stays within `allowed` per factor."""
+    sizes = []
+    for gram in grams:
+        tail = np.cumsum(np.diag(gram)[::-1])[::-1]
+        sizes.append(max(1, int(np.count_nonzero(tail > allowed))))
+    return coefficients[tuple(map(slice, sizes))].copy()

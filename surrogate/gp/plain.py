@@ -1,0 +1,70 @@
+"""A grid model as plain data, for evaluation elsewhere, such as in a browser."""
+
+import base64
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.gp.factors import ChebyshevFactor
+from surrogate.gp.gridgp import GridGP
+from surrogate.gp.model import GaussianProcess
+
+FORMAT = 1
+
+
+def plain(model: GaussianProcess) -> dict[str, Any] | None:
+    """Return everything that mean and standard deviation need, as what JSON can hold.
+
+    Arrays are ``{"shape": [...], "data": base64 of little-endian float64}``, so that no digit is lost.
+
+    Parameters
+    ----------
+    model : GaussianProcess
+        A fitted model.
+
+    Returns
+    -------
+    dict or None
+        None for a model of other kernels than "chebyshev", which only Python evaluates.
+    """
+    if not isinstance(model, GridGP) or not all(isinstance(one, ChebyshevFactor) for one in model.factors_):
+        return None
+    calibration = model.calibration_
+    return {
+        "format": FORMAT,
+        "inputs": [
+            {
+                "name": one.name,
+                "low": one.low,
+                "high": one.high,
+                "scale": one.scale,
+                "units": one.units,
+                "long_name": one.long_name,
+            }
+            for one in model.inputs_
+        ],
+        "outputs": [
+            {
+                "name": name,
+                "units": model.attrs_[name].get("units", ""),
+                "long_name": model.attrs_[name].get("long_name", ""),
+            }
+            for name in model.outputs_
+        ],
+        "order": list(model.order_),
+        "cores": [_array(core) for core in model.train_.cores],
+        "factors": [one.plain() for one in model.factors_ if isinstance(one, ChebyshevFactor)],
+        "offset": _array(model.offset_),
+        "scale": _array(model.scale_),
+        "amplitude": _array(model.amplitude_),
+        "variance": _array(model.variance_ * model.scale_**2),
+        "calibration": None
+        if calibration is None
+        else {name: _array(getattr(calibration, name)) for name in ("weights", "floor", "trend", "guard")},
+    }
+
+
+def _array(values: NDArray[np.float64]) -> dict[str, Any]:
+    little = np.ascontiguousarray(values, dtype="<f8")
+    return {"shape": list(little.shape), "data": base64.b64encode(little.tobytes()).decode("ascii")}

@@ -1,0 +1,249 @@
+"""Level counts of a factorial, chosen from a small pilot by the decay of its Chebyshev coefficients.
+
+Along one factor, an output that is analytic near the box has coefficients that fall geometrically, and interpolation
+on n Chebyshev-Gauss levels errs by at most twice the sum of the coefficients from the n-th on (L. N. Trefethen,
+Approximation Theory and Approximation Practice (2013), theorems 4.2 and 8.2). A kink makes them fall
+algebraically instead: then no count is claimed to reach a tolerance.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import prod
+from types import MappingProxyType
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from surrogate.data.factorial import complete_factorial
+from surrogate.data.inputs import Input
+from surrogate.gp.factors import cosine_basis
+from surrogate.levels.decay import Decay, decay_of
+
+Array = NDArray[np.float64]
+
+MOST_LEVELS = 256
+
+#: Decay by output and input.
+Decays = Mapping[str, Mapping[str, Decay]]
+
+
+class UnreachableError(ValueError):
+    """The tolerance cannot be reached within the budget; the message says what would reach it."""
+
+
+@dataclass(frozen=True)
+class LevelChoice:
+    """Level counts and the evidence for them.
+
+    Attributes
+    ----------
+    counts : dict of str to int
+        Levels of every input, in order; an affine input has 2.
+    cases : int
+        Their product.
+    tolerance : float
+        What was asked for, over the range of every output.
+    error : dict of str to float
+        Predicted error over range of every output at these counts; NaN for a kinked one, for which nothing is claimed.
+    affine : tuple of str
+        Inputs in which every output is affine.
+    extrapolated : tuple of str
+        Inputs with more levels than the pilot had, so that a rate was trusted; a larger pilot there would be evidence.
+    kinked : dict of str to tuple of str
+        Outputs whose coefficients do not decay geometrically, and the inputs along which.
+    decay : Dataset
+        `coefficient` over (`output`, `input`, `mode`): largest Chebyshev coefficient along an input over all pilot
+        lines, over the output's range (NaN beyond the pilot's levels); `rate` over (`output`, `input`): fitted factor
+        from one coefficient to the next; `interpolation_error` over (`output`, `input`): the part of the predicted
+        error.
+    """
+
+    counts: dict[str, int]
+    cases: int
+    tolerance: float
+    error: dict[str, float]
+    affine: tuple[str, ...]
+    extrapolated: tuple[str, ...]
+    kinked: dict[str, tuple[str, ...]]
+    decay: xr.Dataset
+
+
+def choose_levels(
+    pilot: xr.Dataset,
+    inputs: Sequence[Input],
+    tolerance: float,
+    budget: int,
+    outputs: Sequence[str] | None = None,
+    given: Mapping[str, int] = MappingProxyType({}),
+) -> LevelChoice:
+    """Choose the smallest factorial that is predicted to reach a tolerance.
+
+    Parameters
+    ----------
+    pilot : Dataset
+        Complete factorial on Chebyshev-Gauss levels of `inputs`. An input needs 3 levels to be found affine and at
+        least 8 to be told from a kink; 9 or more for all others is a good pilot. `pilot.explore` makes its own.
+    inputs : sequence of Input
+        The box.
+    tolerance : float
+        Largest error over the range of every output, > 0.
+    budget : int
+        Most cases.
+    outputs : sequence of str, optional
+        Outputs that must reach the tolerance, by default all.
+    given : mapping
+        Level counts that are not for choice, by input name.
+
+    Raises
+    ------
+    UnreachableError
+        The tolerance needs more cases than the budget, or is below the noise of the pilot, or given counts are too few;
+        the message says which counts would reach it, or what the budget reaches.
+    ValueError
+        A bad pilot, tolerance or budget, or no output that decays.
+    """
+    return choose(decays(pilot, inputs, outputs), tolerance, budget, given)
+
+
+def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | None = None) -> Decays:
+    """Judge the decay of every output along every input of a complete factorial on Chebyshev-Gauss levels."""
+    factorial = complete_factorial(data, inputs, outputs, chebyshev=True)
+    names = [one.name for one in factorial.inputs]
+    return {
+        name: dict(zip(names, map(decay_of, _lines(values)), strict=True)) for name, values in factorial.outputs.items()
+    }
+
+
+def kinks(found: Decays) -> dict[str, tuple[str, ...]]:
+    """Return outputs whose coefficients do not decay geometrically, and the inputs along which."""
+    every = {output: tuple(name for name, one in each.items() if one.algebraic) for output, each in found.items()}
+    return {output: where for output, where in every.items() if where}
+
+
+def choose(
+    found: Decays, tolerance: float, budget: int, given: Mapping[str, int] = MappingProxyType({})
+) -> LevelChoice:
+    """Choose level counts from decays; parameters and errors as for `choose_levels`."""
+    if not tolerance > 0 or budget < 1:
+        raise ValueError(f"tolerance {tolerance} and budget {budget} must be positive")
+    kinked = kinks(found)
+    claimed = {name: each for name, each in found.items() if name not in kinked}
+    if not claimed:
+        raise ValueError(f"no output decays geometrically, so no tolerance can be met: {', '.join(kinked)}")
+    names = list(next(iter(found.values())))
+    counts = _smallest(claimed, tolerance, given)
+    if counts is None or prod(counts.values()) > budget:
+        raise UnreachableError(_unreachable(claimed, counts, tolerance, budget, given))
+    error = {output: _sum(each, counts) for output, each in claimed.items()}
+    return LevelChoice(
+        counts=counts,
+        cases=prod(counts.values()),
+        tolerance=tolerance,
+        error={name: error.get(name, float("nan")) for name in found},
+        affine=tuple(name for name in names if all(each[name].affine for each in found.values())),
+        extrapolated=tuple(
+            name
+            for name in names
+            if name not in given and counts[name] > max(len(each[name].coefficients) for each in found.values())
+        ),
+        kinked=kinked,
+        decay=evidence(found, counts),
+    )
+
+
+def evidence(found: Decays, counts: Mapping[str, int]) -> xr.Dataset:
+    """Return decays as a data set: `LevelChoice.decay`, with `kinked` over (`output`, `input`), 1 at a kink."""
+    names = list(next(iter(found.values())))
+    table = [[each[name] for name in names] for each in found.values()]
+    modes = max(len(one.coefficients) for row in table for one in row)
+    coefficients = np.full((len(table), len(names), modes), np.nan)
+    for p, row in enumerate(table):
+        for k, one in enumerate(row):
+            coefficients[p, k, : len(one.coefficients)] = one.coefficients
+    over = ("output", "input")
+    errors = [[one.error(counts[name]) for name, one in zip(names, row, strict=True)] for row in table]
+    return xr.Dataset(
+        {
+            "coefficient": ((*over, "mode"), coefficients, {"long_name": "largest coefficient over range"}),
+            "rate": (
+                over, np.array([[one.rate for one in row] for row in table]),
+                {"long_name": "factor from one coefficient to the next"},
+            ),
+            "interpolation_error": (over, np.array(errors), {"long_name": "predicted error over range"}),
+            "kinked": (over, np.array([[int(one.algebraic) for one in row] for row in table])),
+        },
+        coords={"output": list(found), "input": names, "mode": np.arange(modes)},
+    )  # fmt: skip
+
+
+def _lines(values: Array) -> list[Array]:
+    """Largest Chebyshev coefficient along every axis over all lines of the factorial, over the range of the values."""
+    spread = float(np.ptp(values))
+    size = spread if spread > 0 else 1.0
+    largest = []
+    for axis, n in enumerate(values.shape):
+        basis, weights = cosine_basis(n)
+        along = np.moveaxis(values, axis, -1) @ (basis * weights)
+        largest.append(np.abs(along).reshape(-1, n).max(axis=0) / size)
+    return largest
+
+
+def _smallest(decays: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int] | None:
+    """Level counts of few cases with every output's summed error within the tolerance, None where there are none."""
+    names = list(next(iter(decays.values())))
+    free = [name for name in names if name not in given]
+    taken = max(sum(each[name].error(given[name]) for name in names if name in given) for each in decays.values())
+    if taken > tolerance:
+        return None
+    active = max(1, sum(any(not each[name].affine for each in decays.values()) for name in free))
+    counts = {name: given.get(name, 0) for name in names}
+    for name in free:
+        along = [each[name] for each in decays.values()]
+        share = (tolerance - taken) / active
+        enough = (n for n in range(2, MOST_LEVELS) if max(one.error(n) for one in along) <= share)
+        counts[name] = next(enough, 0)
+        if not counts[name]:
+            return None
+    # equal shares are wasteful: take levels away where that saves most, while the sum of the errors allows
+    while True:
+        for name in sorted(free, key=lambda name: counts[name]):
+            fewer = {**counts, name: counts[name] - 1}
+            if fewer[name] >= 2 and max(_sum(each, fewer) for each in decays.values()) <= tolerance:
+                counts = fewer
+                break
+        else:
+            return counts
+
+
+def _sum(along: Mapping[str, Decay], counts: Mapping[str, int]) -> float:
+    return sum(one.error(counts[name]) for name, one in along.items())
+
+
+def _unreachable(
+    claimed: Decays, counts: dict[str, int] | None, tolerance: float, budget: int, given: Mapping[str, int]
+) -> str:
+    low, high = np.log(tolerance), 0.0
+    for _ in range(40):
+        middle = (low + high) / 2
+        tried = _smallest(claimed, float(np.exp(middle)), given)
+        low, high = (low, middle) if tried and prod(tried.values()) <= budget else (middle, high)
+    reached = _smallest(claimed, float(np.exp(high)), given)
+    if reached and prod(reached.values()) <= budget:
+        offer = f"{budget:,} cases reach about {np.exp(high):.1e} with {_text(reached)}"
+    else:
+        offer = f"{budget:,} cases do not even reach 1"
+    if counts is not None:
+        needed = f"{prod(counts.values()):,} cases ({_text(counts)})"
+        return f"tolerance {tolerance:g} needs {needed}, the budget is {budget:,}; {offer}"
+    for name, count in given.items():
+        output, worst = max(((key, each[name].error(count)) for key, each in claimed.items()), key=lambda pair: pair[1])
+        if worst > tolerance:
+            too_few = f"{count} levels of {name!r}: output {output!r} errs by {worst:.1e} there"
+            return f"tolerance {tolerance:g} is out of reach with {too_few}"
+    output = max(claimed, key=lambda key: sum(one.error(MOST_LEVELS) for one in claimed[key].values()))
+    return f"tolerance {tolerance:g} is out of reach for output {output!r}, which is too noisy or rough; {offer}"
+
+
+def _text(counts: Mapping[str, int]) -> str:
+    return " x ".join(f"{count} {name}" for name, count in counts.items())

@@ -1,0 +1,111 @@
+"""Pilots that make themselves: small factorials, one an input, refined until they show what is to be known."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from surrogate.data.inputs import Input
+from surrogate.levels.counts import LevelChoice, choose, decays
+from surrogate.levels.decay import Decay
+
+#: Levels of a pilot along the input that it is for: every refinement halves the spacing.
+LEVELS = (9, 17, 33, 65)
+#: Levels of all other inputs, the most that the share of the budget allows.
+OTHERS = (5, 4, 3, 2)
+
+Solve = Callable[[dict[str, NDArray[np.float64]]], xr.Dataset]
+
+
+@dataclass(frozen=True)
+class Pilot:
+    """What the pilots showed.
+
+    Attributes
+    ----------
+    choice : LevelChoice
+        The level counts and the evidence for them.
+    levels : dict of str to int
+        Levels of the finest pilot along every input.
+    cases : int
+        Cases of all pilots together.
+    """
+
+    choice: LevelChoice
+    levels: dict[str, int]
+    cases: int
+
+
+def explore(
+    solve: Solve,
+    inputs: Sequence[Input],
+    tolerance: float,
+    budget: int,
+    outputs: Sequence[str] | None = None,
+    given: Mapping[str, int] = MappingProxyType({}),
+) -> Pilot:
+    """Choose level counts from pilots along one input at a time.
+
+    A pilot has many levels of one input and few of the others, so that the largest coefficient over its lines is that
+    over the box, nearly. It is refined while the chosen count exceeds its levels or an output looks kinked along it, as
+    long as all pilots together stay within the budget.
+
+    Parameters
+    ----------
+    solve : callable
+        Takes levels by input name and gives the factorial of all outputs.
+    inputs, tolerance, budget, outputs, given
+        As for `levels.choose_levels`.
+
+    Raises
+    ------
+    UnreachableError, ValueError
+        As `levels.choose_levels`.
+    """
+    found: dict[str, dict[str, Decay]] = {}
+    fineness = dict.fromkeys((one.name for one in inputs), 0)
+    waiting, spent = [one.name for one in inputs], 0
+    while waiting:
+        for name in waiting:
+            axes = _levels(inputs, name, LEVELS[fineness[name]], budget)
+            spent += int(np.prod([len(axis) for axis in axes.values()]))
+            for output, along in decays(solve(axes), inputs, outputs).items():
+                found.setdefault(output, {})[name] = along[name]
+        unsettled = _unsettled(found, tolerance, given)
+        waiting = []
+        for name in unsettled:
+            finer = fineness[name] + 1
+            cost = LEVELS[min(finer, len(LEVELS) - 1)] * _others(len(inputs), budget) ** (len(inputs) - 1)
+            if finer < len(LEVELS) and spent + cost <= budget:
+                fineness[name] = finer
+                waiting.append(name)
+    ordered = {output: {one.name: along[one.name] for one in inputs} for output, along in found.items()}
+    choice = choose(ordered, tolerance, budget, given)
+    return Pilot(choice, {name: LEVELS[fine] for name, fine in fineness.items()}, spent)
+
+
+def _levels(inputs: Sequence[Input], along: str, count: int, budget: int) -> dict[str, NDArray[np.float64]]:
+    others = _others(len(inputs), budget)
+    return {one.name: one.levels(count if one.name == along else others) for one in inputs}
+
+
+def _others(inputs: int, budget: int) -> int:
+    """Levels of the inputs that a pilot is not for: all first pilots together take at most half of the budget."""
+    room = budget / (2 * inputs * LEVELS[0])
+    return next((n for n in OTHERS if n ** (inputs - 1) <= room), OTHERS[-1])
+
+
+def _unsettled(found: Mapping[str, Mapping[str, Decay]], tolerance: float, given: Mapping[str, int]) -> list[str]:
+    """Inputs of whose decay more must be seen: a kink is suspected, or more levels are needed than were seen."""
+    names = list(next(iter(found.values())))
+    unsettled = []
+    for name in names:
+        along = [each[name] for each in found.values()]
+        seen = max(len(one.coefficients) for one in along)
+        unclear = name not in given and max(one.error(seen) for one in along) > tolerance / len(names)
+        if unclear or any(one.algebraic for one in along):
+            unsettled.append(name)
+    return unsettled

@@ -1,0 +1,1 @@
+"""Robust constrained optimisation on a box, for one objective and for several."""

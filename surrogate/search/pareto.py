@@ -1,0 +1,174 @@
+"""Pareto fronts: what several objectives can reach at once, under limits.
+
+The front is traced by the problem of Pascoletti and Serafini (J. Optim. Theory Appl. 42 (1984) 499): from references
+spread between the best of every objective alone, all objectives rise together as far as they can. Non-convex fronts
+are reached as well. References on the segment between two anchors are those of I. Das and J. E. Dennis (SIAM J. Optim.
+8 (1998) 631); between neighbours found, the front is filled in linearly and sorted exactly.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from surrogate.search.optimise import Problem, improve, maximise
+
+Array = NDArray[np.float64]
+
+_ON = 1e-9  # excess that counts as none
+
+
+@dataclass(frozen=True)
+class Front:
+    """Non-dominated designs, sorted by the first objective.
+
+    Attributes
+    ----------
+    x
+        Designs (m, d).
+    values
+        Their objectives (m, k), larger is better.
+    reference, weights
+        Least value of every objective over the front and its range, (k,): what a compromise is measured by.
+    """
+
+    x: Array
+    values: Array
+    reference: Array
+    weights: Array
+
+
+def front(problem: Problem, objectives: int, *, points: int = 33, fill: int = 8, scan: int = 4096) -> Front | None:
+    """Trace the front of a problem whose objective rows are those of several objectives, one after the other.
+
+    Parameters
+    ----------
+    problem
+        What to maximise; its objective has ``objectives`` groups of rows of equal length.
+    objectives
+        Number k of objectives.
+    points
+        Number of references.
+    fill
+        Designs between neighbours, as a multiple of the number of references.
+    scan
+        Number of scanned points, a power of two.
+
+    Returns
+    -------
+    Front or None
+        None where no feasible design was found.
+    """
+    X = 2 * qmc.Sobol(problem.dimension, rng=0).random(scan) - 1
+    anchors = np.array([maximise(_only(problem, k, objectives), scan=min(scan, 1024)).x for k in range(objectives)])
+    X = np.concatenate([_feasible(problem, X), _feasible(problem, anchors)])
+    if not len(X):
+        return None
+    values = _worst(problem, X, objectives)
+    ends = values[-len(anchors) :] if len(X) > len(anchors) else values
+    low, high = ends.min(0), ends.max(0)
+    weights = np.where(high > low, high - low, 1.0)
+    found = [X[values[:, k].argmax()] for k in range(objectives)]
+    for reference in _references(values, ends, points):
+        start = X[((values - reference) / weights).min(1).argmax()]
+        found.append(improve(scalarised(problem, objectives, reference, weights), start, 1.0).x)
+    designs = np.array(found)
+    designs = designs[np.argsort(_worst(problem, designs, objectives)[:, 0])]
+    between = _between(designs, _worst(problem, designs, objectives), fill * len(designs))
+    designs = _feasible(problem, np.concatenate([designs, between]))
+    values = _worst(problem, designs, objectives)
+    kept = non_dominated(values)
+    order = np.argsort(values[kept, 0])
+    x, values = designs[kept][order], values[kept][order]
+    span = np.ptp(values, axis=0)
+    return Front(x, values, values.min(0), np.where(span > 0, span, 1.0))
+
+
+def scalarised(problem: Problem, objectives: int, reference: Array, weights: Array) -> Problem:
+    """All objectives at once: the least of ``(f_k - reference_k) / weights_k`` is maximised."""
+
+    def value(X: Array) -> tuple[Array, Array]:
+        rows, excess = problem.value(X)
+        each = rows.reshape(len(X), objectives, -1)
+        return ((each - reference[:, None]) / weights[:, None]).reshape(len(X), -1), excess
+
+    def slope(x: Array) -> tuple[Array, Array]:
+        rows, excess = problem.slope(x)
+        each = rows.reshape(objectives, -1, len(x)) / weights[:, None, None]
+        return each.reshape(-1, len(x)), excess
+
+    return Problem(problem.dimension, value, slope)
+
+
+def non_dominated(values: Array) -> NDArray[np.bool_]:
+    """Which rows of values (m, k), larger is better, no other row equals or exceeds in all; ties keep the first."""
+    kept = np.ones(len(values), dtype=bool)
+    order = np.lexsort(-values.T[::-1])
+    if values.shape[1] == 2:  # sorted by the first, the second must rise
+        second = values[order, 1]
+        before = np.concatenate([[-np.inf], np.maximum.accumulate(second)[:-1]])
+        kept[order] = second > before
+        return kept
+    for position, i in enumerate(order):
+        better = order[:position][kept[order[:position]]]
+        kept[i] = not np.any(np.all(values[better] >= values[i], axis=1))
+    return kept
+
+
+def hypervolume(values: Array, reference: Array) -> float:
+    """Area that a front of two objectives (m, 2) dominates beyond a reference (2,)."""
+    inside = values[np.all(values > reference, axis=1)]
+    inside = inside[non_dominated(inside)]
+    inside = inside[np.argsort(-inside[:, 0])]
+    seconds = np.concatenate([[reference[1]], inside[:, 1]])
+    return float(np.sum((inside[:, 0] - reference[0]) * np.diff(seconds)))
+
+
+def _references(values: Array, ends: Array, points: int) -> Array:
+    """Points from which the objectives rise: on the segment of two anchors, else spread over the scanned front."""
+    if ends.shape[1] == 2 and len(ends) == 2:
+        share = np.linspace(0, 1, points)[:, None]
+        return np.asarray(ends[0] * (1 - share) + ends[1] * share)
+    scanned = values[non_dominated(values)]
+    chosen = [int(scanned[:, 0].argmax())]
+    span = np.where(np.ptp(scanned, axis=0) > 0, np.ptp(scanned, axis=0), 1.0)
+    distance = np.full(len(scanned), np.inf)
+    while len(chosen) < min(points, len(scanned)):
+        distance = np.minimum(distance, np.linalg.norm((scanned - scanned[chosen[-1]]) / span, axis=1))
+        chosen.append(int(distance.argmax()))
+    return np.asarray(scanned[chosen])
+
+
+def _between(designs: Array, values: Array, count: int) -> Array:
+    """About `count` designs on the lines between neighbours, most where the front between them is longest."""
+    gaps = np.sqrt(np.abs(np.prod(np.diff(values[:, :2], axis=0), axis=1)))
+    shares = gaps / gaps.sum() if gaps.sum() > 0 else gaps
+    parts = [
+        one + (other - one) * (np.arange(1, number + 1) / (number + 1))[:, None]
+        for one, other, number in zip(designs[:-1], designs[1:], np.ceil(count * shares).astype(int), strict=True)
+    ]
+    return np.concatenate([designs[:0], *parts])
+
+
+def _only(problem: Problem, k: int, objectives: int) -> Problem:
+    """One of the objectives alone."""
+
+    def value(X: Array) -> tuple[Array, Array]:
+        rows, excess = problem.value(X)
+        return rows.reshape(len(X), objectives, -1)[:, k], excess
+
+    def slope(x: Array) -> tuple[Array, Array]:
+        rows, excess = problem.slope(x)
+        return rows.reshape(objectives, -1, len(x))[k], excess
+
+    return Problem(problem.dimension, value, slope)
+
+
+def _worst(problem: Problem, X: Array, objectives: int) -> Array:
+    """Every objective's worst scenario, (n, k)."""
+    return np.asarray(problem.value(X)[0].reshape(len(X), objectives, -1).min(-1))
+
+
+def _feasible(problem: Problem, X: Array) -> Array:
+    return np.asarray(X[problem.value(X)[1].max(1, initial=-np.inf) <= _ON])

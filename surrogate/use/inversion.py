@@ -1,0 +1,207 @@
+"""From measured outputs back to inputs: the posterior of a few inputs, by quadrature that closes in on it.
+
+With independent Gaussian errors of the measurements, the model's own variance added to theirs, and a prior that is
+uniform in the scaled inputs (log-uniform on a log scale), the posterior is evaluated on cells of the box. Cells
+in which it is negligible are dropped, the others halved until the outputs change little within one beside their errors.
+While a cell is coarse its errors are widened by that change, so that no narrow peak is stepped over, however many.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.data.inputs import Input
+from surrogate.gp.model import GaussianProcess
+
+Array = NDArray[np.float64]
+
+_FIRST = {1: 256, 2: 48, 3: 16}  # cells an input at first, by the number of inputs
+_FINE = 0.12  # half of what outputs may change within a cell, in standard deviations
+_NEGLIGIBLE = 14.0  # drop of the log-posterior below its largest value
+_ROUNDS = 60
+_MOST = 400_000  # cells
+_HOPELESS = 1e15  # misfit, under errors that hold what outputs change within a cell: all cells are alike so far away
+
+#: Errors of measurement, in any unit, whose squares floating point holds.
+SMALLEST_ERROR, LARGEST_ERROR = 1e-150, 1e150
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What measurements say about some inputs.
+
+    Attributes
+    ----------
+    mean, low, high
+        Posterior mean and ends of the central interval of every input, in its units; (k,).
+        NaN where a misfit beyond 1e15 says that nothing fits.
+    misfit
+        Least sum of squared deviations over variances: beyond about 10 for two measurements, model and measurement do
+        not agree anywhere in the box.
+    """
+
+    mean: Array
+    low: Array
+    high: Array
+    misfit: float
+
+
+class Inversion:
+    """Infers inputs of a model from measured outputs.
+
+    Parameters
+    ----------
+    model : GaussianProcess
+        The forward model.
+    infer : sequence of str
+        One to three inputs to infer.
+    measured : sequence of str
+        Outputs that are measured.
+    at : mapping
+        Values of the other inputs.
+
+    Raises
+    ------
+    ValueError
+        An input or output that is unknown, missing or given twice.
+    """
+
+    def __init__(
+        self, model: GaussianProcess, infer: Sequence[str], measured: Sequence[str], at: Mapping[str, float]
+    ) -> None:
+        for name in [*infer, *at]:
+            if name not in model.box:
+                raise ValueError(f"{name!r} is not an input of the model; it has {', '.join(model.box)}")
+        for name in model.box:
+            if (name in infer) + (name in at) != 1:
+                raise ValueError(f"{name!r} must be either inferred or given")
+        for name in measured:
+            if name not in model.outputs_:
+                raise ValueError(f"{name!r} is not an output of the model")
+        if len(infer) not in _FIRST or not measured:
+            raise ValueError(f"one to three inputs can be inferred, from one or more outputs, not {len(infer)}")
+        self._model, self._at = model, dict(at)
+        self._inputs: list[Input] = [model.box[name] for name in infer]
+        self._columns = [list(model.outputs_).index(name) for name in measured]
+
+    def estimate(self, values: Array, errors: Array, level: float = 0.95) -> Estimate:
+        """Return the posterior of the inputs.
+
+        Parameters
+        ----------
+        values, errors : ndarray, shape (m,)
+            Measured values and standard deviations of their errors, in the outputs' units and order.
+        level : float
+            Probability of the central interval.
+
+        Raises
+        ------
+        ValueError
+            A value that is not finite, an error that is not within `SMALLEST_ERROR` to `LARGEST_ERROR`.
+        """
+        if not np.isfinite(values).all() or not ((errors >= SMALLEST_ERROR) & (errors <= LARGEST_ERROR)).all():
+            raise ValueError(
+                f"measured values must be finite, their errors within {SMALLEST_ERROR:g} to {LARGEST_ERROR:g}"
+            )
+        cells = self._first
+        for _ in range(_ROUNDS):
+            density, far = _log_density(cells, values, errors**2 + cells.std**2 + cells.change.sum(1) ** 2)
+            if far > _HOPELESS:  # all cells would be halved without end
+                return self._nowhere(far)
+            cells = cells.some(density >= density.max() - _NEGLIGIBLE)
+            changes = (cells.change / np.hypot(errors, cells.std)[:, None]).max(-1)
+            coarse = changes.sum(-1) > _FINE
+            if not coarse.any() or len(cells.centre) > _MOST:
+                break
+            cells = cells.some(~coarse).joined(self._halved(cells.some(coarse), changes[coarse].argmax(-1)))
+        density, misfit = _log_density(cells, values, errors**2 + cells.std**2)
+        weights = np.exp(density - density.max()) * np.prod(cells.half, axis=-1)
+        return self._summary(cells, weights / weights.sum(), misfit, level)
+
+    def _nowhere(self, misfit: float) -> Estimate:
+        """What measurements say that no point of the box comes near: nothing."""
+        nothing = np.full(len(self._inputs), np.nan)
+        return Estimate(nothing, nothing, nothing, misfit)
+
+    @cached_property
+    def _first(self) -> "_Cells":
+        """A uniform grid of cells; what an output changes within one is read off its neighbours."""
+        k, count = len(self._inputs), _FIRST[len(self._inputs)]
+        axis = (np.arange(count) + 0.5) * 2 / count - 1
+        centre = np.stack([grid.ravel() for grid in np.meshgrid(*[axis] * k, indexing="ij")], -1)
+        mean, std = self._forward(centre)
+        grid = mean.reshape(*[count] * k, -1)
+        change = [np.abs(np.gradient(grid, axis=one)).reshape(mean.shape) / 2 for one in range(k)]
+        return _Cells(centre, np.full(centre.shape, 1 / count), mean, std, np.stack(change, 1))
+
+    def _halved(self, parents: "_Cells", along: NDArray[np.intp]) -> "_Cells":
+        """Every cell halved along one input; an output changes within a child as it does from the parent to it."""
+        rows = np.arange(len(along))
+        half = parents.half.copy()
+        half[rows, along] /= 2
+        centre = np.repeat(parents.centre, 2, axis=0)
+        centre[2 * rows, along] -= half[rows, along]
+        centre[2 * rows + 1, along] += half[rows, along]
+        mean, std = self._forward(centre)
+        change = parents.change.copy()
+        change[rows, along] = np.abs(mean.reshape(len(along), 2, -1) - parents.mean[:, None]).max(1)
+        return _Cells(centre, np.repeat(half, 2, axis=0), mean, std, np.repeat(change, 2, axis=0))
+
+    def _forward(self, centre: Array) -> tuple[Array, Array]:
+        """Mean and standard deviation of the measured outputs, (n, m), at scaled values of the inferred inputs."""
+        places = {one.name: one.from_unit(centre[:, k]) for k, one in enumerate(self._inputs)}
+        columns = [places.get(name, np.full(len(centre), self._at.get(name, np.nan))) for name in self._model.box]
+        mean, std = self._model.predict_array(np.stack(columns, -1), return_std=True)
+        return mean[:, self._columns], std[:, self._columns]
+
+    def _summary(self, cells: "_Cells", weights: Array, misfit: float, level: float) -> Estimate:
+        rows = []
+        for k, one in enumerate(self._inputs):
+            centre, half = cells.centre[:, k], cells.half[:, k]
+            ends = [one.from_unit(_quantile(centre, half, weights, p)) for p in ((1 - level) / 2, (1 + level) / 2)]
+            rows.append([float(weights @ one.from_unit(centre)), *map(float, ends)])
+        mean, low, high = np.array(rows).T
+        return Estimate(mean, low, high, misfit)
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """Boxes in the scaled inputs.
+
+    Centre and half width (n, k); outputs there (n, m), and half of their change along each input (n, k, m).
+    """
+
+    centre: Array
+    half: Array
+    mean: Array
+    std: Array
+    change: Array
+
+    def some(self, chosen: NDArray[np.bool_]) -> "_Cells":
+        """A part of them."""
+        return _Cells(*(one[chosen] for one in (self.centre, self.half, self.mean, self.std, self.change)))
+
+    def joined(self, other: "_Cells") -> "_Cells":
+        """Both together."""
+        pairs = ((getattr(self, name), getattr(other, name)) for name in ("centre", "half", "mean", "std", "change"))
+        return _Cells(*(np.concatenate(pair) for pair in pairs))
+
+
+def _log_density(cells: _Cells, values: Array, variance: Array) -> tuple[Array, float]:
+    """Log-posterior density of every cell up to a constant, and the least misfit."""
+    with np.errstate(over="ignore"):  # an infinite misfit is one that nothing mends
+        square = (values - cells.mean) ** 2 / variance
+    return -0.5 * (square + np.log(variance)).sum(-1), float(square.sum(-1).min())
+
+
+def _quantile(centre: Array, half: Array, weights: Array, share: float) -> float:
+    """Where the cumulative of a mixture of uniform cells reaches a share, by bisection."""
+    low, high = float((centre - half).min()), float((centre + half).max())
+    for _ in range(60):
+        middle = (low + high) / 2
+        below = float(weights @ np.clip((middle - centre + half) / (2 * half), 0, 1))
+        low, high = (middle, high) if below < share else (low, middle)
+    return (low + high) / 2

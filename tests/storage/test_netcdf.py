@@ -1,0 +1,242 @@
+"""Files appear whole or not at all, and say so when they are not."""
+
+import hashlib
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from storage.blocks import write_blocks
+from storage.netcdf import read_whole, write_whole
+from storage.sealed import seal
+from surrogate import FormatError
+
+
+def sample() -> xr.Dataset:
+    rng = np.random.default_rng(0)
+    return xr.Dataset(
+        {
+            "field": (("case", "position"), rng.normal(size=(60, 100)), {"units": "Pa", "valid": [1, 2], "k": 3.5}),
+            "time": ("case", np.arange(60.0), {"units": "s"}),
+            "holes": ("case", np.where(np.arange(60) % 7, 1.0, np.nan)),
+            "flag": ("case", np.arange(60) % 3 == 0),
+            "count": ("case", np.arange(60, dtype=np.int32)),
+            "name": ("case", [f"µ-{k}" for k in range(60)]),
+            "single": ((), np.float32(2.5)),
+        },
+        coords={"position": np.linspace(-1, 1, 100), "label": ("case", ["a"] * 60)},
+        attrs={"Conventions": "CF-1.11", "version": 1, "title": ""},
+    )
+
+
+def test_round_trip_keeps_values_types_and_attributes(tmp_path: Path) -> None:
+    path = tmp_path / "one.nc"
+    write_whole(sample(), path)
+    again = read_whole(path)
+    assert again.attrs.pop("checksum")
+    xr.testing.assert_identical(again.drop_vars(["name", "label"]), sample().drop_vars(["name", "label"]))
+    assert again["name"].values.tolist() == sample()["name"].values.tolist()
+    assert again["flag"].dtype == bool
+    assert "label" in again.coords
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_equal_data_sets_give_equal_bytes_and_a_read_one_can_be_written_again(tmp_path: Path) -> None:
+    for name in ("a.nc", "b.nc"):
+        write_whole(sample(), tmp_path / name)
+        time.sleep(1.1)  # a clock in the file would show
+    write_whole(read_whole(tmp_path / "a.nc"), tmp_path / "c.nc")
+    first, second, third = (hashlib.sha256((tmp_path / n).read_bytes()).digest() for n in ("a.nc", "b.nc", "c.nc"))
+    assert first == second
+    assert first == third
+
+
+def test_large_float_arrays_are_packed(tmp_path: Path) -> None:
+    write_whole(xr.Dataset({"f": ("x", np.repeat(np.arange(100.0), 1000))}), tmp_path / "a.nc")
+    with netCDF4.Dataset(tmp_path / "a.nc") as file:
+        filters = file["f"].filters()
+        assert (filters["zlib"], filters["shuffle"], filters["complevel"]) == (True, True, 1)
+    assert (tmp_path / "a.nc").stat().st_size < 100_000
+
+
+@pytest.mark.parametrize(
+    ("units", "stored"),
+    [("C m-3/2", "C m-2"), ("T m1/2", "T"), ("m1/2", "1"), ("N m3/2 s-1", "N m s-1"), ("V m N-1", "V m N-1")],
+)
+def test_a_root_of_a_metre_is_stored_as_a_scaled_quantity(units: str, stored: str, tmp_path: Path) -> None:
+    data = xr.Dataset({"f": ("x", [1.0, 2.0], {"units": units, "long_name": "intensity"})})
+    write_whole(data, tmp_path / "a.nc")
+    write_blocks(tmp_path / "b.nc", data, [((slice(0, 2),), {"f": data["f"].values})], {})
+    for name in ("a.nc", "b.nc"):
+        with netCDF4.Dataset(tmp_path / name) as file:
+            assert file["f"].units == stored  # no fraction: UDUNITS reads m-3/2 as 0.5 m-3
+            assert file["f"].long_name.endswith("the square root of 1 m") == (units != stored)
+        for lazy in (False, True):
+            with read_whole(tmp_path / name, lazy=lazy) as again:
+                assert (again["f"].attrs["units"], again["f"].attrs["long_name"]) == (units, "intensity")
+
+
+@pytest.mark.skipif(not shutil.which("ncdump"), reason="no ncdump on this machine")
+def test_the_systems_own_ncdump_reads_the_values_of_a_large_array(tmp_path: Path) -> None:
+    data = xr.Dataset({"f": ("x", np.repeat(np.arange(10.0), 1000))})
+    write_whole(data, tmp_path / "a.nc")
+    write_blocks(tmp_path / "b.nc", data, [((slice(0, 10_000),), {"f": data["f"].values})], {"x": 5000})
+    for name in ("a.nc", "b.nc"):
+        done = subprocess.run(["ncdump", "-v", "f", name], cwd=tmp_path, capture_output=True, text=True, check=True)
+        numbers = done.stdout.partition(" f = ")[2].rstrip(" ;}\n").split(",")
+        assert [float(number) for number in numbers] == data["f"].values.tolist()
+
+
+def test_coordinates_have_no_fill_value(tmp_path: Path) -> None:
+    data = xr.Dataset({"f": ("x", [1.0, 2.0])}, {"x": [0.0, 1.0]})
+    write_whole(data, tmp_path / "a.nc")
+    write_blocks(tmp_path / "b.nc", data, [((slice(0, 2),), {"f": data["f"].values})], {})
+    for name in ("a.nc", "b.nc"):
+        with netCDF4.Dataset(tmp_path / name) as file:
+            assert not any("_FillValue" in variable.ncattrs() for variable in file.variables.values())  # CF 2.5.1
+
+
+def test_lazy_opening_leaves_arrays_on_disk(tmp_path: Path) -> None:
+    write_whole(sample(), tmp_path / "a.nc")
+    with read_whole(tmp_path / "a.nc", lazy=True) as data:
+        assert not data["field"].variable._in_memory
+        np.testing.assert_array_equal(data["field"][3], sample()["field"][3])
+
+
+def test_truncation_is_found_at_every_length(tmp_path: Path) -> None:
+    write_whole(sample(), tmp_path / "a.nc")
+    whole = (tmp_path / "a.nc").read_bytes()
+    for length in [0, 1, 7, 8, 100, *range(512, len(whole), len(whole) // 40), len(whole) - 1]:
+        (tmp_path / "cut.nc").write_bytes(whole[:length])
+        for lazy in (False, True):
+            with pytest.raises(FormatError, match=r"cut\.nc: ") as caught:
+                read_whole(tmp_path / "cut.nc", lazy=lazy)
+            assert "\n" not in str(caught.value)
+
+
+def test_a_changed_value_attribute_or_name_is_found(tmp_path: Path) -> None:
+    def value(file: netCDF4.Dataset) -> None:
+        file["field"][5, 5] = 0.0
+
+    def attribute(file: netCDF4.Dataset) -> None:
+        file["field"].units = "kPa"
+
+    def header(file: netCDF4.Dataset) -> None:
+        file.version = 2
+
+    def name(file: netCDF4.Dataset) -> None:
+        file.renameVariable("time", "tine")
+
+    for change in (value, attribute, header, name):
+        write_whole(sample(), tmp_path / "a.nc")
+        with netCDF4.Dataset(tmp_path / "a.nc", "a") as file:
+            change(file)
+        with pytest.raises(FormatError, match=r"no seal|do not match its seal"):
+            read_whole(tmp_path / "a.nc")
+        seal(tmp_path / "a.nc")  # a seal put on afterwards does not help
+        with pytest.raises(FormatError, match=r"a\.nc: altered: its contents"):
+            read_whole(tmp_path / "a.nc")
+
+
+def test_a_file_without_its_mark_is_incomplete(tmp_path: Path) -> None:
+    sample().to_netcdf(tmp_path / "a.nc", engine="netcdf4")
+    for lazy in (False, True):
+        with pytest.raises(FormatError, match="incomplete"):
+            read_whole(tmp_path / "a.nc", lazy=lazy)
+    seal(tmp_path / "a.nc")
+    with pytest.raises(FormatError, match="it has no checksum"):
+        read_whole(tmp_path / "a.nc")
+
+
+def test_every_netcdf_reader_opens_a_sealed_file(tmp_path: Path) -> None:
+    write_whole(sample(), tmp_path / "a.nc")
+    with xr.open_dataset(tmp_path / "a.nc", engine="netcdf4", decode_timedelta=False) as data:
+        np.testing.assert_array_equal(data["field"], sample()["field"])
+
+
+def test_a_flipped_byte_anywhere_is_found_before_the_library_reads_it(tmp_path: Path) -> None:
+    write_whole(sample(), tmp_path / "a.nc")
+    whole = (tmp_path / "a.nc").read_bytes()
+    for position in range(0, len(whole), 97):
+        changed = bytearray(whole)
+        changed[position] ^= 0x10
+        (tmp_path / "a.nc").write_bytes(changed)
+        with pytest.raises(FormatError, match=r"altered: its bytes|no seal"):
+            read_whole(tmp_path / "a.nc")
+
+
+def test_something_else_and_nothing_are_told_apart(tmp_path: Path) -> None:
+    (tmp_path / "a.nc").write_text("material,radius\n")
+    with pytest.raises(FormatError, match="incomplete: it has no seal"):
+        read_whole(tmp_path / "a.nc")
+    seal(tmp_path / "a.nc")
+    with pytest.raises(FormatError, match="no readable netCDF-4"):
+        read_whole(tmp_path / "a.nc")
+    with pytest.raises(FileNotFoundError, match="no such file"):
+        read_whole(tmp_path / "b.nc")
+    with pytest.raises(FileNotFoundError, match="does not exist"):
+        write_whole(sample(), tmp_path / "folder" / "b.nc")
+
+
+def test_a_file_that_unpacks_beyond_the_limit_is_refused_before_it_is_loaded(tmp_path: Path) -> None:
+    with netCDF4.Dataset(tmp_path / "a.nc", "w") as file:
+        file.createDimension("x", 2**40)
+        file.createVariable("x", "f8", ("x",), compression="zstd", chunksizes=(2**16,))
+        file.checksum = "0"
+    seal(tmp_path / "a.nc")
+    with pytest.raises(FormatError, match="too large: it unpacks to 8796093022208 bytes"):
+        read_whole(tmp_path / "a.nc")
+    write_whole(sample(), tmp_path / "b.nc")
+    with pytest.raises(FormatError, match="too large"):
+        read_whole(tmp_path / "b.nc", max_bytes=1000)
+
+
+def test_an_unlimited_dimension_is_refused(tmp_path: Path) -> None:
+    with netCDF4.Dataset(tmp_path / "a.nc", "w") as file:
+        file.createDimension("x", None)
+        file.createVariable("x", "f8", ("x",))
+        file.checksum = "0"
+    seal(tmp_path / "a.nc")
+    with pytest.raises(FormatError, match="unlimited dimension 'x'"):
+        read_whole(tmp_path / "a.nc")
+
+
+def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
+    write_whole(sample(), tmp_path / "a.nc")
+    before = (tmp_path / "a.nc").read_bytes()
+    with pytest.raises(TypeError, match="cannot store"):
+        write_whole(sample().assign(bad=("case", np.array([{}] * 60))), tmp_path / "a.nc")
+    with pytest.raises(ValueError, match="unexpected encoding"):
+        write_whole(sample(), tmp_path / "a.nc", encoding={"field": {"colour": 1}})
+    assert (tmp_path / "a.nc").read_bytes() == before
+    assert [one.name for one in tmp_path.iterdir()] == ["a.nc"]
+
+
+def test_a_killed_writer_never_leaves_a_file_under_the_final_name(tmp_path: Path) -> None:
+    script = (
+        "import sys, numpy, xarray; from storage.netcdf import write_whole; "
+        "d = xarray.Dataset({'f': ('x', numpy.random.default_rng(0).normal(size=20_000_000))}); "
+        "print('go', flush=True); "
+        "write_whole(d, sys.argv[1])"
+    )
+    process = subprocess.Popen([sys.executable, "-c", script, str(tmp_path / "a.nc")], stdout=subprocess.PIPE)
+    assert process.stdout is not None
+    process.stdout.readline()
+    deadline = time.monotonic() + 60
+    while not any(one.stat().st_size > 2**20 for one in tmp_path.iterdir()) and time.monotonic() < deadline:
+        time.sleep(0.001)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    process.stdout.close()
+    left = list(tmp_path.iterdir())
+    assert [one.suffix for one in left] == [".partial"]
+    with pytest.raises(FormatError):
+        read_whole(left[0])

@@ -1,0 +1,170 @@
+"""The structured process against a dense one, against interpolation, and its invariants."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.polynomial.chebyshev import chebvander
+from numpy.typing import NDArray
+
+from surrogate import GridGP, Input
+from surrogate.gp.gridgp import Kernel
+from tests.surrogate import dense, functions
+
+Array = NDArray[np.float64]
+PLANE = (Input("x", -1.0, 3.0), Input("y", 0.1, 10.0, "log"), Input("z", 0.0, 1.0))
+
+
+def sample(levels: dict[str, Array]) -> xr.Dataset:
+    x, y, z = (xr.DataArray(v, dims=k, coords={k: v}) for k, v in levels.items())
+    return xr.Dataset({"f": np.exp(0.3 * x) / (1 + 0.2 * y) + z * np.cos(x), "g": np.sin(x) * np.log(y) * (1 + z**3)})
+
+
+def unit_points(count: int) -> Array:
+    return np.random.default_rng(7).uniform(-1, 1, (count, 3))
+
+
+@pytest.mark.parametrize("rho", [0.3, 0.5, 0.8])
+@pytest.mark.parametrize("counts", [(3, 4, 2), (5, 3, 4)])
+def test_chebyshev_kernel_agrees_with_a_dense_process(rho: float, counts: tuple[int, ...]) -> None:
+    data = sample({one.name: one.levels(n) for one, n in zip(PLANE, counts, strict=True)})
+    fixed = {"x": rho, "y": rho / 2, "z": 0.3}
+    model = GridGP(inputs=PLANE, hyperparameters=fixed, compression=0).fit(data)
+    t = unit_points(40)
+    mean, std = model.predict_array(_physical(t), return_std=True)
+    for p, name in enumerate(model.outputs_):
+        kernels = [
+            dense.chebyshev(n, fixed[one.name], model.amplitude_[f, p])
+            for f, (one, n) in enumerate(zip(PLANE, counts, strict=True))
+        ]
+        values = data[name].transpose("x", "y", "z").values
+        levels = [one.to_unit(data[one.name]) for one in PLANE]
+        offset, scale = values.mean(), values.std()
+        want, variance = dense.predict(kernels, [0, 0, 0], levels, (values - offset) / scale, t)
+        np.testing.assert_allclose(mean[:, p], offset + scale * want, rtol=0, atol=1e-10 * np.ptp(values))
+        np.testing.assert_allclose(
+            (std[:, p] / scale) ** 2, model.variance_[p] * variance, rtol=0, atol=1e-10 * model.variance_[p]
+        )
+
+
+@pytest.mark.parametrize("kernel", ["rbf", "matern32", "matern52"])
+def test_stationary_kernels_agree_with_a_dense_process(kernel: Kernel) -> None:
+    rng = np.random.default_rng(3)
+    levels = {one.name: one.from_unit(np.sort(rng.uniform(-1, 1, n))) for one, n in zip(PLANE, (5, 4, 3), strict=True)}
+    data = sample(levels)
+    fixed, nugget = {"x": 0.3, "y": 0.4, "z": 0.5}, 1e-4
+    model = GridGP(kernel, PLANE, hyperparameters=fixed, compression=0, nugget=nugget).fit(data)
+    t = unit_points(40)
+    mean, std = model.predict_array(_physical(t), return_std=True)
+    kernels = [dense.stationary(kernel, fixed[one.name]) for one in PLANE]
+    for p, name in enumerate(model.outputs_):
+        values = data[name].transpose("x", "y", "z").values
+        offset, scale = values.mean(), values.std()
+        unit = [one.to_unit(levels[one.name]) for one in PLANE]
+        want, variance = dense.predict(kernels, [nugget] * 3, unit, (values - offset) / scale, t)
+        np.testing.assert_allclose(mean[:, p], offset + scale * want, rtol=0, atol=1e-10 * np.ptp(values))
+        np.testing.assert_allclose(
+            (std[:, p] / scale) ** 2, model.variance_[p] * variance, rtol=0, atol=1e-10 * model.variance_[p]
+        )
+
+
+@pytest.mark.parametrize("kernel", ["chebyshev", "rbf", "matern32", "matern52"])
+def test_leave_one_level_out_errors_are_those_of_refitting_without_the_level(kernel: Kernel) -> None:
+    from surrogate.gp.hyperparameters import level_errors
+
+    one, n = PLANE[0], 6
+    levels = one.levels(n)
+    t = one.to_unit(levels)
+    values = np.stack([np.exp(levels), np.sin(2 * levels)])
+    model = GridGP(kernel, nugget=1e-6)
+    factor = model.make_factor(t, 0.4)
+    inside = (factor.basis.T @ values.T)[:, :, None] * (factor.basis.T @ values.T)[:, :, None].transpose(2, 1, 0)
+    errors, variances = level_errors(factor, inside.transpose(1, 0, 2))
+    k = dense.chebyshev(n, 0.4, 1.0) if kernel == "chebyshev" else dense.stationary(kernel, 0.4)
+    jitter = 0.0 if kernel == "chebyshev" else 1e-6
+    for i in range(n):
+        rest = np.arange(n) != i
+        for p in range(2):
+            mean, variance = dense.predict([k], [jitter], [t[rest]], values[p, rest], t[i : i + 1, None])
+            assert errors[p, i] == pytest.approx((values[p, i] - mean[0]) ** 2, rel=1e-6, abs=1e-12)
+            assert variances[i] == pytest.approx(variance[0] + jitter, rel=1e-6)
+
+
+def test_mean_has_the_accuracy_of_tensor_chebyshev_interpolation() -> None:
+    counts = (16, 6, 5, 6, 2)
+    data, held = functions.factorial(counts), functions.scattered(2000, seed=5)
+    model = GridGP(inputs=functions.INPUTS).fit(data)
+    points = {one.name: held[one.name] for one in functions.INPUTS}
+    predicted = model.predict(points)
+    t = {one.name: one.to_unit(held[one.name]) for one in functions.INPUTS}
+    for name in model.outputs_:
+        state = np.ones((held.sizes["case"], 1))
+        array = data[name].broadcast_like(xr.Dataset(coords=data.coords)).transpose(*t)
+        state = np.broadcast_to(array.values, (held.sizes["case"], *array.shape))
+        for one, n in zip(functions.INPUTS, counts, strict=True):
+            solve = np.linalg.inv(chebvander(one.to_unit(data[one.name]), n - 1))
+            state = np.einsum("bi,bi...->b...", chebvander(t[one.name], n - 1) @ solve, state)
+        interpolation = np.abs(state - held[name].values).max()
+        process = np.abs(predicted[name] - held[name]).max()
+        assert process <= 1.5 * interpolation + 1e-11 * np.ptp(held[name].values)
+
+
+def test_compression_keeps_its_tolerance() -> None:
+    data, held = functions.factorial((12, 5, 5, 5, 2)), functions.scattered(3000, seed=8)
+    points = held[[one.name for one in functions.INPUTS]]
+    full = GridGP(inputs=functions.INPUTS, compression=0).fit(data).predict(points)
+    for tolerance in (1e-3, 1e-6, 1e-9):
+        model = GridGP(inputs=functions.INPUTS, compression=tolerance).fit(data)
+        short = model.predict(points)
+        for p, name in enumerate(model.outputs_):
+            error = float(np.sqrt(((short[name] - full[name]) ** 2).mean()))
+            assert 0 < error <= tolerance * model.scale_[p]
+
+
+def test_gradient_agrees_with_differences_of_the_mean() -> None:
+    for kernel in ("chebyshev", "rbf", "matern32", "matern52"):
+        data = sample({one.name: one.levels(n) for one, n in zip(PLANE, (7, 6, 5), strict=True)})
+        model = GridGP(kernel, PLANE, nugget=1e-6).fit(data)
+        t = 0.9 * unit_points(20)
+        X = _physical(t)
+        gradient = model.gradient(dict(zip("xyz", X.T, strict=True)))
+        for i, one in enumerate(PLANE):
+            step = 1e-4 * np.maximum(np.abs(X[:, i]), 0.1)
+            samples = []
+            for shift in (-2, -1, 1, 2):
+                moved = X.copy()
+                moved[:, i] += shift * step
+                samples.append(model.predict_array(moved))
+            # fourth-order central differences
+            slope = (samples[0] - 8 * samples[1] + 8 * samples[2] - samples[3]) / (12 * step[:, None])
+            for p, name in enumerate(model.outputs_):
+                found = gradient[name].sel(input=one.name)
+                room = 1e-6 * (np.abs(slope[:, p]).max() + 1)
+                np.testing.assert_allclose(found, slope[:, p], rtol=0, atol=room, err_msg=f"{kernel} {name} {one.name}")
+
+
+def test_gradient_of_a_polynomial_is_its_derivative() -> None:
+    x, y = Input("x", 1.0, 5.0), Input("y", 0.5, 8.0, "log")
+    a = xr.DataArray(x.levels(6), dims="x", coords={"x": x.levels(6)})
+    b = xr.DataArray(y.levels(7), dims="y", coords={"y": y.levels(7)})
+    model = GridGP(inputs=[x, y], hyperparameters={"x": 1e-3, "y": 1e-3}).fit(xr.Dataset({"f": a**3 * np.log(b) ** 2}))
+    at = {"x": np.array([1.3, 4.9]), "y": np.array([0.6, 7.0])}
+    found = model.gradient(at)["f"]
+    np.testing.assert_allclose(found.sel(input="x"), 3 * at["x"] ** 2 * np.log(at["y"]) ** 2, rtol=1e-9)
+    np.testing.assert_allclose(found.sel(input="y"), at["x"] ** 3 * 2 * np.log(at["y"]) / at["y"], rtol=1e-9)
+
+
+def test_a_million_queries_do_not_hold_memory_of_their_intermediates() -> None:
+    import tracemalloc
+
+    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((8, 4, 4, 4, 2)))
+    X = np.stack([one.from_unit(np.linspace(-1, 1, 100_000)) for one in functions.INPUTS], axis=1)
+    tracemalloc.start()
+    model.predict_array(X, return_std=True)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    # answers take 2 x 6 doubles a query; intermediates of one block must not grow with the number of queries
+    assert peak < 100_000 * 8 * 12 + 20e6
+
+
+def _physical(t: Array) -> Array:
+    return np.stack([one.from_unit(t[:, k]) for k, one in enumerate(PLANE)], axis=1)

@@ -1,0 +1,100 @@
+"""Level counts chosen from a pilot: do they deliver, and what is said when they cannot."""
+
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from surrogate import GridGP, Input
+from surrogate.levels.counts import UnreachableError, choose_levels
+from surrogate.use.validation import validate
+from tests.surrogate import functions
+
+PILOT = (17, 9, 9, 9, 3)
+BUDGET = 400_000
+
+
+@pytest.fixture(scope="module")
+def pilot() -> xr.Dataset:
+    return functions.factorial(PILOT)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6, 1e-8])
+def test_the_chosen_counts_deliver_the_tolerance_on_fresh_cases(pilot: xr.Dataset, tolerance: float) -> None:
+    choice = choose_levels(pilot, functions.INPUTS, tolerance, BUDGET)
+    counts = list(choice.counts.values())
+    assert choice.cases == np.prod(counts) <= BUDGET
+    assert choice.affine == ("bias",)
+    assert choice.counts["bias"] == 2
+    assert max(choice.error.values()) <= tolerance
+    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial(counts))
+    reached = validate(model, functions.scattered(3000, seed=17), None)["max_error"]
+    assert float(reached.max()) <= tolerance
+    # not by brute force either: two levels fewer in the factor with the near-pole must miss a small tolerance
+    if tolerance < 1e-3:
+        fewer = [counts[0] - 6, *counts[1:]]
+        model = GridGP(inputs=functions.INPUTS).fit(functions.factorial(fewer))
+        assert float(validate(model, functions.scattered(3000, seed=17), None)["max_error"].max()) > tolerance
+
+
+def test_the_rate_is_that_of_the_nearest_singularity(pilot: xr.Dataset) -> None:
+    found = choose_levels(pilot, functions.INPUTS, 1e-4, BUDGET)
+    pole = functions.INPUTS[0].to_unit(0.02 + 0.005 * np.sin(0.6))
+    # Bernstein ellipse through the pole: Trefethen (2013), theorem 8.1
+    rho = abs(pole) - np.sqrt(pole**2 - 1)
+    assert float(found.decay["rate"].sel(output="near_pole", input="mixture")) == pytest.approx(rho, rel=0.05)
+    assert found.extrapolated == ("mixture",)
+    assert found.decay["coefficient"].sel(output="smooth", input="bias").isnull().sum() == max(PILOT) - 3
+
+
+def test_kinked_outputs_are_named_and_nothing_is_claimed_for_them(pilot: xr.Dataset) -> None:
+    kinked = pilot.assign(
+        kink=np.abs(pilot["angle"] - 0.31) * pilot["ratio"],
+        worst=np.maximum(np.sin(4 * pilot["mixture"]), np.cos(4 * pilot["mixture"])) + pilot["angle"],
+    )
+    choice = choose_levels(kinked, functions.INPUTS, 1e-4, BUDGET)
+    assert choice.kinked == {"kink": ("angle",), "worst": ("mixture",)}
+    assert np.isnan(choice.error["kink"])
+    assert np.isnan(choice.error["worst"])
+    assert choice.error["smooth"] <= 1e-4
+    assert choice.counts == choose_levels(pilot, functions.INPUTS, 1e-4, BUDGET).counts
+    with pytest.raises(ValueError, match="no output decays geometrically, so no tolerance can be met: kink, worst"):
+        choose_levels(kinked, functions.INPUTS, 1e-4, BUDGET, outputs=["kink", "worst"])
+
+
+def test_an_unreachable_tolerance_says_what_would_reach_it(pilot: xr.Dataset) -> None:
+    needed = choose_levels(pilot, functions.INPUTS, 1e-9, 10**7)
+    with pytest.raises(UnreachableError) as caught:
+        choose_levels(pilot, functions.INPUTS, 1e-9, 20_000)
+    said = str(caught.value)
+    assert said.startswith(f"tolerance 1e-09 needs {needed.cases:,} cases ({needed.counts['mixture']} mixture x ")
+    assert "the budget is 20,000; 20,000 cases reach about" in said
+    assert "\n" not in said
+    offered = float(re.findall(r"reach about (\S+)", said)[0])
+    assert choose_levels(pilot, functions.INPUTS, offered * 1.05, 20_000).cases <= 20_000
+    with pytest.raises(UnreachableError):
+        choose_levels(pilot, functions.INPUTS, offered * 0.8, 20_000)
+
+
+def test_noise_in_the_data_bounds_the_tolerance(pilot: xr.Dataset) -> None:
+    noisy = pilot[["mixed"]].copy(deep=True)
+    noisy["mixed"] *= 1 + 1e-6 * np.random.default_rng(0).normal(size=noisy["mixed"].shape)
+    choose_levels(noisy, functions.INPUTS, 1e-3, BUDGET)
+    with pytest.raises(ValueError, match="out of reach for output 'mixed'"):
+        choose_levels(noisy, functions.INPUTS, 1e-9, BUDGET)
+
+
+def test_polynomials_get_exactly_the_levels_that_they_need() -> None:
+    inputs = [Input("x", 0, 1), Input("y", -2, 3)]
+    x, y = (xr.DataArray(i.levels(9), dims=i.name, coords={i.name: i.levels(9)}) for i in inputs)
+    choice = choose_levels(xr.Dataset({"f": x**4 * (1 + y), "g": x**2 - 7 * y}), inputs, 1e-10, 100)
+    assert choice.counts == {"x": 5, "y": 2}
+    assert choice.affine == ("y",)
+    assert choice.kinked == {}
+
+
+@pytest.mark.parametrize(("tolerance", "budget"), [(0.0, 10), (-1.0, 10), (float("nan"), 10), (1e-3, 0)])
+def test_senseless_requests_are_refused(pilot: xr.Dataset, tolerance: float, budget: int) -> None:
+    with pytest.raises(ValueError, match="must be positive"):
+        choose_levels(pilot, functions.INPUTS, tolerance, budget)

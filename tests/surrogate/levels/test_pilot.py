@@ -1,0 +1,76 @@
+"""Pilots that refine themselves: do the chosen counts deliver, at what price, and what is said when they cannot."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.typing import NDArray
+
+from surrogate import GridGP, Input
+from surrogate.levels.counts import UnreachableError
+from surrogate.levels.pilot import Pilot, explore
+from surrogate.use.validation import validate
+from tests.surrogate import functions
+
+Levels = dict[str, NDArray[np.float64]]
+
+
+class Solver:
+    """The test functions on any levels, counting the cases."""
+
+    def __init__(self, inputs: tuple[Input, ...] = functions.INPUTS) -> None:
+        self.inputs, self.cases = inputs, 0
+
+    def __call__(self, levels: Levels) -> xr.Dataset:
+        self.cases += int(np.prod([len(axis) for axis in levels.values()]))
+        return xr.Dataset(functions.outputs({n: xr.DataArray(x, dims=n, coords={n: x}) for n, x in levels.items()}))
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
+def test_the_counts_deliver_and_are_no_waste(tolerance: float) -> None:
+    solver = Solver()
+    found = explore(solver, functions.INPUTS, tolerance, 1_000_000)
+    assert found.cases == solver.cases <= 1_000_000
+    assert found.choice.affine == ("bias",)
+    assert found.choice.extrapolated == ()
+    assert max(found.choice.error.values()) <= tolerance
+    counts = list(found.choice.counts.values())
+    fresh = functions.scattered(3000, seed=17)
+    assert (
+        float(validate(GridGP(inputs=functions.INPUTS).fit(functions.factorial(counts)), fresh, None).max_error.max())
+        <= tolerance
+    )
+    fewer = [max(2, count - 3) for count in counts]
+    assert (
+        float(validate(GridGP(inputs=functions.INPUTS).fit(functions.factorial(fewer)), fresh, None).max_error.max())
+        > tolerance
+    )
+
+
+def test_a_kink_is_told_from_a_near_pole_by_refinement() -> None:
+    def solve(levels: Levels) -> xr.Dataset:
+        x, y = (xr.DataArray(levels[name], dims=name, coords={name: levels[name]}) for name in ("x", "y"))
+        return xr.Dataset({"pole": 1 / (x + 0.05) + y, "kink": np.maximum(x, 0.4) * y, "smooth": np.exp(x * y)})
+
+    found = explore(solve, [Input("x", 0, 1), Input("y", 0, 1)], 1e-6, 20_000)
+    assert found.choice.kinked == {"kink": ("x",)}
+    assert found.levels["x"] > found.levels["y"]
+    assert bool(found.choice.decay["kinked"].sel(output="kink", input="x"))
+    assert int(found.choice.decay["kinked"].sum()) == 1
+
+
+def test_given_counts_are_kept_and_blamed_when_too_few() -> None:
+    def run(**given: int) -> Pilot:
+        return explore(Solver(), functions.INPUTS, 1e-6, 1_000_000, given=given)
+
+    assert run(angle=12).choice.counts["angle"] == 12
+    with pytest.raises(UnreachableError, match=r"out of reach with 3 levels of 'angle': output '[a-z_]+' errs by"):
+        run(angle=3)
+
+
+def test_the_budget_bounds_the_pilots_too() -> None:
+    solver = Solver()
+    with pytest.raises(
+        UnreachableError, match=r"^tolerance 1e-09 needs .* the budget is 3,000; 3,000 cases reach about"
+    ):
+        explore(solver, functions.INPUTS, 1e-9, 3000)
+    assert solver.cases <= 3000

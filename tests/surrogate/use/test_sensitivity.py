@@ -1,0 +1,105 @@
+"""Sensitivity indices against closed forms and scipy's sampling."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.stats import sobol_indices, uniform
+
+from surrogate import GridGP, Input, ScatterGP
+from surrogate.use.sensitivity import sobol
+from tests.surrogate import functions
+
+Array = NDArray[np.float64]
+
+
+def ishigami() -> GridGP:
+    inputs = [Input(name, -np.pi, np.pi) for name in ("x1", "x2", "x3")]
+    levels = {one.name: one.levels(n) for one, n in zip(inputs, (26, 30, 10), strict=True)}
+    x = [xr.DataArray(values, dims=name, coords={name: values}) for name, values in levels.items()]
+    f = np.sin(x[0]) + 7 * np.sin(x[1]) ** 2 + 0.1 * x[2] ** 4 * np.sin(x[0])
+    return GridGP(inputs=inputs).fit(xr.Dataset({"f": f, "constant": 0 * x[0] + 3, "single": 2 * x[2] ** 2}))
+
+
+def test_indices_of_the_ishigami_function_are_the_known_ones() -> None:
+    # T. Ishigami and T. Homma (1990), a = 7, b = 0.1
+    a, b, pi = 7.0, 0.1, np.pi
+    v1, v2, v13 = 0.5 * (1 + b * pi**4 / 5) ** 2, a**2 / 8, b**2 * pi**8 * (1 / 18 - 1 / 50)
+    whole = v1 + v2 + v13
+    found = sobol(ishigami()).sel(output="f")
+    assert float(found["mean"]) == pytest.approx(a / 2, rel=1e-10)
+    assert float(found["variance"]) == pytest.approx(whole, rel=1e-10)
+    np.testing.assert_allclose(found["first_order"], np.array([v1, v2, 0]) / whole, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(found["total"], np.array([v1 + v13, v2, v13]) / whole, rtol=0, atol=1e-10)
+    want = np.zeros((3, 3))
+    want[0, 2] = want[2, 0] = v13 / whole
+    np.testing.assert_allclose(found["second_order"], want, rtol=0, atol=1e-10)
+
+
+def test_main_effects_are_the_conditional_means() -> None:
+    found = sobol(ishigami()).sel(output="f")
+    x = found["value"]
+    want: dict[str, Any] = {
+        "x1": np.sin(x.sel(input="x1")) * (1 + 0.1 * np.pi**4 / 5),
+        "x2": 7 * np.sin(x.sel(input="x2")) ** 2 - 3.5,
+        "x3": 0 * x.sel(input="x3"),
+    }
+    for name, effect in want.items():
+        np.testing.assert_allclose(found["main_effect"].sel(input=name), effect, rtol=0, atol=1e-9)
+
+
+def test_outputs_of_one_or_no_input_have_trivial_indices() -> None:
+    found = sobol(ishigami())
+    np.testing.assert_allclose(found["total"].sel(output="single"), [0, 0, 1], atol=1e-10)
+    np.testing.assert_array_equal(found["total"].sel(output="constant"), 0)
+
+
+def test_indices_agree_with_scipy_on_the_test_functions() -> None:
+    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((30, 7, 7, 7, 2)))
+    found = sobol(model)
+
+    def exact(t: Array) -> Array:
+        columns = {one.name: one.from_unit(row) for one, row in zip(functions.INPUTS, t, strict=True)}
+        answers = functions.outputs({name: xr.DataArray(column, dims="case") for name, column in columns.items()})
+        return np.stack([answers[name].values for name in model.outputs_])
+
+    dists: Any = [uniform(-1, 2)] * 5
+    sampled = sobol_indices(func=exact, n=2**15, dists=dists, rng=0)
+    np.testing.assert_allclose(found["first_order"], sampled.first_order, rtol=0, atol=0.01)
+    np.testing.assert_allclose(found["total"], sampled.total_order, rtol=0, atol=0.01)
+
+
+@pytest.mark.parametrize("kernel", ["rbf", "matern32", "matern52"])
+def test_other_kernels_agree_with_a_quadrature_of_their_own_mean(kernel: str) -> None:
+    inputs = [Input("x", 0, 1), Input("y", 1, 10, "log")]
+    x = xr.DataArray(np.linspace(0, 1, 6), dims="x", coords={"x": np.linspace(0, 1, 6)})
+    y = xr.DataArray(np.geomspace(1, 10, 5), dims="y", coords={"y": np.geomspace(1, 10, 5)})
+    model = GridGP(kernel, inputs, nugget=1e-6).fit(xr.Dataset({"f": np.exp(x) * np.log(y) + x}))  # type: ignore[arg-type]  # plain strings
+    t = (np.arange(400) + 0.5) / 200 - 1
+    a, b = (one.from_unit(t) for one in inputs)
+    surface = model.predict({"x": xr.DataArray(a, dims="x"), "y": xr.DataArray(b, dims="y")}, return_std=False)["f"]
+    found = sobol(model).sel(output="f")
+    assert float(found["mean"]) == pytest.approx(float(surface.mean()), rel=1e-5)
+    assert float(found["variance"]) == pytest.approx(float(surface.var()), rel=1e-4)
+    want = [float(surface.mean("y").var() / surface.var()), float(surface.mean("x").var() / surface.var())]
+    np.testing.assert_allclose(found["first_order"], want, rtol=1e-4)
+
+
+def test_intervals_hold_the_indices_of_the_truth_on_a_coarse_grid() -> None:
+    inputs = functions.INPUTS
+    fine = sobol(GridGP(inputs=inputs).fit(functions.factorial((40, 8, 8, 8, 2))))
+    model = GridGP(inputs=inputs).fit(functions.factorial((6, 3, 3, 3, 2))).calibrate(functions.scattered(2000, seed=3))
+    coarse = sobol(model)
+    for name in ("first_order", "total"):
+        assert bool((coarse[f"{name}_low"] <= fine[name] + 1e-12).all())
+        assert bool((coarse[f"{name}_high"] >= fine[name] - 1e-12).all())
+        width = coarse[f"{name}_high"] - coarse[f"{name}_low"]
+        assert 1e-6 < float(width.max()) < 0.5
+
+
+def test_scattered_models_are_refused_by_name() -> None:
+    cases = functions.scattered(20, seed=0)[["mixture", "ratio"]]
+    with pytest.raises(TypeError, match="need a GridGP, got ScatterGP"):
+        sobol(ScatterGP(outputs=["ratio"]).fit(cases))

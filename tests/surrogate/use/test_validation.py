@@ -1,0 +1,72 @@
+"""Error tables against figures computed by hand, and the baseline."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.polynomial.chebyshev import chebval2d, chebvander2d
+from scipy.integrate import quad
+from scipy.stats import norm
+
+from surrogate import GridGP, Input
+from surrogate.use.baseline import chebyshev_interpolation
+from surrogate.use.validation import crps, pit, validate
+from tests.surrogate import functions
+
+
+def test_crps_is_the_integral_that_defines_it() -> None:
+    true, mean, std = np.array([0.3, -2.0, 1.0]), np.array([0.0, 1.0, 1.0]), np.array([0.5, 1.0, 2.0])
+    for k in range(3):
+
+        def square(x: float, k: int = k) -> float:
+            return float((norm.cdf(x, mean[k], std[k]) - (x >= true[k])) ** 2)
+
+        want = quad(square, -40, true[k], limit=200)[0] + quad(square, true[k], 40, limit=200)[0]
+        assert crps(true, mean, std)[k] == pytest.approx(want, rel=1e-7)
+    np.testing.assert_array_equal(crps(true, mean, np.zeros(3)), np.abs(true - mean))
+
+
+def test_pit_and_coverage_of_a_right_model_are_uniform_and_nominal() -> None:
+    rng = np.random.default_rng(0)
+    mean, std = rng.normal(size=20_000), rng.uniform(0.5, 2, 20_000)
+    values = pit(mean + std * rng.normal(size=20_000), mean, std)
+    np.testing.assert_allclose(np.quantile(values, [0.1, 0.5, 0.9]), [0.1, 0.5, 0.9], atol=0.01)
+    assert pit(np.ones(1), np.ones(1), np.zeros(1)) == 0.5
+    assert pit(np.ones(1), np.zeros(1), np.zeros(1)) == 1.0
+
+
+def test_the_table_is_that_of_the_definitions() -> None:
+    data, held = functions.factorial((8, 4, 4, 4, 2)), functions.scattered(400, seed=4)
+    model = GridGP(inputs=functions.INPUTS).fit(data)
+    table = validate(model, held, data)
+    predicted = model.predict(held[[one.name for one in functions.INPUTS]])
+    for name in model.outputs_:
+        row, true = table.sel(output=name), held[name].values
+        error, std = predicted[name].values - true, predicted[f"{name}_std"].values
+        spread = true.max() - true.min()
+        assert float(row["range"]) == spread
+        assert float(row["max_error"]) == pytest.approx(np.abs(error).max() / spread, rel=1e-12)
+        assert float(row["rmse"]) == pytest.approx(np.sqrt(np.mean(error**2)) / spread, rel=1e-12)
+        assert float(row["r2"]) == pytest.approx(1 - np.sum(error**2) / np.sum((true - true.mean()) ** 2), abs=1e-12)
+        inside = np.abs(error) <= 1.959963984540054 * std
+        assert float(row["coverage"]) == pytest.approx(inside.mean(), abs=1e-12)
+        lowest = np.argsort(held["angle"].values)[:40]
+        assert float(row["decile_coverage"].sel(input="angle", decile=1)) == pytest.approx(inside[lowest].mean())
+        assert float(row["worst_decile_coverage"]) == float(row["decile_coverage"].min())
+    assert table["pit"].shape == (6, 400)
+    plain = chebyshev_interpolation(data, functions.INPUTS, held[[one.name for one in functions.INPUTS]])
+    want = np.abs(plain["ratio"] - held["ratio"]).max() / table["range"].sel(output="ratio")
+    assert float(table["baseline_max_error"].sel(output="ratio")) == pytest.approx(float(want), rel=1e-12)
+
+
+def test_the_baseline_is_the_polynomial_through_the_data() -> None:
+    x, y = Input("x", -1, 1), Input("y", 1, 100, "log")
+    a, b = x.levels(6), y.levels(5)
+    values = np.exp(a)[:, None] / (1 + b)
+    data = xr.Dataset({"f": (("x", "y"), values)}, coords={"x": a, "y": b})
+    rng = np.random.default_rng(0)
+    s, t = rng.uniform(-1, 1, 50), rng.uniform(-1, 1, 50)
+    grid = np.meshgrid(a, y.to_unit(b), indexing="ij")
+    matrix = chebvander2d(grid[0].ravel(), grid[1].ravel(), [5, 4])
+    coefficients = np.linalg.solve(matrix, values.ravel()).reshape(6, 5)
+    found = chebyshev_interpolation(data, [x, y], {"x": s, "y": y.from_unit(t)})
+    np.testing.assert_allclose(found["f"], chebval2d(s, t, coefficients), rtol=0, atol=1e-13)

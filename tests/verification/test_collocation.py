@@ -1,0 +1,173 @@
+"""The collocation oracle against the 50-digit one, against the equations that it solves and in its convergence."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from mpmath import isnan
+
+from verification.oracles import collocation, precise, profile
+from verification.oracles.sample_materials import SIH_SONG
+from verification.oracles.surface_response import Array, SurfaceResponse, surface_response
+from verification.oracles.weighted_chebyshev import end_proof_nodes
+
+CONDUCTED = [(1, 2), (1,), (2,), ()]
+POSITIONS = np.array([-1.7, -1.001, -0.95, 0.2, 0.95, 1.001, 4.0])
+
+
+def problem(
+    shape: profile.Profile, friction: float, conducted: tuple[int, ...] = (1, 2), speed: float = 0.0
+) -> tuple[collocation.Problem, SurfaceResponse]:
+    surface = surface_response(SIH_SONG, speed)
+    case = collocation.Problem(
+        N=surface.normal_compliance,
+        k=surface.shear_coupling,
+        profile=shape,
+        friction=friction,
+        load=1e5,
+        charge=1e-6 if 1 in conducted else 0.0,
+        magnetic_charge=-2e-3 if 2 in conducted else 0.0,
+        conducted=conducted,
+    )
+    return case, surface
+
+
+@pytest.mark.parametrize("conducted", CONDUCTED)
+@pytest.mark.parametrize(("friction", "speed"), [(0.0, 0.0), (1e-12, 0.0), (1.0, 900.0)])
+def test_collocation_and_50_digits_agree(friction: float, speed: float, conducted: tuple[int, ...]) -> None:
+    case, surface = problem(profile.cylinder(0.05), friction, conducted, speed)
+    exact = precise.solve(
+        SIH_SONG,
+        radius=0.05,
+        load=1e5,
+        friction=friction,
+        charge=case.charge,
+        magnetic_charge=case.magnetic_charge,
+        datum=0.2,
+        electric="conducting" if 1 in conducted else "insulating",
+        magnetic="conducting" if 2 in conducted else "insulating",
+        speed=speed,
+        positions=POSITIONS.tolist(),
+    )
+    found = collocation.solve(case)
+    for name, value in quantities(found, surface).items():
+        if not isnan(exact.quantities[name]):
+            assert value == pytest.approx(float(exact.quantities[name]), rel=1e-12, abs=1e-300), name
+    for name, values in fields(found, surface).items():
+        reference = np.array(exact.fields[name], dtype=float)
+        np.testing.assert_allclose(values, reference, rtol=1e-12, atol=2e-12 * np.max(np.abs(reference)), err_msg=name)
+
+
+def quantities(found: collocation.Contact, surface: SurfaceResponse) -> dict[str, float]:
+    """What collocation can tell of the quantities of interface.md."""
+    depth, voltage, magnetic_potential = found.punch_response(0.2)
+    alpha, h, near = found.problem.weights()[0][0], found.half_width, np.array([1e-24])
+    trailing, leading = (found._tractions(*sides)[:, 0] for sides in ((near, 2 - near), (2 - near, near)))
+    to_intensity = np.sqrt(2 * np.pi * h * near[0])
+    edges = np.zeros((4, 2))
+    edges[0] = found.problem.friction * found.transforms(np.array([1.0, -1.0]))[0]  # an ordinary integral there
+    tension, compression = surface.along_surface(np.zeros((4, 2)), edges)[0]
+    return {
+        "contact_trailing": found.trailing,
+        "contact_leading": found.leading,
+        "pressure_exponent": alpha,
+        "peak_pressure": -found.tractions(np.array([1 - 2 * alpha]))[0, 0],  # where alpha/(a-x) = (1-alpha)/(x+b)
+        "depth": depth,
+        "voltage": voltage,
+        "magnetic_potential": magnetic_potential,
+        "electric_edge_intensity_trailing": to_intensity * trailing[1],
+        "electric_edge_intensity_leading": to_intensity * leading[1],
+        "magnetic_edge_intensity_trailing": to_intensity * trailing[2],
+        "magnetic_edge_intensity_leading": to_intensity * leading[2],
+        "trailing_tension": tension,
+        "leading_compression": compression,
+    }
+
+
+def fields(found: collocation.Contact, surface: SurfaceResponse) -> dict[str, Array]:
+    t, transform = found.tractions(POSITIONS), found.transforms(POSITIONS)
+    t, transform = (np.vstack([found.problem.friction * rows[0], rows]) for rows in (t, transform))
+    along = surface.along_surface(t, transform)
+    return dict(zip(precise.FIELDS, (-t[1], t[0], t[2], t[3], along[0], along[2], along[3]), strict=True))
+
+
+SHAPES = {
+    "cylinder": profile.cylinder(0.05),
+    "circle": profile.circle(0.05),
+    "flat": profile.flat(4e-4),
+    "tilted": profile.flat(4e-4, 1e-4),
+    "wedge": profile.wedge(2e-3),
+    "wedge, trailing": profile.wedge(2e-3, "trailing"),
+    "half_cylinder": profile.half_cylinder(0.05),
+    "half_cylinder, trailing": profile.half_cylinder(0.05, "trailing"),
+}
+
+
+@pytest.mark.parametrize("conducted", CONDUCTED)
+@pytest.mark.parametrize("name", SHAPES)
+def test_collocation_satisfies_the_equations_off_its_points(name: str, conducted: tuple[int, ...]) -> None:
+    case, _ = problem(SHAPES[name], 0.8, conducted)
+    found = collocation.solve(case)
+    np.testing.assert_allclose(found.totals, [-1e5, -case.charge, -case.magnetic_charge], rtol=1e-12)
+    X = np.array([-0.83, -0.2, 0.11, 0.67])
+    t, right, left, weight = found.tractions(X), *end_proof_nodes()
+    samples = found._tractions(right, left)
+    quotient = (samples[:, None, :] - t[:, :, None]) / ((left - right) / 2 - X[:, None])
+    transform = (quotient @ weight + t * np.log((1 - X) / (1 + X))) / np.pi
+    answer = case.friction * case.k[:, None] * t[0] + case.N @ transform
+    answer[0] -= case.profile.slope((found.trailing - found.leading) / 2 + found.half_width * X)
+    size = np.abs(case.N) @ np.abs(transform)
+    kept = [0, *conducted]
+    assert np.max(np.abs(answer / size)[kept]) < 1e-11
+
+
+def reduced(surface: SurfaceResponse, friction: float) -> tuple[float, float]:
+    inverse_n = np.linalg.inv(surface.normal_compliance / (s := np.outer([1, 1e10, 1e8], [1, 1e10, 1e8])))
+    lam = 1 / inverse_n[0, 0]
+    kap = lam * inverse_n[0] @ (surface.shear_coupling / s[0])
+    return lam, float(np.arctan2(1.0, -friction * kap / lam)) / np.pi
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.8])
+def test_profiles_with_corners_have_the_pressures_of_section_4(friction: float) -> None:
+    X = np.array([-0.999, -0.3, 0.4, 0.999])
+    for name, pressure in {"flat": flat, "wedge": wedge, "half_cylinder": half_cylinder}.items():
+        case, surface = problem(SHAPES[name], friction)
+        found = collocation.solve(case)
+        lam, alpha = reduced(surface, friction)
+        x = (found.trailing - found.leading) / 2 + found.half_width * X
+        expected, load = pressure(x, found.trailing, lam, alpha)
+        assert load == pytest.approx(1e5, rel=1e-12)
+        np.testing.assert_allclose(-found.tractions(X)[0], expected, rtol=1e-11, err_msg=name)
+
+
+def flat(x: Array, a: float, _: float, alpha: float) -> tuple[Array, float]:
+    """Sadowsky's pressure where alpha = 1/2."""
+    return 1e5 * np.sin(np.pi * alpha) / np.pi * (a - x) ** (alpha - 1) * (x + a) ** -alpha, 1e5
+
+
+def wedge(x: Array, a: float, lam: float, alpha: float) -> tuple[Array, float]:
+    """Slope m, corner at x = 0: Qn = -sin(pi alpha) m/lam, load pi alpha m a/lam."""
+    return np.sin(np.pi * alpha) / lam * 2e-3 * (a - x) ** alpha * x**-alpha, np.pi * alpha * 2e-3 * a / lam
+
+
+def half_cylinder(x: Array, a: float, lam: float, alpha: float) -> tuple[Array, float]:
+    """Corner at x = 0: Qn = -sin(pi alpha)/(lam R) (x + alpha a), load pi alpha (1 + alpha) a^2/(2 lam R)."""
+    pressure = np.sin(np.pi * alpha) / (lam * 0.05) * (x + alpha * a) * (a - x) ** alpha * x**-alpha
+    return pressure, np.pi * alpha * (1 + alpha) * a**2 / (2 * lam * 0.05)
+
+
+def test_collocation_converges_geometrically_for_the_circle_itself() -> None:
+    X = np.linspace(-0.95, 0.95, 21)
+    light, _ = problem(profile.circle(0.05), 0.5)
+
+    def solution(terms: int) -> Array:
+        found = collocation.solve(replace(light, load=1e9, charge=0.0, magnetic_charge=0.0, terms=terms))
+        return np.append(found.tractions(X)[0], found.half_width / 0.05)
+
+    exact = solution(24)
+    assert 0.40 < exact[-1] < 0.41  # half-width over radius: far from the parabola
+    errors = [float(np.max(np.abs(solution(terms) / exact - 1))) for terms in (4, 6, 8, 10, 12)]
+    assert errors[-1] < 1e-8
+    assert all(fine < coarse / 10 for coarse, fine in pairwise(errors))

@@ -1,0 +1,73 @@
+"""Tables of cases from anywhere: what strangers' programs write is read, what has no end or bound is refused."""
+
+import os
+import resource
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workflow.cli import casetable
+from workflow.cli.casetable import read_cases
+from workflow.study.reading import InputError
+
+
+def test_tables_of_other_programs_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "cases.csv"
+    path.write_bytes(
+        b'\xef\xbb\xbfmaterial ,"radius",load\r\n\r\n"PZT-4", 0.05 ,"1e5"\r\nsteel,,\xc2\xa02E4\r\n\n"a\nb",1.,+.5e1'
+    )
+    table = read_cases(path)
+    assert list(table.columns) == ["material", "radius", "load"]
+    assert table.columns["material"].tolist() == ["PZT-4", "steel", "a\nb"]
+    np.testing.assert_array_equal(table.columns["radius"], [0.05, np.nan, 1.0])
+    np.testing.assert_array_equal(table.columns["load"], [1e5, 2e4, 5.0])
+    assert table.lines.tolist() == [3, 4, 7]
+    assert table.at(1) == f"{path}: line 4"
+    assert table.empty("radius").tolist() == [False, True, False]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("load\n1_00_000\n", "line 2: load: '1_00_000' is not a finite number > 0 [N m-1]"),
+        ("load\n\n\u0663\n", "line 3: load: '\u0663' is not a finite number"),
+        ("load\n\uff11\n", "is not a finite number"),
+        ("load\n1e5\n1e999\n", "line 3: load: inf is not a finite number"),
+        ("electric\nconducting\n\nisolating\n", "line 4: electric: 'isolating' is not one of conducting, insulating"),
+        (f"material\nsteel\n{'x' * 201}\n", "line 3: material: 'xxxxxxxxxxxxxxxxxxxx...' has more than 200 characters"),
+        (f"load\n1{' ' * 70_000}\n", "line 2: longer than 65536 characters"),
+        ('load\n"1\n' + "\n" * 70_000 + '"\n', "longer than 65536 characters"),
+        (f"load{',' * 60_000}\n", "column '': unknown factor"),
+        (f"load\n1{',' * 60_000}\n", "line 2: 60001 cells, the header has 1"),
+        ("load\n" + "1\n" * 21, "line 22: more than 20 cases; split the table"),
+        ("load\n" + "\n" * 90, "more than 80 lines"),
+    ],
+)
+def test_cells_rows_and_lines_have_bounds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, says: str
+) -> None:
+    monkeypatch.setattr(casetable, "_MOST_CASES", 20)
+    monkeypatch.setattr(casetable, "_MOST_LINES", 80)
+    path = tmp_path / "cases.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        read_cases(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert says in str(caught.value)
+
+
+def test_a_long_cell_does_not_widen_its_column(tmp_path: Path) -> None:
+    path = tmp_path / "cases.csv"
+    path.write_text("material\n" + "x" * 200 + "\n" + "a\n" * 137_000, encoding="ascii")  # 274 kB took 4.1 GB
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    assert read_cases(path).columns["material"].nbytes == 137_001 * 8
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 60_000  # kB
+
+
+def test_devices_and_pipes_are_refused(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    for path in (Path("/dev/zero"), pipe):
+        with pytest.raises(InputError, match=f"{path}: not a regular file"):
+            read_cases(path)

@@ -1,0 +1,351 @@
+"""The command line as a user meets it: results, exit statuses, one-line complaints, nothing half written."""
+
+import csv
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import solver
+import surrogate
+from solver import solve
+from solver.names import FIELDS, INTERIOR, QUANTITIES
+from storage.netcdf import read_whole
+from tests.workflow.conftest import Project
+from workflow.cli import main
+
+
+def write(path: Path, text: str) -> Path:
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def complaint(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
+    """The single line of a refused command."""
+    try:
+        status = main.main([str(argument) for argument in arguments])
+    except SystemExit as stopped:
+        status = int(stopped.code or 0)
+    captured = capsys.readouterr()
+    assert status == 2
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    return captured.err
+
+
+def test_solve_gives_every_quantity_of_every_case(tmp_path: Path) -> None:
+    cases = write(tmp_path / "cases.csv", "material,radius,friction,load\nPZT-4,0.05,0.3,1e5\nsteel,0.01,0,2e4\n")
+    out = tmp_path / "out.nc"
+    assert main.main(["solve", str(cases), "-o", str(out)]) == 0
+    data = read_whole(out)
+    assert set(data.data_vars) == set(QUANTITIES)
+    assert data.sizes == {"case": 2}
+    exact = solve({"material": "PZT-4", "radius": 0.05, "friction": 0.3, "load": 1e5})
+    for name in QUANTITIES:
+        assert float(data[name][0]) == pytest.approx(float(exact[name]), rel=1e-14)
+    assert data.attrs["Conventions"] == "CF-1.11"
+
+
+def test_lost_digits_are_told_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    speed = float(solver.limiting_speed(solver.find("steel"))) * (1 - 1e-9)
+    cases = tmp_path / "cases.csv"
+    cases.write_text(f"material,radius,load,speed\nsteel,0.05,1e5,{speed!r}\n", encoding="utf-8")
+    assert main.main(["solve", str(cases), "-o", str(tmp_path / "out.nc")]) == 0
+    warned, wrote = capsys.readouterr().err.splitlines()
+    assert warned.startswith("meecontact: warning: steel: a speed so near the limiting one that rounding costs digits")
+    assert wrote.startswith("wrote ")
+
+
+def test_solve_gives_fields_where_positions_are_given(tmp_path: Path) -> None:
+    cases = write(tmp_path / "cases.csv", "volume_fraction,radius,load\n0.5,0.05,1e5\n0.7,0.05,1e5\n")
+    out = tmp_path / "out.nc"
+    assert main.main(["solve", str(cases), "-o", str(out), "--positions=-2,0,0.5,3"]) == 0
+    data = read_whole(out)
+    assert list(data["position"].values) == [-2.0, 0.0, 0.5, 3.0]
+    for name, described in FIELDS.items():
+        assert data[name].dims == ("case", "position")
+        assert data[name].attrs["units"] == described.units
+    assert (data.attrs["composite"], data.attrs["phases"]) == ("fibrous", "BaTiO3, CoFe2O4")
+    assert data.attrs["defaults"].startswith("friction = 0, charge = 0 C m-1, ")
+
+
+def test_solve_takes_own_materials(tmp_path: Path) -> None:
+    own = write(tmp_path / "mine.yaml", "name: mine\nc11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n")
+    cases = write(tmp_path / "cases.csv", "material,radius,load\nmine,0.05,1e5\n")
+    assert main.main(["solve", str(cases), "-o", str(tmp_path / "out.nc"), "--materials", str(own)]) == 0
+    assert (tmp_path / "out.nc").is_file()
+
+
+@pytest.mark.parametrize(
+    ("table", "expected"),
+    [
+        ("", "needs a header of factor names and at least one case"),
+        ("material,radius,load\n", "needs a header of factor names and at least one case"),
+        ("material,radus,load\nsteel,1,1\n", "column 'radus': unknown factor; did you mean 'radius'?"),
+        ("material,load,load\nsteel,1,1\n", "column 'load': given twice"),
+        ("material,radius,load\nsteel,1\n", "line 2: 2 cells, the header has 3"),
+        ("material,radius,load\nsteel,0.1,abc\n", "line 2: load: 'abc' is not a finite number > 0 [N m-1]"),
+        (
+            "material,radius,load\nsteel,0.1,1e4\nsteel,0.1,nan\n",
+            "line 3: load: nan is not a finite number > 0 [N m-1]",
+        ),
+        ("material,radius,load\nsteel,0.1,inf\n", "load: inf is not a finite number > 0 [N m-1]"),
+        ("material,radius,load\nsteel,-0.1,1e4\n", "line 2: radius: -0.1 is not a finite number > 0 [m]"),
+        ("material,radius,load\nsteel,0,1e4\n", "radius: 0 is not a finite number > 0 [m]"),
+        ("material,radius,load,friction\nsteel,1,1e4,-0.1\n", "line 2: friction: -0.1 is not a finite number >= 0 [1]"),
+        ("material,radius,load\nstel,0.1,1e4\n", "line 2: material: 'stel' is unknown; did you mean 'steel'?"),
+        ("material,load\nsteel,1e4\n", "radius: missing; must be a finite number > 0 [m]"),
+        ("radius,load\n0.1,1e4\n", "material: missing; give a material's name, or a composite's volume_fraction"),
+        (
+            "volume_fraction,radius,load\n1.5,0.1,1e4\n",
+            "line 2: volume_fraction: 1.5 is not a finite number >= 0 and <= 1",
+        ),
+        ("material,radius,load,profile\nsteel,0.1,1,ball\n", "line 2: profile: 'ball' is not one of"),
+    ],
+)
+def test_solve_refuses_bad_tables(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], table: str, expected: str
+) -> None:
+    cases = write(tmp_path / "cases.csv", table)
+    line = complaint(capsys, "solve", cases, "-o", tmp_path / "out.nc")
+    assert line.startswith(f"meecontact: {cases}: ")
+    assert expected in line
+    assert sorted(tmp_path.iterdir()) == [cases]
+
+
+@pytest.mark.parametrize(
+    ("positions", "expected"),
+    [("1", "positions: 1 is not allowed"), ("0,x", "--positions: 'x' is not a number"), ("nan", "positions: nan")],
+)
+def test_solve_refuses_bad_positions(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], positions: str, expected: str
+) -> None:
+    cases = write(tmp_path / "cases.csv", "material,radius,load\nsteel,0.1,1e4\n")
+    assert expected in complaint(capsys, "solve", cases, "-o", tmp_path / "out.nc", "--positions", positions)
+    assert sorted(tmp_path.iterdir()) == [cases]
+
+
+def test_missing_files_and_folders_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    absent = tmp_path / "absent.csv"
+    assert f"{absent}: No such file" in complaint(capsys, "solve", absent, "-o", tmp_path / "out.nc")
+    cases = write(tmp_path / "cases.csv", "material,radius,load\nsteel,0.1,1e4\n")
+    line = complaint(capsys, "solve", cases, "-o", tmp_path / "absent" / "out.nc")
+    assert f"{tmp_path / 'absent'} does not exist" in line
+    assert "invalid choice" in complaint(capsys, "slove")
+    assert "-o/--output" in complaint(capsys, "solve", cases)
+
+
+def test_material_prints_roots_compliance_and_source(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.main(["material", "BaTiO3-CoFe2O4 50:50"]) == 0
+    text = capsys.readouterr().out
+    for word in ("admissible", "1.901723i", "1.324019i", "0.935605i", "0.797192i", "Sih", "compliance"):
+        assert word in text
+
+
+def test_material_refuses_the_widely_copied_sign(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = "c11: 286e9\nc12: 173e9\nc13: 170.5e9\nc33: 269.5e9\nc44: 45.3e9\nmu11: -590e-6\nmu33: 157e-6\n"
+    path = write(tmp_path / "cobalt.yaml", text)
+    line = complaint(capsys, "material", path)
+    assert f"{path}: cobalt: mu11 = -0.00059 N s2 C-2: must be positive" in line
+    assert "use mu11 = +590e-6" in line
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("c11: 1e11\n", "c13: missing"),
+        ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: abc\n", "c44: 'abc' is not a finite number [Pa]"),
+        ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\nc99: 1\n", "c99: unknown entry"),
+        ("c11: 1e11\nc13: 2e11\nc33: 1e11\nc44: 1e10\n", "c13 = 2e+11 Pa: needs c13^2 < c11 c33"),
+        ("c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\ng11: 1.0\n", "g11 = 1 N s V-1 C-1: needs g11^2 < eps11 mu11"),
+        ("- 1\n", "not a mapping"),
+    ],
+)
+def test_material_refuses_bad_files(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, expected: str
+) -> None:
+    assert expected in complaint(capsys, "material", write(tmp_path / "m.yaml", text))
+
+
+def test_query_prints_and_writes_what_the_surrogate_says(
+    ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = ran.folder / "results/small/surrogate.nc"
+    model = surrogate.load(path)
+    point = {"volume_fraction": 0.6, "friction": 0.2, "radius": 0.1, "load": 1e4}
+    assert main.main(["query", str(path), "--at", ",".join(f"{k}={v}" for k, v in point.items())]) == 0
+    printed = capsys.readouterr().out
+    for name in model.outputs_:
+        assert name in printed
+    table = write(tmp_path / "at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.5,0,0.02,5e3\n")
+    out = tmp_path / "out.csv"
+    assert main.main(["query", str(path), str(table), "-o", str(out)]) == 0
+    with out.open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    named = {name: np.array([value]) for name, value in point.items()}
+    expected = model.predict(named).merge(model.interval(named))
+    for name in model.outputs_:
+        for key in (name, f"{name}_std", f"{name}_lower", f"{name}_upper"):
+            assert float(rows[0][key]) == pytest.approx(float(expected[key][0]), rel=1e-9)
+        line = next(one for one in printed.splitlines() if one.split()[0] == name)
+        found = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] \(95 %\) +{model.attrs_[name]['units']}", line)
+        assert found, line
+        half = float(expected[f"{name}_upper"][0] - expected[f"{name}_lower"][0]) / 2
+        for text, key in zip(found.groups(), (name, f"{name}_lower", f"{name}_upper"), strict=True):
+            assert float(text) == pytest.approx(float(expected[key][0]), abs=0.051 * half)
+    columns = [f"{name}{part}" for name in model.outputs_ for part in ("", "_std", "_lower", "_upper")]
+    assert list(rows[0]) == [*point, *columns]
+    assert "+-" not in printed
+    assert [row["radius"] for row in rows] == ["0.1", "0.02"]
+
+
+def test_query_gives_the_exact_answer_beside_its_own(
+    ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ran.folder)
+    path, out = "results/small/surrogate.nc", tmp_path / "out.csv"
+    point = {"load": 1e4, "volume_fraction": 0.5, "friction": 0.2, "radius": 0.05}
+    at = ",".join(f"{k}={v}" for k, v in point.items())
+    assert main.main(["query", path, "--at", at, "--exact", "small", "-o", str(out)]) == 0
+    with out.open(encoding="utf-8") as file:
+        row = next(csv.DictReader(file))
+    exact = solve(point)
+    for name in ("voltage_sensitivity", "peak_pressure"):
+        assert float(row[f"{name}_exact"]) == pytest.approx(float(exact[name]), rel=1e-13)
+    assert main.main(["query", path, "--at", at, "--exact", "small"]) == 0
+    assert f"exact {float(exact['peak_pressure']): .10g}" in capsys.readouterr().out
+    assert "the study's factors are" in complaint(capsys, "query", path, "--at", at, "--exact", "parametric")
+    assert "study: 'smal' is unknown" in complaint(capsys, "query", path, "--at", at, "--exact", "smal")
+
+
+def test_query_outside_the_box_is_refused_or_flagged(
+    ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = ran.folder / "results/small/surrogate.nc"
+    at = "volume_fraction=0.6,friction=0.2,radius=0.5,load=1e4"
+    line = complaint(capsys, "query", path, "--at", at)
+    assert "radius" in line
+    assert "0.5" in line
+    assert main.main(["query", str(path), "--at", at, "--extrapolate"]) == 0
+    assert "extrapolated" in capsys.readouterr().out
+    table = write(tmp_path / "at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.6,0.2,0.5,1e4\n")
+    out = tmp_path / "out.csv"
+    complaint(capsys, "query", path, table, "-o", out)
+    assert not out.exists()
+    assert main.main(["query", str(path), str(table), "-o", str(out), "--extrapolate"]) == 0
+    with out.open(encoding="utf-8") as file:
+        assert [row["extrapolated"] for row in csv.DictReader(file)] == ["0", "1"]
+
+
+@pytest.mark.parametrize(
+    ("at", "expected"),
+    [
+        ("radius=0.1", "volume_fraction: missing; the surrogate needs volume_fraction, friction, radius, load"),
+        ("radius=0.1,raduis=0.2", "raduis: not an input of the surrogate; did you mean 'radius'?"),
+        ("radius=0.1,radius=0.2", "radius: given twice"),
+        ("radius", "'radius' is not of the form NAME=VALUE"),
+        ("radius=big", "radius: 'big' is not a number"),
+        ("volume_fraction=nan,friction=0.2,radius=0.1,load=1e4", "nan"),
+    ],
+)
+def test_query_refuses_bad_points(ran: Project, capsys: pytest.CaptureFixture[str], at: str, expected: str) -> None:
+    path = ran.folder / "results/small/surrogate.nc"
+    assert expected in complaint(capsys, "query", path, "--at", at)
+
+
+def test_query_refuses_what_is_no_surrogate(ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "quantities.nc" in complaint(capsys, "query", ran.folder / "results/small/quantities.nc", "--at", "radius=1")
+    whole = (ran.folder / "results/small/surrogate.nc").read_bytes()
+    cut = tmp_path / "cut.nc"
+    cut.write_bytes(whole[: len(whole) // 2])
+    assert "cut.nc" in complaint(capsys, "query", cut, "--at", "radius=1")
+    flipped = tmp_path / "flipped.nc"
+    flipped.write_bytes(whole[:-2000] + bytes([whole[-2000] ^ 1]) + whole[-1999:])
+    assert "flipped.nc" in complaint(capsys, "query", flipped, "--at", "radius=1")
+
+
+def test_the_installed_command_exits_with_the_status(copy: Callable[[str], Project]) -> None:
+    project = copy("command")
+    done = project.run("meecontact", "material", "stel", check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("meecontact: material: 'stel' is unknown; did you mean 'steel'?")
+    assert project.run("meecontact", "--help").stdout.startswith("usage: meecontact")
+
+
+# --- every profile and conduction, and the interior ---
+
+MIXED = """\
+profile,radius,width,slope,material,volume_fraction,load,friction,charge,magnetic,speed,corner,moment
+cylinder,0.05,,,BaTiO3,,1e5,0.3,1e-6,conducting,,,
+flat,,0.01,,,0.4,1e5,0.2,,insulating,,,
+wedge,,,0.02,PZT-4,,2e4,0.1,,,,leading,
+half_cylinder,0.1,,,,0.5,1e5,0.3,,,800,trailing,
+flat,,0.01,,CoFe2O4,,1e5,0.2,,,,,-20
+"""
+
+
+def test_a_table_of_every_kind_of_punch(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table, out = tmp_path / "cases.csv", tmp_path / "out.nc"
+    table.write_text(MIXED, encoding="utf-8")
+    assert main.main(["solve", str(table), "-o", str(out), "--positions=-2,0,0.5", "--peaks"]) == 0
+    assert "left out, as some case has no such quantity: peak_pressure, magnetic_potential" in capsys.readouterr().err
+    found = read_whole(out)
+    alone = [
+        {"radius": 0.05, "material": "BaTiO3", "load": 1e5, "friction": 0.3, "charge": 1e-6},
+        {"profile": "flat", "width": 0.01, "volume_fraction": 0.4, "load": 1e5, "friction": 0.2,
+         "magnetic": "insulating"},
+        {"profile": "wedge", "slope": 0.02, "material": "PZT-4", "load": 2e4, "friction": 0.1},
+        {"profile": "half_cylinder", "radius": 0.1, "volume_fraction": 0.5, "load": 1e5, "friction": 0.3,
+         "speed": 800.0, "corner": "trailing"},
+        {"profile": "flat", "width": 0.01, "material": "CoFe2O4", "load": 1e5, "friction": 0.2, "moment": -20.0},
+    ]  # fmt: skip
+    names = ["depth", "voltage", "contact_trailing", "peak_von_mises", "peak_principal_tension", "stress_xx"]
+    for row, factors in enumerate(alone):
+        expected = solver.solve(factors, [-2.0, 0.0, 0.5], peaks=True)
+        for name in names:
+            np.testing.assert_allclose(found[name].isel(case=row), expected[name], rtol=1e-9, err_msg=f"{name}, {row}")
+    assert list(found["profile"].values) == ["cylinder", "flat", "wedge", "half_cylinder", "flat"]
+
+
+def test_the_interior_of_a_table_of_cases(tmp_path: Path) -> None:
+    table, out = tmp_path / "cases.csv", tmp_path / "out.nc"
+    table.write_text(MIXED, encoding="utf-8")
+    assert main.main(["interior", str(table), "-o", str(out), "--x=-1.2,0,2", "--y=-0.5,0"]) == 0
+    found = read_whole(out)
+    assert set(found.data_vars) == set(INTERIOR)
+    assert found["von_mises"].dims == ("case", "y", "x")
+    expected = solver.solve_interior(
+        {"profile": "wedge", "slope": 0.02, "material": "PZT-4", "load": 2e4, "friction": 0.1}, [-1.2, 0, 2], [-0.5, 0]
+    )
+    for name in INTERIOR:
+        scale = float(np.abs(expected[name]).max())
+        np.testing.assert_allclose(found[name].isel(case=2), expected[name], rtol=1e-9, atol=1e-12 * scale)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--x=-1,0", "--y=0"], "x: the fields have no value on an edge"),
+        (["--x=0", "--y=0.5"], "y: 0.5 is above the surface; y/h must be <= 0"),
+        (["--x=0,a", "--y=-1"], "--x: 'a' is not a number"),
+        (["--x=0", "--y=-1", "--fields=von_mise"], "fields: 'von_mise' is not one of"),
+    ],
+)
+def test_bad_grids_of_the_interior(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], words: str
+) -> None:
+    table, out = tmp_path / "cases.csv", tmp_path / "out.nc"
+    table.write_text("radius,material,load\n0.05,BaTiO3,1e5\n", encoding="utf-8")
+    assert main.main(["interior", str(table), "-o", str(out), *options]) == 2
+    message = capsys.readouterr().err
+    assert words in message
+    assert message.count("\n") == 1
+    assert not out.exists()
+
+
+def test_a_material_shows_its_limiting_speed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.main(["material", "PZT-4"]) == 0
+    speed = float(solver.limiting_speed(solver.find("PZT-4")))
+    assert f"limiting speed of a conducting punch: {speed:.6g} m/s" in capsys.readouterr().out

@@ -1,0 +1,140 @@
+"""Points of a table or of the command line, and what a surrogate answers, refuses and writes."""
+
+import csv
+import os
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from surrogate import GridGP, Input
+from tests.workflow.cli.test_main import complaint
+from workflow.cli import main
+
+ESCAPE = "\x1b]0;owned\x07\x1b[31m"
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A surrogate's file whose output and unit command the terminal."""
+    inputs = [Input("radius", 0.01, 0.2, "log", "m"), Input("friction", 0.0, 0.5, units="1")]
+    axes = {one.name: one.levels(5) for one in inputs}
+    values = np.exp(axes["friction"]) * np.log(axes["radius"])[:, None]
+    attrs = {"units": f"Pa{ESCAPE}"}
+    data = xr.Dataset({f"depth{ESCAPE}": (("radius", "friction"), values, attrs)}, coords=axes)
+    path = tmp_path_factory.mktemp("points") / "surrogate.nc"
+    GridGP(inputs=inputs, outputs=[f"depth{ESCAPE}"]).fit(data).save(path)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("at", "says"),
+    [
+        ("radius=-1,friction=0.1", "--at: radius = -1 (trained within [0.01, 0.2] m): no finite answer so far outside"),
+        ("radius=0.1,friction=1e200", "--at: friction = 1e+200 (trained within [0, 0.5] 1): no finite answer so far"),
+        ("radius=1_0,friction=0.1", "--at: radius: '1_0' is not a number"),
+        ("radius=\u0663,friction=0.1", "is not a number"),
+    ],
+)
+def test_no_answer_is_no_number(model: Path, capsys: pytest.CaptureFixture[str], at: str, says: str) -> None:
+    assert says in complaint(capsys, "query", model, "--at", at, "--extrapolate")
+
+
+@pytest.mark.parametrize(
+    ("rows", "says"),
+    [
+        ("0.1,0.1\n0.3,0.2", "line 3: radius = 0.3 is outside the trained box [0.01, 0.2] m"),
+        ("0.1,0.1\n\n,0.2", "line 4: radius: empty; must be a number"),
+        ("0.1,0.1\n0.1,1e999", "line 3: friction: inf is not a finite number"),
+    ],
+)
+def test_a_point_at_fault_is_named_by_its_line(
+    model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], rows: str, says: str
+) -> None:
+    table = tmp_path / "at.csv"
+    table.write_text(f"radius,friction\n{rows}\n", encoding="utf-8")
+    assert f"{table}: {says}" in complaint(capsys, "query", model, table, "-o", tmp_path / "out.csv")
+    assert list(tmp_path.iterdir()) == [table]
+
+
+def test_a_table_is_answered_with_every_digit(model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table, out = tmp_path / "at.csv", tmp_path / "out.csv"
+    points = np.random.default_rng(0).uniform([0.01, 0.0], [0.3, 0.5], (5000, 2))
+    table.write_text("radius,friction\n" + "".join(f"{r!r},{f!r}\n" for r, f in points.tolist()), encoding="utf-8")
+    assert main.main(["query", str(model), str(table), "-o", str(out), "--extrapolate"]) == 0
+    assert capsys.readouterr() == ("", f"wrote {out}: 5000 points, 1 outputs\n")
+    with out.open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    assert header[:2] == ["radius", "friction"]
+    np.testing.assert_array_equal(np.array([row[:2] for row in rows], dtype=float), points)
+    assert [row[-1] for row in rows] == [str(int(r > 0.2 * (1 + 1e-9))) for r in points[:, 0]]
+
+
+def test_names_and_units_cannot_command_the_terminal(
+    model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main.main(["query", str(model), "--at", "radius=0.1,friction=0.1"]) == 0
+    shown = capsys.readouterr().out
+    assert "depth\\x1b]0;owned\\x07\\x1b[31m" in shown
+    assert all(line.isprintable() for line in shown.split("\n"))
+    own = tmp_path / "own.yaml"
+    text = '"\\e]0;owned\\a\\e[31m \\u202e\\n steel: admissible"'
+    own.write_text(
+        f"name: {text}\nnote: {text}\nsource: {text}\nc11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n", encoding="utf-8"
+    )
+    assert main.main(["material", str(own)]) == 0
+    shown = capsys.readouterr().out
+    assert shown.count("owned") == 3
+    assert all(line.isprintable() for line in shown.split("\n"))
+    assert "\nsteel" not in shown
+
+
+def test_nothing_is_written_over_inputs_or_devices(
+    model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cases, points = tmp_path / "cases.csv", tmp_path / "points.csv"
+    cases.write_text("material,radius,load\nsteel,0.05,1e5\n", encoding="utf-8")
+    points.write_text("radius,friction\n0.1,0.1\n", encoding="utf-8")
+    before, pipe, link = model.read_bytes(), tmp_path / "pipe", tmp_path / "link"
+    os.mkfifo(pipe)
+    link.symlink_to(cases)
+    own = "is an input of this command, so it is not replaced"
+    other = "not a regular file, so it is not replaced"
+    refused: list[tuple[list[str | Path], Path, str]] = [
+        (["solve", cases], cases, own),
+        (["solve", cases], link, own),
+        (["interior", cases, "--x=0", "--y=-1"], cases, own),
+        (["query", model, points], points, own),
+        (["query", model, points], model, own),
+        (["solve", cases], pipe, other),
+        (["solve", cases], tmp_path, other),
+        (["query", model, points], Path("/dev/null"), other),
+    ]
+    for words, out, says in refused:
+        assert f"{out}: {says}" in complaint(capsys, *words, "-o", out)
+    assert "not a regular file" in complaint(capsys, "query", pipe, "--at", "radius=0.1,friction=0.1")
+    assert "not a regular file" in complaint(capsys, "material", pipe)
+    assert model.read_bytes() == before
+    assert pipe.is_fifo()
+    assert Path("/dev/null").is_char_device()
+
+
+def test_an_output_that_is_a_link_is_written_where_it_leads(tmp_path: Path) -> None:
+    cases, link = tmp_path / "cases.csv", tmp_path / "link.nc"
+    cases.write_text("material,radius,load\nsteel,0.05,1e5\n", encoding="utf-8")
+    (tmp_path / "disk").mkdir()
+    link.symlink_to(tmp_path / "disk/out.nc")
+    assert main.main(["solve", str(cases), "-o", str(link)]) == 0
+    assert link.is_symlink()
+    assert (tmp_path / "disk/out.nc").is_file()
+
+
+def test_the_command_alone_helps(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.main([]) == 0
+    assert capsys.readouterr().out.startswith("usage: meecontact")
+    with pytest.raises(SystemExit) as stopped:
+        main.main(["--version"])
+    assert stopped.value.code == 0
+    assert capsys.readouterr().out == f"meecontact {version('meecontact')}\n"

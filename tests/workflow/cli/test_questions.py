@@ -1,0 +1,142 @@
+"""``meecontact design``: questions in words, answered from the results of a study."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import solve
+from tests.workflow.conftest import Project
+from workflow.cli import questions
+from workflow.design import search
+from workflow.study.reading import InputError
+
+
+def asked(ran: Project, *words: str, check: bool = True) -> str:
+    """What the command prints on either stream."""
+    done = ran.run("meecontact", "design", "results/small", *words, check=check)
+    if not check:
+        assert done.returncode == 2
+        assert done.stdout == ""
+        assert done.stderr.count("\n") == 1
+    return done.stdout + done.stderr
+
+
+def test_answers_as_a_table_and_as_json(ran: Project) -> None:
+    words = ["--maximise", "abs(voltage_sensitivity)", "--over", "radius,volume_fraction", "--at", "load=1e4"]
+    words += ["--worst-case", "friction=0.1:0.4", "--limit", "trailing_tension<5e7"]
+    table = asked(ran, *words)
+    assert table.startswith(
+        "maximise abs(voltage_sensitivity)\nfeasible; binding: trailing_tension<5e7\npolish: on the exact solver\n"
+    )
+    found = json.loads(asked(ran, *words, "--json"))
+    assert found["polish"] == "on the exact solver"
+    at = {name: one["value"] for name, one in found["factors"].items()}
+    friction = np.linspace(0.1, 0.4, 61)
+    exact = solve({**at, "friction": friction, "composite": "fibrous"})
+    best = float(abs(exact["voltage_sensitivity"]).min())
+    assert found["terms"]["abs(voltage_sensitivity)"]["exact"] == pytest.approx(best, rel=1e-9)
+    assert float(exact["trailing_tension"].max()) <= 5e7
+    grid = solve(
+        {"volume_fraction": np.linspace(0.4, 0.8, 200), "radius": np.geomspace(0.02, 0.2, 200), "load": 1e4,
+         "friction": np.linspace(0.1, 0.4, 7)},
+    )  # fmt: skip
+    allowed = grid["trailing_tension"].max("friction") <= 5e7
+    dense = float(abs(grid["voltage_sensitivity"]).min("friction").where(allowed).max())
+    assert best >= dense * (1 - 1e-9)
+
+
+def test_several_goals_give_a_front(ran: Project) -> None:
+    words = ["--maximise", "abs(voltage_sensitivity)", "--minimise", "trailing_tension"]
+    words += ["--over", "radius=0.05:0.2,volume_fraction", "--at", "load=1e4,friction=0.3", "--json"]
+    front = json.loads(asked(ran, *words))["front"]
+    assert len(front) > 30
+    sensitivity, tension = (np.array([row[name] for row in front]) for name in front[0])
+    assert np.all(np.diff(sensitivity) > 0)
+    assert np.all(np.diff(tension) > 0)
+
+
+def test_uncertain_factors_choices_and_defaults(ran: Project) -> None:
+    study, model = questions.results(ran.folder / "results/small")
+    target = questions.target(
+        study,
+        {"maximise": ["abs(stroke_per_volt)"], "over": ["radius=0.05|0.1", "volume_fraction"], "at": ["load=1e4"],
+         "uncertain": ["friction=triangular(0.1,0.2,0.3)"], "robust": ["mean - 2 std"],
+         "limit": ["trailing_tension <= 60 MPa with probability 0.9"]},
+    )  # fmt: skip
+    assert target.variables["radius"].choices == [0.05, 0.1]
+    answer = search.answer(study, "mine", target, model)
+    assert float(answer["value"].sel(factor="radius")) in (0.05, 0.1)
+    plain = questions.target(
+        study, {"maximise": ["peak_pressure"], "over": ["radius"], "at": ["load=1e4,volume_fraction=0.5"]}
+    )
+    assert plain.at["friction"] == 0.0  # its default
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["--maximise", "depht", "--over", "radius", "--at", "load=1e4"], "design: 'depht': 'depht' is not a quant"),
+        (["--maximise", "voltage", "--over", "radius", "--at", "load=1e4"], "design: 'volume_fraction' is missing; p"),
+        (["--maximise", "voltage", "--over", "radios", "--at", "load=1e4"], "design: over.radios: 'radios' is not"),
+        (["--maximise", "depth", "--over", "radius=1:0", "--at", "load=1e4"], "design: over.radius: low = 1 must"),
+        (["--maximise", "depth", "--over", "radius=b", "--at", "load=1e4"], "--over: radius: 'b' is not a number"),
+        (["--maximise", "depth", "--over", "radius", "--at", "load"], "--at: load: '' is not a number"),
+        (["--maximise", "depth", "--over", "radius,radius"], "--over: radius: given twice"),
+        (["--maximise", "peak_pressure", "--over", "radius", "--at", "load=1e4,volume_fraction=0.5", "--limit",
+          "peak_von_mises < 100 MPa"], "design: 'peak_von_mises' needs dataset: peaks: true"),
+        (["--over", "radius"], "design: maximise or minimise: missing"),
+        (["--maximise", "depth", "--over", "radius", "--uncertain", "friction=0.2"], "--uncertain: friction: '0.2' is"),
+        (["--maximise", "depth", "--over", "radius", "--worst-case", "friction=0.2"], "--worst-case: friction: '0.2'"),
+        (["--maximise", "peak_pressure", "--over", "friction", "--at", "load=1e4,radius=0.1,volume_fraction=0.5",
+          "--limit", "trailing_tension <= 1 mm"], "design: 'trailing_tension <= 1 mm': unit mismatch"),
+        (["--maximise", "voltage_sensitivity / friction", "--over", "friction", "--at",
+          "load=1e4,radius=0.1,volume_fraction=0.5"], "is unbounded: friction in a divisor passes 0 in the ranges"),
+        (["--maximise", "load", "--over", "radius", "--at", "load=1e4,volume_fraction=0.5"], "'load' is constant"),
+        (["--maximise", "peak_pressure", "--over", "radius", "--at", "load=5e4,volume_fraction=0.5,friction=0.4",
+          "--limit", "trailing_tension <= 1 MPa"], "infeasible: trailing_tension <= 1 MPa binds; the least violated"),
+    ],
+)  # fmt: skip
+def test_refuses_in_one_line(ran: Project, words: list[str], reason: str) -> None:
+    folder = ran.folder / "results/small"
+    options: dict[str, list[str]] = {}
+    for option, text in zip(words[::2], words[1::2], strict=True):
+        options.setdefault(option.removeprefix("--").replace("-", "_"), []).append(text)
+    with pytest.raises(InputError) as caught:
+        questions.ask(folder, options)
+    assert reason in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_the_command_says_it_in_one_line(ran: Project) -> None:
+    line = asked(ran, "--maximise", "depht", "--over", "radius", check=False)
+    assert line.startswith("meecontact: design: 'depht': 'depht' is not a quantity; did you mean 'depth'?")
+
+
+def test_results_must_be_there_and_of_this_study(ran: Project, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"holds no surrogate.nc; run `make run STUDY=none` first"):
+        questions.results(tmp_path / "none")
+    (tmp_path / "config").mkdir()
+    text = (ran.folder / "config/small.yaml").read_text(encoding="utf-8").replace("high: 0.2,", "high: 0.21,")
+    (tmp_path / "config/small.yaml").write_text(text, encoding="utf-8")
+    results = tmp_path / "results/small"
+    results.mkdir(parents=True)
+    (results / "surrogate.nc").write_bytes((ran.folder / "results/small/surrogate.nc").read_bytes())
+    for edited in (text, text.replace("high: 0.21,", "high: 0.2,").replace("fibrous", "laminate")):
+        (tmp_path / "config/small.yaml").write_text(edited, encoding="utf-8")
+        with pytest.raises(InputError, match="was made from another state of the study"):
+            questions.results(results)
+
+
+def test_results_may_be_a_link_to_another_disk(ran: Project, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "disk/small").mkdir(parents=True)
+    (tmp_path / "disk/small/surrogate.nc").write_bytes((ran.folder / "results/small/surrogate.nc").read_bytes())
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here/config").symlink_to(ran.folder / "config")
+    (tmp_path / "here/results").symlink_to(tmp_path / "disk")
+    monkeypatch.chdir(tmp_path / "here")
+    for folder in (Path("results/small"), tmp_path / "here/results/small"):
+        study, model = questions.results(folder)
+        assert study.title == "A small study"
+        assert model.made_from_

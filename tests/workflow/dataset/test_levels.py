@@ -1,0 +1,106 @@
+"""Level counts left to the pipeline: chosen for the tolerance, put into the study, refused in one line."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from storage.netcdf import read_whole, write_whole
+from surrogate.levels.counts import UnreachableError
+from tests.workflow.conftest import Project
+from workflow.dataset import factorial, levels
+from workflow.dataset import quantities as gathering
+from workflow.dataset import slabs as dataset
+from workflow.learning import training
+from workflow.study import partition
+from workflow.study.model import Study, load
+from workflow.study.reading import InputError
+
+OPEN = """\
+title: Levels left open
+fixed: {composite: fibrous, load: 1e4}
+factors:
+  volume_fraction: {low: 0.4, high: 0.8}
+  friction: {low: 0.0, high: 0.5, levels: 6}
+  radius: {low: 0.02, high: 0.2, scale: log}
+  charge: {low: -1e-6, high: 1e-6}
+surrogate: {outputs: [voltage, trailing_tension, peak_pressure]}
+dataset: {budget: 20000, slabs: 3}
+validation: {cases: 500, calibration: 200, tolerance: 1e-6}
+"""
+
+
+def study(folder: Path, old: str = "", new: str = "") -> Study:
+    assert old in OPEN
+    (folder / "open.yaml").write_text(OPEN.replace(old, new, 1), encoding="utf-8")
+    return load(folder / "open.yaml")
+
+
+def test_chosen_levels_reach_the_tolerance(tmp_path: Path) -> None:
+    config = study(tmp_path)
+    assert config.open
+    assert config.cases == 0
+    chosen = levels.choose(config)
+    write_whole(chosen, tmp_path / "levels.nc")
+    ready = levels.resolved(config, [tmp_path / "levels.nc"])
+    assert not ready.open
+    assert {name: axis.levels for name, axis in ready.factors.items()} == dict(
+        zip(chosen["input"].values, chosen["levels"].values, strict=True)
+    )
+    assert ready.factors["friction"].levels == 6
+    assert ready.factors["charge"].levels == 2
+    assert chosen["affine"].sel(input="charge") == 1
+    assert ready.cases == int(chosen["levels"].prod()) <= 20000
+    assert partition.count(ready) == partition.count(config)  # the rules counted them before
+    slabs = [tmp_path / f"slab_{k}.nc" for k in range(partition.count(ready))]
+    for k, slab in enumerate(slabs):
+        dataset.write_slab(ready, k, slab)
+    quantities = gathering.gather([read_whole(slab, names=ready.outputs) for slab in slabs])
+    table = training.validate(ready, quantities, factorial.cases(ready, "validation"), training.fit(ready, quantities))
+    assert float(table["max_error"].max()) <= 1e-6
+    assert float(table["kinked"].sum()) == 0
+
+
+def test_nothing_open_nothing_chosen(tmp_path: Path) -> None:
+    config = study(tmp_path)
+    assert levels.resolved(config, []) is config
+
+
+def test_the_first_axis_has_a_level_for_every_slab(tmp_path: Path) -> None:
+    config = study(tmp_path, "factors:", "factors:\n  magnetic_charge: {low: -1e-4, high: 1e-4}")
+    assert next(iter(config.factors)) == "magnetic_charge"
+    chosen = levels.choose(
+        config.model_copy(update={"validation": config.validation.model_copy(update={"tolerance": 1e-3})})
+    )
+    assert chosen["affine"].sel(input="magnetic_charge") == 1
+    assert chosen["levels"].sel(input="magnetic_charge") == partition.count(config) == 3
+
+
+def test_too_few_given_levels_are_named(tmp_path: Path) -> None:
+    with pytest.raises(UnreachableError, match=r"out of reach with 3 levels of 'friction': output '[a-z_]+' errs by"):
+        levels.choose(study(tmp_path, "levels: 6", "levels: 3"))
+
+
+def test_an_output_asked_for_by_name_must_not_be_kinked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    exact = factorial.exact
+
+    def kinked(config: Study, axes: dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]) -> object:
+        out = exact(config, axes)
+        return out.assign(voltage=np.abs(out["friction"] - 0.2) + 0 * out["voltage"])
+
+    monkeypatch.setattr(factorial, "exact", kinked)
+    with pytest.raises(InputError, match=r"outputs: 'voltage' is kinked along friction .*cannot be promised"):
+        levels.choose(study(tmp_path))
+
+
+def test_an_unreachable_tolerance_is_one_line_and_leaves_no_result(copy: Callable[[str], Project]) -> None:
+    project = copy("unreachable")
+    (project.folder / "config/open.yaml").write_text(OPEN.replace("20000", "400"), encoding="utf-8")
+    done = project.run("meecontact", "run", "open", "--cores", "1", check=False)
+    assert done.returncode == 2
+    line = done.stderr.strip()
+    assert "\n" not in line
+    assert line.startswith("meecontact: config/open.yaml: tolerance 1e-06 needs ")
+    assert "the budget is 400; 400 cases reach about" in line
+    assert not [file for file in (project.folder / "results").rglob("*") if file.is_file()]

@@ -1,0 +1,171 @@
+"""The data set on disk: blocks, chunks, a card that tells the truth, and one lazy data set by name."""
+
+import json
+import os
+import tracemalloc
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver.names import FIELDS, QUANTITIES
+from storage.netcdf import read_whole, write_whole
+from workflow.dataset import datacard, factorial, quantities
+from workflow.dataset import slabs as dataset
+from workflow.study import partition
+from workflow.study.model import Study, load
+
+STUDY = """\
+title: Blocks
+fixed: {composite: fibrous}
+factors:
+  volume_fraction: {low: 0.3, high: 0.7, levels: 5}
+  friction: {low: 0.0, high: 0.5, levels: 6}
+  radius: {low: 0.02, high: 0.2, levels: 4, scale: log}
+  load: {low: 5e3, high: 5e4, levels: 7, scale: log}
+dataset: {slabs: 2, precision: float32, positions: {inside: 20, outside: 12}}
+"""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    path = tmp_path_factory.mktemp("study") / "blocks.yaml"
+    path.write_text(STUDY, encoding="utf-8")
+    return load(path)
+
+
+@pytest.fixture(scope="module")
+def folder(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The files that the pipeline's rules make of the data set."""
+    folder = tmp_path_factory.mktemp("results")
+    (folder / "fields").mkdir()
+    slabs = [folder / f"fields/slab_{index}.nc" for index in range(2)]
+    for index, slab in enumerate(slabs):
+        dataset.write_slab(study, index, slab)
+    write_whole(quantities.gather([read_whole(slab, names=QUANTITIES) for slab in slabs]), folder / "quantities.nc")
+    card = datacard.card(study, "blocks", slabs, [])
+    (folder / dataset.CARD).write_text(json.dumps(card), encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def exact(study: Study) -> xr.Dataset:
+    return factorial.exact(study, dict(factorial.levels(study)), study.dataset.positions.values())
+
+
+def test_the_opened_data_set_is_the_exact_solution(folder: Path, exact: xr.Dataset) -> None:
+    data = dataset.open_results(folder)
+    assert set(data.data_vars) == {*QUANTITIES, *FIELDS}
+    for name in QUANTITIES:
+        np.testing.assert_allclose(data[name], exact[name], rtol=1e-13)
+    for name in FIELDS:
+        scale = np.abs(exact[name]).max().item()
+        np.testing.assert_allclose(data[name], exact[name], rtol=1e-6, atol=1e-7 * scale)
+        assert data[name].attrs["units"] == exact[name].attrs["units"]
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        {"volume_fraction": 2, "friction": 1, "radius": 3, "load": 0},
+        {"position": 17},
+        {"friction": slice(1, 4), "position": slice(None, None, 5)},
+        {"volume_fraction": [4, 0, 2, 3], "load": [6, 1]},
+        {"volume_fraction": slice(None, None, -2)},
+        {"volume_fraction": slice(0, 0)},
+        {"volume_fraction": -1, "radius": [True, False, True, False]},
+    ],
+)
+def test_any_selection_is_read_from_disk_as_from_memory(folder: Path, choice: dict[str, object]) -> None:
+    data = dataset.open_results(folder)
+    whole = data["stress_xx"].copy(data=data["stress_xx"].values)
+    xr.testing.assert_identical(data["stress_xx"].isel(choice).load(), whole.isel(choice))
+
+
+def test_opening_reads_no_field(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    reads: list[int] = []
+    read = dataset.Stacked._read
+
+    def counted(self: dataset.Stacked, number: int, levels: Any, rest: Any) -> Any:
+        reads.append(number)
+        return read(self, number, levels, rest)
+
+    monkeypatch.setattr(dataset.Stacked, "_read", counted)
+    data = dataset.open_results(folder)
+    one = data["contact_pressure"].sel(friction=0.2, method="nearest").isel(volume_fraction=0)
+    assert reads == []
+    one.load()
+    assert reads == [0]  # the first slab only
+
+
+def test_a_truncated_slab_is_named_when_it_is_read(folder: Path, tmp_path: Path) -> None:
+    for file in folder.rglob("*"):
+        if file.is_file():
+            (tmp_path / file.relative_to(folder)).parent.mkdir(exist_ok=True)
+            content = file.read_bytes()
+            (tmp_path / file.relative_to(folder)).write_bytes(content[:-1] if file.name == "slab_1.nc" else content)
+    data = dataset.open_results(tmp_path)
+    data["stress_xx"].isel(volume_fraction=0).load()
+    with pytest.raises(ValueError, match=r"slab_1\.nc: incomplete"):
+        data["stress_xx"].isel(volume_fraction=4).load()
+
+
+def test_the_card_tells_sizes_and_statistics(folder: Path, study: Study, exact: xr.Dataset) -> None:
+    card = json.loads((folder / dataset.CARD).read_text(encoding="utf-8"))
+    assert card["cases"] == 840
+    assert card["bytes"] == sum(file.stat().st_size for file in (folder / "fields").iterdir())
+    assert card["bytes_unpacked"] == 840 * (len(QUANTITIES) * 8 + len(FIELDS) * 32 * 4)
+    for name, one in card["variables"].items():
+        values = exact[name].values.astype(one["type"]).astype(np.float64)
+        attrs = one["attributes"]
+        assert attrs["actual_range"] == [values.min(), values.max()]
+        assert attrs["mean"] == pytest.approx(values.mean(), rel=1e-9, abs=1e-9 * np.abs(values).max())
+        assert attrs["standard_deviation"] == pytest.approx(values.std(), rel=1e-5)
+    text = datacard.markdown(card)
+    assert "| trailing_tension | Pa |" in text
+    assert "| friction | 0 | 0.5 | 6 | linear |" in text
+
+
+def test_fields_are_chunked_for_reading_by_case_and_by_position(folder: Path) -> None:
+    with netCDF4.Dataset(folder / "fields/slab_0.nc") as file:
+        chunks = dict(zip(file["stress_xx"].dimensions, file["stress_xx"].chunking(), strict=True))
+    assert chunks["volume_fraction"] == 1
+    assert chunks["position"] == 16
+
+
+def test_a_value_beyond_the_stored_precision_leaves_no_file(tmp_path: Path) -> None:
+    text = STUDY.replace("load: {low: 5e3, high: 5e4", "load: {low: 5e3, high: 1e120").replace("levels: 7", "levels: 3")
+    (tmp_path / "vast.yaml").write_text(
+        text.replace("radius: {low: 0.02, high: 0.2", "radius: {low: 1e-110, high: 1e-100")
+    )
+    vast = load(tmp_path / "vast.yaml")
+    with pytest.raises(ValueError, match="not finite in float32"):
+        dataset.write_slab(vast, 0, tmp_path / "slab.nc")
+    assert not (tmp_path / "slab.nc").exists()
+
+
+def test_slabs_follow_cores_and_memory(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    free = study.model_copy(update={"dataset": study.dataset.model_copy(update={"slabs": None})})
+    for cores, gigabytes, slabs in ((1, 64, 1), (3, 64, 3), (64, 64, 5), (4, 4, 2), (4, 1, 1)):
+        pages = {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": gigabytes * 2**18}
+        monkeypatch.setattr(os, "sched_getaffinity", lambda _, cores=cores: set(range(cores)))
+        monkeypatch.setattr(os, "sysconf", pages.__getitem__)
+        assert partition.count(free) == slabs
+    assert partition.count(study) == 2
+
+
+def test_memory_of_a_slab_does_not_grow_with_it(study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(dataset, "_BLOCK", 2**12)
+    peaks = []
+    for levels in (16, 64):  # a few blocks wait for the garbage collector
+        axis = study.factors["volume_fraction"].model_copy(update={"levels": levels})
+        alone = study.dataset.model_copy(update={"slabs": 1})
+        grown = study.model_copy(update={"factors": {**study.factors, "volume_fraction": axis}, "dataset": alone})
+        tracemalloc.start()
+        dataset.write_slab(grown, 0, tmp_path / "slab.nc")
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 1.3 * peaks[0]

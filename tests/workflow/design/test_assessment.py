@@ -1,0 +1,160 @@
+"""The verdict on designs: of punches without a voltage or with a fixed radius, at edges, under limits that meet."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+
+from solver import solve
+from workflow.dataset import factorial
+from workflow.design import assessment, search
+from workflow.learning import training
+from workflow.report.figures.design import figures_of
+from workflow.study import model as studies
+from workflow.study.target import Target
+
+LOAD = {"low": 5e3, "high": 5e4, "levels": 5, "scale": "log"}
+RADIUS = {"low": 0.02, "high": 0.2, "levels": 5, "scale": "log"}
+FRACTION = {"low": 0.4, "high": 0.8, "levels": 10}
+CHARGE = {"low": -2e-6, "high": 2e-6, "levels": 4}
+
+Ask = Callable[..., xr.Dataset]
+
+
+@pytest.fixture
+def ask(tmp_path: Path) -> Ask:
+    """Answer a target of a small study whose composite is fibrous and whose friction is 0.2."""
+
+    def answer(factors: dict[str, Any], fixed: dict[str, Any] | None = None, **target: Any) -> xr.Dataset:
+        text = {
+            "title": "small",
+            "fixed": {"composite": "fibrous", "friction": 0.2, **(fixed or {})},
+            "factors": factors,
+            "validation": {"cases": 20, "calibration": 40, "tolerance": 1e-2},
+        }
+        (tmp_path / "one.yaml").write_text(yaml.safe_dump(text), encoding="utf-8")
+        study = studies.load(tmp_path / "one.yaml")
+        model = training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
+        return search.answer(study, "mine", Target.model_validate(target), model)
+
+    return answer
+
+
+@pytest.mark.parametrize("insulating", [["electric"], ["electric", "magnetic"]])
+def test_a_punch_without_a_voltage_is_judged_and_drawn(ask: Ask, insulating: list[str]) -> None:
+    target = {"maximise": "peak_pressure", "over": ["volume_fraction", "radius"], "subject_to": ["radius >= 50 mm"]}
+    factors = {"volume_fraction": FRACTION, "radius": RADIUS}
+    answer = ask(factors, {"load": 1e4, **dict.fromkeys(insulating, "insulating")}, **target)
+    assert bool(answer["feasible"])
+    assert float(answer["value"].sel(factor="radius")) == pytest.approx(0.05, rel=1e-6)
+    assert "voltage" not in answer["quantity"].values
+    assert answer["flags"].item() == ""
+    assert set(figures_of(answer, Target.model_validate(target))) == {"map", "slices", "bars", "contact"}
+
+
+@pytest.mark.parametrize(
+    ("profile", "told"),
+    [({"radius": 1e-7}, True), ({"radius": 0.05}, False), ({"profile": "flat", "width": 1e-4}, False)],
+)
+def test_a_contact_too_wide_for_its_parabola_is_told_of_a_fixed_radius_too(
+    ask: Ask, profile: dict[str, Any], told: bool
+) -> None:
+    target = {"maximise": "abs(voltage_sensitivity)", "over": ["volume_fraction", "load"]}
+    answer = ask({"volume_fraction": FRACTION, "load": LOAD}, profile, **target)
+    flags = answer["flags"].item()
+    assert ("no longer a parabola" in flags) == told
+    if told:
+        width = float(answer["exact_high"].sel(quantity=["contact_trailing", "contact_leading"]).sum())
+        assert f"the contact is {width / profile['radius']:.2g} of the radius wide" in flags
+
+
+SQUARE = {"volume_fraction": FRACTION, "radius": RADIUS}
+
+
+def test_a_pair_of_limits_that_is_an_equality_is_met_to_rounding(ask: Ask) -> None:
+    limits = ["trailing_tension <= 30 MPa", "trailing_tension >= 30 MPa"]
+    target = {"maximise": "abs(voltage_sensitivity)", "over": list(SQUARE), "subject_to": limits}
+    answer = ask(SQUARE, {"load": 1e4}, **target)
+    assert bool(answer["feasible"])
+    assert answer["status"].item() == f"feasible; binding: {', '.join(limits)}"
+    assert abs(answer["margin"].values[1:]).max() <= assessment.ROUNDING
+    # the curve of all designs with this tension, by brute force
+    over = {"volume_fraction": np.linspace(0.4, 0.8, 401), "radius": np.geomspace(0.02, 0.2, 81)}
+    exact = solve({**over, "load": 1e4, "friction": 0.2, "composite": "fibrous"}).transpose(*over)
+    tension, goal = exact["trailing_tension"].values, abs(exact["voltage_sensitivity"].values)
+    crossing = np.diff(np.sign(tension - 30e6), axis=1) != 0
+    assert crossing.sum() > 250
+    assert float(answer["exact"][0]) == pytest.approx(np.minimum(goal[:, :-1], goal[:, 1:])[crossing].max(), rel=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("over", "target"),
+    [
+        (["charge"], {"minimise": "abs(voltage)"}),
+        (["charge", "radius"], {"minimise": "max(abs(voltage), -2 * voltage) / load"}),
+        (["charge", "radius"], {"maximise": "abs(voltage_sensitivity)", "subject_to": ["abs(voltage) <= 0"]}),
+    ],
+)
+def test_a_kink_is_solved_to_rounding(ask: Ask, over: list[str], target: dict[str, Any]) -> None:
+    factors = {"volume_fraction": FRACTION, "radius": RADIUS, "charge": CHARGE}
+    at = {"volume_fraction": 0.6} | ({} if "radius" in over else {"radius": 0.1})
+    answer = ask(factors, {"load": 1e4}, over=over, at=at, **target)
+    assert bool(answer["feasible"])
+    low, high = (answer[f"exact_{end}"].sel(quantity="voltage").item() for end in ("low", "high"))
+    assert max(abs(low), abs(high)) < 1e-9  # volts, of some 1e6 over the charges
+
+
+def test_a_worst_case_at_a_kink_is_that_of_both_its_sides(ask: Ask) -> None:
+    """The least largest voltage of a range of loads is where its ends have opposite voltages."""
+    answer = ask(
+        {"volume_fraction": FRACTION, "load": LOAD, "charge": CHARGE}, {"radius": 0.1},
+        minimise="abs(voltage)", over=["charge"], at={"volume_fraction": 0.6}, worst_case={"load": [9e3, 1.1e4]},
+    )  # fmt: skip
+    low, high = (answer[f"exact_{end}"].sel(quantity="voltage").item() for end in ("low", "high"))
+    assert low == pytest.approx(-high, rel=1e-9)
+
+
+def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: Ask) -> None:
+    target = {"maximise": "abs(stroke_per_volt)", "subject_to": ["peak_pressure <= 500 MPa"]}
+    answer = ask(SQUARE, {"load": 1e4}, over=list(SQUARE), **target)
+    assert answer["status"].item() == (
+        "feasible; binding: none; volume_fraction at the upper end of the studied range; "
+        "radius of no effect on the goal"
+    )
+    told = answer.sel(factor=["volume_fraction", "radius"])
+    assert told["matters"].values.tolist() == [True, False]
+    assert told["loss"].values == pytest.approx(told["cost"].values * float(answer["exact"][0]))
+    assert float(told["cost"][0]) > 0.01
+    # the same box, of which the question asks for a part
+    answer = ask(SQUARE, {"load": 1e4}, over={"volume_fraction": {"high": 0.7}, "radius": {}}, **target)
+    assert "volume_fraction at the upper end of the range asked for" in answer["status"].item()
+
+
+def test_next_to_zero_an_error_costs_units_and_no_share(ask: Ask) -> None:
+    factors = {"volume_fraction": FRACTION, "charge": CHARGE}
+    fixed = {"load": 1e4, "radius": 0.1}
+    answer = ask(factors, fixed, minimise="abs(voltage)", over=["charge"], at={"volume_fraction": 0.6})
+    one = answer.sel(factor="charge")
+    assert np.isnan(float(one["cost"]))
+    assert np.isnan(one["elasticity"].values).all()
+    assert bool(one["matters"])
+    exact = solve(
+        {"composite": "fibrous", "friction": 0.2, **fixed, "volume_fraction": 0.6, "charge": 1.01 * one["value"].item()}
+    )
+    assert float(one["loss"]) == pytest.approx(abs(float(exact["voltage"])), rel=1e-6)
+
+
+def test_a_front_that_no_design_reaches_is_answered_and_drawn(ask: Ask) -> None:
+    target = {"maximise": "abs(stroke_per_volt)", "minimise": "trailing_tension", "over": list(SQUARE)}
+    target["subject_to"] = ["peak_pressure <= 1 MPa"]
+    answer = ask(SQUARE, {"load": 1e4}, **target)
+    assert (
+        answer["status"].item().startswith("infeasible: peak_pressure <= 1 MPa binds; the least violated design misses")
+    )
+    legend = figures_of(answer, Target.model_validate(target))["front"].axes[0].get_legend()
+    assert legend is not None
+    assert [text.get_text() for text in legend.get_texts()] == ["least violated design: not reachable"]

@@ -1,0 +1,326 @@
+"""Designs whose limits and goals are searched for, milliseconds a case: affordable, no regret, no broken limit."""
+
+import json
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from solver import find, solve
+from storage.netcdf import read_whole
+from surrogate import GaussianProcess
+from surrogate.search.pareto import hypervolume
+from tests.solver import micromechanics
+from tests.workflow.conftest import Project
+from verification.oracles import interior
+from verification.oracles.half_plane import CONSTANTS
+from workflow.cli import questions
+from workflow.dataset import factorial
+from workflow.design import budget, search
+from workflow.design.question import Question
+from workflow.design.sources import Exact, Factors, Predicted, shape
+from workflow.learning import training
+from workflow.study.model import Study
+from workflow.study.target import Target
+
+Array = NDArray[np.float64]
+
+STUDY = Study.model_validate(
+    {
+        "title": "The largest stresses as limits",
+        "fixed": {"composite": "fibrous", "load": 5e4},
+        "factors": {
+            "volume_fraction": {"low": 0.5, "high": 0.8, "levels": 10},
+            "friction": {"low": 0.1, "high": 0.4, "levels": 14},
+            "radius": {"low": 0.02, "high": 0.15, "levels": 5, "scale": "log"},
+        },
+        "dataset": {"peaks": True},
+        "surrogate": {"outputs": ["voltage_sensitivity", "peak_von_mises", "peak_principal_tension"]},
+        "validation": {"cases": 20, "calibration": 40, "tolerance": 1e-2},
+    }
+)
+RANGE = {"friction": [0.1, 0.4]}
+DRAWN = {"friction": {"triangular": [0.1, 0.2, 0.4]}}
+CRACK, YIELD = "peak_principal_tension <= 60 MPa", "peak_von_mises <= 120 MPa"
+
+
+def target(**words: object) -> Target:
+    """A sensor over both variables."""
+    wanted = {} if "minimise" in words else {"maximise": "abs(voltage_sensitivity)"}
+    return Target.model_validate({**wanted, "over": ["volume_fraction", "radius"], **words})
+
+
+@pytest.fixture(scope="module")
+def quantities() -> xr.Dataset:
+    return factorial.exact(STUDY, dict(factorial.levels(STUDY)))
+
+
+@pytest.fixture(scope="module")
+def model(quantities: xr.Dataset) -> GaussianProcess:
+    return training.fit(STUDY, quantities)
+
+
+@pytest.fixture(scope="module")
+def dense() -> xr.Dataset:
+    """Exact cases all over the box; without charges a share of the largest pressure depends on no radius."""
+    over = {"volume_fraction": np.linspace(0.5, 0.8, 61), "friction": np.linspace(0.1, 0.4, 7)}
+    fixed = {"composite": "fibrous", "load": 5e4}
+    searched = solve({**fixed, **over, "radius": 0.05}, peaks=True)
+    whole = solve({**fixed, **over, "radius": np.geomspace(0.02, 0.15, 1000)})
+    for name in ("peak_von_mises", "peak_principal_tension"):
+        whole[name] = searched[name] / searched["peak_pressure"] * whole["peak_pressure"]
+    return whole
+
+
+@pytest.mark.parametrize("limit", [CRACK, YIELD])
+def test_a_limit_on_what_is_searched_for_holds_and_costs_no_regret(
+    model: GaussianProcess, dense: xr.Dataset, limit: str
+) -> None:
+    answer = search.answer(STUDY, "sensor", target(worst_case=RANGE, subject_to=[limit]), model)
+    name, bound = limit.split()[0], float(answer["limit"].sel(term=limit))
+    allowed = dense[name].max("friction") <= bound
+    best = float(abs(dense["voltage_sensitivity"]).min("friction").where(allowed).max())
+    found = {key: float(answer["value"].sel(factor=key)) for key in ("volume_fraction", "radius")}
+    exact = solve({"composite": "fibrous", "load": 5e4, **found, "friction": np.linspace(0.1, 0.4, 61)}, peaks=True)
+    assert float(exact[name].max()) <= bound
+    assert float(exact[name].max()) >= bound * (1 - 1e-5)
+    assert float(abs(exact["voltage_sensitivity"]).min()) >= best * (1 - 1e-6)
+    assert bool(answer["feasible"])
+    assert answer.attrs["polish"].startswith(f"on the exact solver; {name} led by the surrogate, limits shifted to")
+    assert float(answer["margin_left"].sel(factor="radius")) == pytest.approx(-0.005, abs=2e-4)  # ~ 1/sqrt(radius)
+
+
+def test_the_tension_of_a_design_is_that_of_an_independent_solution(model: GaussianProcess) -> None:
+    """Fields in 50 digits by eigenvectors and quadrature, and their largest principal stress at the limit's depth."""
+    answer = search.answer(STUDY, "sensor", target(worst_case=RANGE, subject_to=[CRACK]), model)
+    at = {str(name): float(answer["worst"].sel(term=CRACK, factor=name)) for name in answer["factor"].values}
+    fibre, host = ({key: float(getattr(find(one), key)) for key in (*CONSTANTS, "c12")} for one in STUDY.phases)
+    constants = micromechanics.fibrous(fibre, host, at["volume_fraction"])
+    material = {key: float(value) for key, value in constants.items()}
+    points = [(float(x), -0.1) for x in np.linspace(1.1, 1.3, 9)]
+    found = interior.solve(material, points, radius=at["radius"], load=5e4, friction=at["friction"])
+    xx, yy, xy, zz = (np.array(found[f"stress_{name}"]) for name in ("xx", "yy", "xy", "zz"))
+    largest = np.maximum((xx + yy) / 2 + np.hypot((xx - yy) / 2, xy), zz)
+    assert 0 < largest.argmax() < len(points) - 1
+    assert 60e6 * (1 - 1e-3) <= largest.max() <= 60e6
+
+
+def test_a_chance_a_mean_and_a_front(model: GaussianProcess, dense: xr.Dataset) -> None:
+    chance = target(uncertain=DRAWN, subject_to=[f"{CRACK} with probability 0.99"], robust="mean - 2 std")
+    answer = search.answer(STUDY, "sensor", chance, model)
+    friction = DRAWN["friction"]["triangular"][2] - np.sqrt(0.01 * 0.3 * 0.2)  # of probability 0.99
+    at = {key: float(answer["value"].sel(factor=key)) for key in ("volume_fraction", "radius")}
+    exact = solve({"composite": "fibrous", "load": 5e4, **at, "friction": friction}, peaks=True)
+    assert exact["peak_principal_tension"].item() == pytest.approx(60e6, rel=5e-4)  # the quantile is a smooth one
+    assert exact["peak_principal_tension"].item() <= 60e6
+
+    asked = target(
+        minimise="peak_von_mises", uncertain=DRAWN, robust="mean", subject_to=["abs(voltage_sensitivity) >= 0.048"]
+    )
+    least = search.answer(STUDY, "mises", asked, model)
+    at = {key: float(least["value"].sel(factor=key)) for key in ("volume_fraction", "radius")}
+    share = (np.arange(400) + 0.5) / 400
+    friction = target(uncertain=DRAWN).uncertain["friction"].quantile(share)
+    exact = solve({"composite": "fibrous", "load": 5e4, **at, "friction": friction}, peaks=True)
+    assert float(least["exact"][0]) == pytest.approx(float(exact["peak_von_mises"].mean()), rel=1e-5)
+
+    both = target(minimise="peak_principal_tension", maximise="abs(voltage_sensitivity)", worst_case=RANGE)
+    front = search.answer(STUDY, "front", both, model)["front_exact"].values * [1, -1]
+    ends = abs(dense["voltage_sensitivity"]).min("friction"), -dense["peak_principal_tension"].max("friction")
+    everything = np.stack([one.values.ravel() for one in ends], -1)
+    reference = front.min(0)
+    assert hypervolume(front, reference) >= 0.995 * hypervolume(everything, reference)
+    # filled in between neighbours the front cuts a corner
+    assert not any(np.any(np.all(everything > one + 2e-3 * np.abs(one), axis=1)) for one in front)
+
+
+@pytest.fixture(scope="module")
+def kinked() -> tuple[Study, GaussianProcess]:
+    """The largest von Mises stress leaves the depth for the surface layer at a friction near 0.41."""
+    study = Study.model_validate(
+        {
+            "title": "Kink",
+            "fixed": {"composite": "fibrous", "load": 1e4, "radius": 0.1},
+            "factors": {
+                "volume_fraction": {"low": 0.5, "high": 0.95, "levels": 6},
+                "friction": {"low": 0.0, "high": 0.6, "levels": 24},
+            },
+            "dataset": {"peaks": True},
+            "surrogate": {"outputs": ["peak_von_mises", "peak_pressure"]},
+            "validation": {"cases": 20, "calibration": 40, "tolerance": 1e-1},
+        }
+    )
+    return study, training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
+
+
+def across(friction: float | Array) -> xr.Dataset:
+    """Exact cases across the kink."""
+    case = {"composite": "fibrous", "load": 1e4, "radius": 0.1, "volume_fraction": 0.9}
+    return solve({**case, "friction": friction}, peaks=True)
+
+
+@pytest.mark.parametrize("bound", [44.0, 46.0, 47.0])
+def test_a_limit_at_a_kink_is_met(kinked: tuple[Study, GaussianProcess], bound: float) -> None:
+    most = Target.model_validate(
+        {"maximise": "friction", "over": ["friction"], "at": {"volume_fraction": 0.9},
+         "subject_to": [f"peak_von_mises <= {bound} MPa"]}
+    )  # fmt: skip
+    answer = search.answer(kinked[0], "most", most, kinked[1])
+
+    def excess(friction: float) -> float:
+        return float(across(friction)["peak_von_mises"]) / (1e6 * bound) - 1
+
+    found = float(answer["value"].sel(factor="friction"))
+    assert excess(found) <= 0
+    assert found == pytest.approx(brentq(excess, 0.2, 0.5, xtol=1e-12), rel=1e-5)
+
+
+def test_a_goal_that_is_best_at_a_kink(kinked: tuple[Study, GaussianProcess]) -> None:
+    """Twice as steep beyond the kink as before it; what is searched for is led by the surrogate, which rounds it."""
+    goal = "friction - 1.06 * peak_von_mises / peak_pressure"
+    best = Target.model_validate({"maximise": goal, "over": ["friction"], "at": {"volume_fraction": 0.9}})
+    answer = search.answer(kinked[0], "best", best, kinked[1])
+    exact = across(np.linspace(0.35, 0.45, 201))
+    dense = exact["friction"] - 1.06 * exact["peak_von_mises"] / exact["peak_pressure"]
+    assert 10 < int(dense.argmax("friction")) < 190
+    assert float(answer["exact"][0]) >= float(dense.max()) - 1e-3 * abs(float(dense.max()))
+
+
+@pytest.mark.parametrize("share", [0.97, 1.03])
+def test_a_surrogate_that_errs_does_not_break_a_limit(quantities: xr.Dataset, share: float) -> None:
+    wrong = training.fit(STUDY, quantities.assign(peak_principal_tension=share * quantities["peak_principal_tension"]))
+    asked = target(worst_case=RANGE, subject_to=[CRACK], allow_outside_interval=True)
+    answer = search.answer(STUDY, "sensor", asked, wrong)
+    assert bool(answer["feasible"])
+    assert 0 <= float(answer["margin"].sel(term=CRACK)) <= 1e-6
+
+
+def test_what_cannot_be_afforded_is_said_and_judged_exactly(
+    quantities: xr.Dataset, model: GaussianProcess, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(budget, "AFFORDABLE", 20)
+    asked = target(worst_case=RANGE, subject_to=[CRACK], allow_outside_interval=True)
+    answer = search.answer(STUDY, "sensor", asked, model)
+    assert answer.attrs["polish"].startswith("none; as far from the limits as the interval of the surrogate asks for")
+    assert bool(answer["feasible"])
+    margin, predicted = float(answer["margin"].sel(term=CRACK)), answer.sel(term=CRACK)
+    assert margin >= 0
+    assert float(predicted["predicted"]) + 1.95 * float(predicted["predicted_std"]) <= 60e6 * (1 + 1e-6)
+    low = training.fit(STUDY, quantities.assign(peak_principal_tension=0.97 * quantities["peak_principal_tension"]))
+    broken = search.answer(STUDY, "sensor", asked, low)
+    assert not bool(broken["feasible"])
+    assert "infeasible: peak_principal_tension <= 60 MPa binds" in str(broken["status"].values)
+
+
+class Known(Exact):
+    """Two tops of nearly equal height in friction, counted."""
+
+    def __init__(self) -> None:
+        self.cases = 0
+
+    def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        """The closed form, whatever is asked for."""
+        self.cases += int(np.prod(shape(factors)))
+        return {name: closed(factors["friction"]) for name in names}
+
+
+class Guessed(Predicted):
+    """The same, but wrong by up to 2 % with the other top the higher one."""
+
+    def __init__(self) -> None:
+        pass
+
+    def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        """The closed form and an error that changes its sign."""
+        friction = factors["friction"]
+        return {name: closed(friction) * (1 + 0.02 * np.sin(20 * friction)) for name in names}
+
+
+def closed(friction: Array) -> Array:
+    return np.asarray(5e7 * (1 + 0.3 * np.cos(40 * friction) + 0.02 * friction))
+
+
+@pytest.mark.parametrize(
+    ("words", "most", "accuracy"),
+    [
+        ({"worst_case": RANGE, "subject_to": [CRACK]}, 120, 1e-12),
+        ({"worst_case": RANGE, "subject_to": ["peak_principal_tension >= 30 MPa"]}, 120, 1e-12),
+        ({"uncertain": DRAWN, "subject_to": [f"{CRACK} with probability 0.9"]}, 700, 1e-6),
+        ({"uncertain": DRAWN, "subject_to": ["peak_principal_tension >= 30 MPa with probability 0.99"]}, 700, 1e-6),
+        ({"worst_case": RANGE, "subject_to": ["deviation(peak_principal_tension) <= 5 %"]}, 201, 1e-12),
+        ({"minimise": "peak_principal_tension", "uncertain": DRAWN, "robust": "mean - 2 std"}, 256, 1e-4),
+    ],
+)
+def test_few_exact_cases_settle_what_many_would_say(words: dict[str, object], most: int, accuracy: float) -> None:
+    question, known = Question(STUDY, target(**words)), Known()
+    term = next(one for one in question.terms if budget.names(one))
+    found = budget.settle(question, np.zeros(2), term, Guessed(), known)
+    assert found.cases == known.cases <= most
+    chosen = question.judged[term.drawn]
+    every = closed(chosen.values["friction"]).reshape(1, chosen.groups, chosen.draws)
+    assert found.value == pytest.approx(float(term.worst(term.statistic.rows(every)[0])), rel=accuracy)
+
+
+def test_the_best_choice_that_holds_exactly_is_taken(quantities: xr.Dataset, model: GaussianProcess) -> None:
+    """By a surrogate that errs a sharper punch holds; on the exact solver only the next one does."""
+    low = training.fit(STUDY, quantities.assign(peak_principal_tension=0.97 * quantities["peak_principal_tension"]))
+    radii = [0.0495, 0.0505, 0.06]
+    over = {"radius": {"choices": radii}, "volume_fraction": {"choices": [0.664]}}
+    asked = target(over=over, worst_case=RANGE, subject_to=[CRACK], allow_outside_interval=True)
+    case = {"composite": "fibrous", "load": 5e4, "volume_fraction": 0.664, "friction": 0.4}
+    holds = [solve({**case, "radius": one}, peaks=True)["peak_principal_tension"].item() <= 60e6 for one in radii]
+    assert holds == [False, True, True]
+    answer = search.answer(STUDY, "sensor", asked, low)
+    assert float(answer["value"].sel(factor="radius")) == 0.0505
+    assert bool(answer["feasible"])
+
+
+def test_table_and_json_say_how_it_was_polished(model: GaussianProcess) -> None:
+    answer = search.answer(STUDY, "sensor", target(worst_case=RANGE, subject_to=[YIELD]), model)
+    assert "\npolish: on the exact solver; peak_von_mises led by the surrogate" in questions.as_text(answer)
+    assert '"polish": "on the exact solver; peak_von_mises led by the surrogate' in questions.as_json(answer)
+
+
+CRACKS = """\
+title: Cracks
+fixed: {composite: fibrous, load: 5e4}
+factors:
+  volume_fraction: {low: 0.5, high: 0.8, levels: 6}
+  friction: {low: 0.1, high: 0.4, levels: 8}
+  radius: {low: 0.02, high: 0.15, levels: 4, scale: log}
+dataset: {peaks: true, slabs: 2, positions: {inside: 8, outside: 4}}
+surrogate: {outputs: [voltage_sensitivity, peak_von_mises, peak_principal_tension]}
+validation: {cases: 20, calibration: 60, tolerance: 2e-2}
+design:
+  uncracked:
+    maximise: abs(voltage_sensitivity)
+    over: [volume_fraction, radius]
+    worst_case: {friction: [0.1, 0.4]}
+    subject_to: [peak_principal_tension <= 60 MPa]
+"""
+
+
+def test_from_the_study_to_the_page_and_the_command(copy: Callable[[str], Project]) -> None:
+    project = copy("cracks")
+    (project.folder / "config" / "cracks.yaml").write_text(CRACKS, encoding="utf-8")
+    project.run("meecontact", "run", "cracks", "--cores", "2")
+    answer = read_whole(project.folder / "results/cracks/design/uncracked.nc")
+    assert bool(answer["feasible"])
+    assert 0 <= float(answer["margin"].sel(term=CRACK)) <= 1e-6
+    page = (project.folder / "results/cracks/report.html").read_text(encoding="utf-8")
+    assert f"Polish: {answer.attrs['polish']}." in page
+    assert "peak_principal_tension led by the surrogate, limits shifted to exact values (" in answer.attrs["polish"]
+    words = ["--maximise", "abs(voltage_sensitivity)", "--over", "radius,volume_fraction", "--worst-case"]
+    words += ["friction=0.1:0.4", "--limit", "peak_von_mises < 120 MPa", "--json"]
+    found = json.loads(project.run("meecontact", "design", "results/cracks", *words).stdout)
+    at = {name: one["value"] for name, one in found["factors"].items()}
+    worst = solve({**at, "composite": "fibrous", "load": 5e4, "friction": [0.1, 0.2, 0.3, 0.4]}, peaks=True)
+    assert 120e6 * (1 - 1e-5) <= float(worst["peak_von_mises"].max()) <= 120e6
+    assert found["polish"].startswith("on the exact solver; peak_von_mises led by the surrogate")
+    asked = ["--minimise", "peak_von_mises_depth", "--over", "radius", "--at", "volume_fraction=0.6,friction=0.2"]
+    refused = project.run("meecontact", "design", "results/cracks", *asked, check=False)
+    assert refused.returncode == 2
+    assert refused.stderr == "meecontact: design: 'peak_von_mises_depth' is not one of surrogate.outputs\n"

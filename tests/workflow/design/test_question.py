@@ -1,0 +1,218 @@
+"""Scenarios, statistics and derivatives of design questions against closed forms and difference quotients."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.typing import NDArray
+from scipy import stats
+
+from surrogate import GridGP, Input
+from workflow.dataset import factorial
+from workflow.design import risk, scenarios, search
+from workflow.design.question import Question, ask
+from workflow.design.sources import Exact, Factors, Predicted
+from workflow.study.model import Study, load
+from workflow.study.reading import InputError
+from workflow.study.target import Distribution, Target
+
+Array = NDArray[np.float64]
+
+OUTPUTS = ["voltage", "depth", "trailing_tension", "contact_trailing", "contact_leading", "stroke_per_volt"]
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    whole = load(Path("config/quickstart.yaml"))
+    levels = {"volume_fraction": 22, "friction": 5, "radius": 6, "load": 6, "charge": 3}
+    factors = {name: axis.model_copy(update={"levels": levels[name]}) for name, axis in whole.factors.items()}
+    return whole.model_copy(update={"factors": factors})
+
+
+@pytest.fixture(scope="module")
+def model(study: Study) -> GridGP:
+    data = factorial.exact(study, dict(factorial.levels(study)))
+    return GridGP(inputs=factorial.inputs(study), outputs=OUTPUTS).fit(data)
+
+
+TARGETS = {
+    "worst": Target(
+        maximise="abs(voltage) / depth", over=["volume_fraction", "radius"],
+        at={"charge": 0.0}, worst_case={"friction": [0.1, 0.4], "load": [5e3, 2e4]},
+        subject_to=["trailing_tension <= 50 MPa", "deviation(voltage / load) <= 20 %", "load / radius >= 1e5"],
+    ),
+    "drawn": Target(
+        minimise="depth / (contact_trailing + contact_leading)", over=["volume_fraction", "radius", "charge"],
+        worst_case={"friction": [0.1, 0.4]}, uncertain={"load": Distribution(normal=[1e4, 1e3])},
+        robust="mean - 2 std", subject_to=["trailing_tension <= 50 MPa with probability 0.95"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_derivatives_are_those_of_differences(study: Study, model: GridGP, name: str) -> None:
+    question = ask(study, name, TARGETS[name], Predicted(model))
+    x = np.array([0.3, -0.2, 0.4])[: len(question.inputs)]
+    for source, step, room in ((Predicted(model), 1e-5, 1e-6), (Exact(study), 1e-3, 1e-4)):
+        problem = question.problem(source)
+        around = np.concatenate([x + step * np.eye(x.size), x - step * np.eye(x.size)])
+        for value, slope in zip(problem.value(around), problem.slope(x), strict=True):
+            quotient = ((value[: x.size] - value[x.size :]) / (2 * step)).T
+            np.testing.assert_allclose(slope, quotient, rtol=room, atol=room * np.abs(quotient).max())
+
+
+def test_statistics_of_draws_are_those_of_the_distributions() -> None:
+    target = TARGETS["drawn"].model_copy(update={"worst_case": {}})
+    drawn = scenarios.draws(target, 4096).values["load"]
+    normal = stats.truncnorm(-3, 3, 1e4, 1e3)
+    values = drawn.reshape(1, 1, -1)
+    assert risk.Moments(-2.0).rows(values)[0, 0] == pytest.approx(normal.mean() - 2 * normal.std(), rel=1e-4)
+    for share in (0.05, 0.5, 0.99):
+        assert risk.Quantile(share).rows(values)[0, 0] == pytest.approx(normal.ppf(share), rel=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("distribution", "exact"),
+    [
+        (Distribution(uniform=[2.0, 6.0]), stats.uniform(2, 4)),
+        (Distribution(triangular=[1.0, 2.0, 5.0]), stats.triang(0.25, 1, 4)),
+        (Distribution(triangular=[1.0, 1.0, 5.0]), stats.triang(0.0, 1, 4)),
+    ],
+)
+def test_quantiles_of_distributions(distribution: Distribution, exact: Any) -> None:
+    share = np.linspace(0, 1, 21)
+    np.testing.assert_allclose(distribution.quantile(share), exact.ppf(share), rtol=1e-12)
+    np.testing.assert_allclose(distribution.support, (exact.ppf(0), exact.ppf(1)))
+
+
+@pytest.mark.parametrize("statistic", [risk.Every(), risk.Moments(-2.0), risk.Quantile(0.9), risk.Deviation()])
+def test_jacobians_of_statistics(statistic: risk.Statistic) -> None:
+    values = np.random.default_rng(1).uniform(1, 2, (3, 8))
+    jacobian = statistic.jacobian(values)
+    step = 1e-6
+    for k in range(values.size):
+        moved = np.stack([values, values])
+        moved[0].flat[k] += step
+        moved[1].flat[k] -= step
+        rows = statistic.rows(moved)
+        np.testing.assert_allclose(jacobian[:, k], (rows[0] - rows[1]) / (2 * step), atol=1e-8)
+
+
+def test_corners_hold_the_ends_and_the_supports() -> None:
+    corner = scenarios.corners(TARGETS["drawn"], scenarios.JUDGED)
+    assert corner.values["friction"].min() == pytest.approx(0.1)
+    assert corner.values["friction"].max() == pytest.approx(0.4)
+    assert (corner.values["load"].min(), corner.values["load"].max()) == (pytest.approx(7e3), pytest.approx(1.3e4))
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"maximise": "abs(charge)"}, "'abs\\(charge\\)' is constant: it does not depend on volume_fraction, radius"),
+        ({"maximise": "voltage / charge"}, "'voltage / charge' is unbounded: charge in a divisor passes 0"),
+        ({"maximise": "log(charge * voltage / charge)"}, "(unit mismatch|pure number)"),
+        ({"maximise": "sqrt(voltage)"}, "is not defined everywhere within the ranges"),
+        ({"maximise": "depth / datum * magnetic_charge"}, "is constant"),
+    ],
+)
+def test_questions_without_sense_are_named(study: Study, model: GridGP, change: dict[str, str], reason: str) -> None:
+    asked = TARGETS["worst"].model_dump() | {"worst_case": {"load": [5e3, 2e4]}, "at": {"friction": 0.2}}
+    over = ["volume_fraction", "radius", "charge"] if "voltage / charge" in change["maximise"] else None
+    asked |= change | (
+        {"over": over, "subject_to": []} if over else {"subject_to": [], "at": {"friction": 0.2, "charge": 0.0}}
+    )
+    with pytest.raises(ValueError, match=reason):
+        ask(study, "mine", Target.model_validate(asked), Predicted(model))
+
+
+@pytest.mark.parametrize(
+    ("limit", "refused", "meant"),
+    [
+        ("trailing_tension <= 50", True, "50 without a unit is 50 Pa, which nothing keeps: .*; did you mean 50 MPa"),
+        ("radius >= 20", True, "20 without a unit is 20 m, which nothing keeps: .* 0.005 to 0.2 m; did you mean 20 mm"),
+        ("load / depth >= 3e15", True, "which nothing keeps: .*; a unit may stand behind the number"),
+        ("contact_trailing <= 0.3", False, "0.3 without a unit is 0.3 m, which everything keeps: .* mean 0.3 mm"),
+        ("trailing_tension <= 50 Pa", False, ""),
+        ("trailing_tension <= 5e7", False, ""),
+        ("voltage >= 0", False, ""),
+        ("deviation(depth) <= 50", False, ""),
+    ],
+)
+def test_a_number_without_its_unit_is_told_at_once(
+    study: Study, model: GridGP, limit: str, refused: bool, meant: str
+) -> None:
+    target = TARGETS["worst"].model_copy(update={"subject_to": [limit]})
+    if refused:
+        with pytest.raises(InputError, match=meant):
+            ask(study, "mine", target, Predicted(model))
+    else:
+        notes = "; ".join(ask(study, "mine", target, Predicted(model)).notes)
+        assert re.search(meant, notes) if meant else notes == ""
+
+
+def test_chance_constraint_holds_on_fresh_draws(study: Study, model: GridGP) -> None:
+    target = Target(
+        maximise="abs(voltage) / load", over=["volume_fraction", "radius"], at={"charge": 0.0, "load": 1e4},
+        uncertain={"friction": Distribution(triangular=[0.1, 0.2, 0.5])}, robust="mean",
+        subject_to=["trailing_tension <= 50 MPa with probability 0.9"],
+    )  # fmt: skip
+    loose = study.model_copy(update={"validation": study.validation.model_copy(update={"tolerance": 1e-2})})
+    answer = search.answer(loose, "mine", target, model)
+    value = answer["value"].to_series()
+    friction = stats.triang.rvs(0.25, 0.1, 0.4, size=40_000, random_state=1)
+    held = {name: float(value[name]) for name in ("volume_fraction", "radius", "load", "charge")}
+    exact = factorial.exact(study, {**held, "friction": xr.DataArray(np.sort(friction), dims="draw")})
+    share = float((exact["trailing_tension"] <= 50e6).mean())
+    assert share == pytest.approx(0.9, abs=0.006)  # binding: 4 standard deviations of 40,000 draws
+    mean = float(abs(exact["voltage"] / held["load"]).mean())
+    assert float(answer["exact"][0]) == pytest.approx(mean, rel=1e-3)
+    hard = search.answer(loose, "mine", target.model_copy(update={"subject_to": ["trailing_tension <= 50 MPa"]}), model)
+    assert float(hard["exact"][0]) < float(answer["exact"][0])  # certainty costs
+
+
+def test_choices_are_searched_one_by_one(study: Study, model: GridGP) -> None:
+    target = Target.model_validate(
+        TARGETS["worst"].model_dump()
+        | {"over": {"volume_fraction": {"low": 0.2, "high": 0.8}, "radius": {"choices": [0.01, 0.05, 0.1]}},
+           "worst_case": {"friction": [0.1, 0.4]}, "at": {"charge": 0.0, "load": 1e4}, "subject_to": []}
+    )  # fmt: skip
+    loose = study.model_copy(update={"validation": study.validation.model_copy(update={"tolerance": 1.0})})
+    best = search.answer(loose, "mine", target, model)
+    value = best["value"].to_series()
+    assert value["radius"] in (0.01, 0.05, 0.1)
+    grid = factorial.exact(
+        study,
+        {"volume_fraction": np.linspace(0.2, 0.8, 400), "radius": [0.01, 0.05, 0.1], "load": 1e4, "charge": 0.0,
+         "friction": np.linspace(0.1, 0.4, 13)},
+    )  # fmt: skip
+    dense = (abs(grid["voltage"]) / grid["depth"]).min("friction").max("volume_fraction")
+    assert float(best["exact"][0]) >= float(dense.max()) * (1 - 1e-9)
+    assert value["radius"] == pytest.approx(float(dense["radius"][int(dense.values.argmax())]))
+
+
+def test_an_exact_value_outside_its_interval_fails_unless_allowed(
+    study: Study, model: GridGP, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Wrong(Predicted):
+        """A surrogate that is off by 5 %."""
+
+        def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+            return {name: 1.05 * one for name, one in super().values(factors, names).items()}
+
+    monkeypatch.setattr(search, "Predicted", Wrong)
+    held = {"worst_case": {"friction": [0.1, 0.4]}, "at": {"charge": 0.0, "load": 1e4}}
+    target = TARGETS["worst"].model_copy(update=held)
+    with pytest.raises(InputError, match=r"design: mine: .* is outside .* allow_outside_interval: true"):
+        search.answer(study, "mine", target, model)
+    allowed = search.answer(study, "mine", target.model_copy(update={"allow_outside_interval": True}), model)
+    assert not allowed["inside"].all()
+
+
+def test_inputs_may_be_narrower_than_the_factor(study: Study) -> None:
+    changed = {"over": {"radius": {"low": 0.01, "high": 0.02}}, "at": {"charge": 0.0, "volume_fraction": 0.5}}
+    asked = Question(study, Target.model_validate(TARGETS["worst"].model_dump() | changed))
+    assert asked.inputs["radius"] == Input("radius", 0.01, 0.02, "log", "m", "punch radius R")

@@ -1,0 +1,31 @@
+"""Targets that no design reaches are told at the end of a run, by either command."""
+
+import shutil
+from pathlib import Path
+
+from tests.workflow.conftest import Project
+from workflow.design import unreached
+
+LINE = (
+    "target impossible: not reachable: trailing_tension <= 1 MPa binds; the least violated design misses it by 9075 %"
+)
+
+
+def test_every_target_out_of_reach_is_a_line_and_no_other(ran: Project, tmp_path: Path) -> None:
+    assert unreached.lines(ran.folder / "results/small/design.nc") == [LINE]
+    assert unreached.lines(tmp_path / "design.nc") == []
+
+
+def test_a_run_ends_with_it_also_where_nothing_is_to_be_done(ran: Project) -> None:
+    done = ran.run("meecontact", "run", "small", "--cores", "2")
+    assert done.stdout.splitlines()[-2:] == [LINE, "report: results/small/report.html"]
+    assert done.stdout.count(LINE) == 1
+
+
+def test_plain_snakemake_tells_it_of_the_designs_that_it_makes(ran: Project, tmp_path: Path) -> None:
+    project = Project(tmp_path / "copy")
+    shutil.copytree(ran.folder, project.folder)
+    done = project.snakemake("--force", "--", "results/small/design.nc")
+    assert done.stdout.splitlines().count(LINE) == 1
+    quiet = project.snakemake("--force", "--", "results/small/datacard.json")
+    assert LINE not in quiet.stdout

@@ -1,0 +1,233 @@
+"""The language of design targets is a fixed grammar with units and derivatives."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from solver.names import EVERY_QUANTITY, FACTORS
+from workflow.language import grammar, statements, units
+from workflow.language.expressions import UNITS
+
+NAMES = ["voltage", "magnetic_potential", "load", "radius", "contact_trailing", "peak_pressure"]
+
+
+def expressions() -> st.SearchStrategy[str]:
+    """Texts of the grammar over positive values; products keep them from mixing units."""
+    leaf = st.sampled_from(NAMES) | st.floats(0.1, 9).map(lambda value: f"{value:.3f}")
+    return st.recursive(
+        leaf,
+        lambda inner: st.one_of(
+            st.tuples(inner, st.sampled_from(["*", "/"]), inner).map(lambda t: f"({t[0]} {t[1]} {t[2]})"),
+            st.tuples(inner, st.sampled_from([2, 3, -1])).map(lambda t: f"({t[0]})^{t[1]}"),
+            inner.map(lambda t: f"sqrt({t})"),
+            inner.map(lambda t: f"abs(-{t})"),
+            inner.map(lambda t: f"({t} + 2 * {t})"),
+        ),
+        max_leaves=8,
+    )
+
+
+def python(text: str, values: dict[str, float]) -> float:
+    """The same text as Python reads it: an oracle for the parser, for texts that the strategy above made."""
+    code = compile(text.replace("^", "**"), "expression", "eval")
+    return float(eval(code, {"__builtins__": {}, "sqrt": math.sqrt, "abs": abs}, values))  # noqa: S307  # own texts only
+
+
+@settings(max_examples=200, deadline=None)
+@given(expressions(), st.lists(st.floats(0.5, 2.0), min_size=len(NAMES), max_size=len(NAMES)))
+def test_values_are_those_of_python_and_derivatives_those_of_differences(text: str, numbers: list[float]) -> None:
+    values = dict(zip(NAMES, numbers, strict=True))
+    try:
+        tree = grammar.parse(text)
+    except ValueError as error:
+        assert "names no quantity" in str(error)  # noqa: PT017  # a text of numbers only
+        return
+    value, partials = tree.partials({name: np.array(one) for name, one in values.items()})
+    expected = python(text, values)
+    assert float(value) == pytest.approx(expected, rel=1e-12)
+    assert set(partials) == set(tree.names())
+    for name in tree.names():
+        step = 1e-5 * values[name]
+        high, low = (python(text, {**values, name: values[name] + sign * step}) for sign in (1, -1))
+        assert float(partials[name]) == pytest.approx((high - low) / (2 * step), rel=1e-6, abs=1e-7 * abs(expected))
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("-voltage^2", -4.0),
+        ("2 - voltage - 1", -1.0),
+        ("8 / voltage / 2", 2.0),
+        ("min(voltage, load, 3) + max(radius, 1)", 6.0),
+        ("voltage ** -1", 0.5),
+        (" log( exp(volume_fraction) ) ", 0.5),
+    ],
+)
+def test_precedence(text: str, value: float) -> None:
+    values = {"voltage": 2.0, "load": 5.0, "radius": 4.0, "volume_fraction": 0.5}
+    if "min" in text:
+        with pytest.raises(ValueError, match="unit mismatch"):
+            grammar.parse(text)
+        text = "min(voltage, 5, 3) + max(voltage, 4)"
+    assert float(grammar.parse(text).evaluate({k: np.array(v) for k, v in values.items()})) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("", "something is missing at its end"),
+        ("depth()", "'\\)' is not expected there|'depth' is not a function"),
+        ("depth + voltage", "cannot be added \\(unit mismatch\\)"),
+        ("__import__('os').system('true')", "'__import__' is not a function"),
+        ("abs(depth", "a bracket is not closed"),
+        ("depth.real", "'.' is not expected there"),
+        ("depth depth", "'depth' is not expected there"),
+        ("1 + 2", "names no quantity"),
+        ("depth ^ 0.5", "an exponent must be a whole number"),
+        ("depth ^ ²", "an exponent must be a whole number"),
+        ("exp(depth)", "needs a pure number"),
+        ("min(depth)", "takes 2 or more, not 1"),
+        ("abs(depth, depth)", "takes 1, not 2"),
+        ("1e999 * depth", "is not a finite number"),
+        ("(" * 60 + "depth" + ")" * 60, "nested more than 40 deep"),
+        ("-" * 60 + "depth", "nested more than 40 deep"),
+        ("depth +" * 200 + "depth", "longer than 1000"),
+        ("abs(voltage_sensitivty)", "did you mean 'voltage_sensitivity'"),
+    ],
+)
+def test_refuses_everything_else(text: str, reason: str) -> None:
+    with pytest.raises(ValueError, match=reason) as caught:
+        statements.objective(text)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1e308 * 1e308 * voltage", "1e308 * voltage + 1e308 * voltage", "(1e308 * voltage)^3", "exp(1e308 * friction)"],
+)
+def test_an_overflow_is_infinite_without_a_warning(text: str) -> None:
+    assert np.isinf(grammar.parse(text).evaluate({"voltage": np.array([1.5]), "friction": np.array([1.5])})).all()
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.text(max_size=60) | st.lists(st.sampled_from([*NAMES, *"+-*/^()<>=.,1e "])).map("".join))
+def test_any_text_is_read_or_refused_in_one_line(text: str) -> None:
+    for read in (statements.objective, statements.limit, statements.statistic, units.parse):
+        reader: Any = read
+        try:
+            reader(text)
+        except ValueError as error:
+            assert str(error)  # noqa: PT017  # any refusal will do, but no other exception
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "upper"),
+    [
+        ("trailing_tension<5e7", 5e7, True),
+        ("abs(voltage) <= -.5", -0.5, True),
+        ("trailing_tension <= 50 MPa with probability 0.99", 5e7, True),
+        ("abs(voltage) / (contact_trailing + contact_leading) <= 0.3 kV/mm", 3e5, True),
+        ("depth >= 3 um", 3e-6, False),
+        ("deviation(voltage / load) <= 2 %", 0.02, True),
+        ("electric_edge_intensity_trailing <= 2 mC m-3/2", 2e-3, True),
+        ("pressure_exponent > 0.4", 0.4, False),
+    ],
+)
+def test_reads_limits_in_si(text: str, value: float, upper: bool) -> None:
+    limit = statements.limit(text)
+    assert limit.value == pytest.approx(value, rel=1e-14)
+    assert limit.upper is upper
+    assert limit.probability == (0.99 if "probability" in text else None)
+    assert limit.deviation is text.startswith("deviation")
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("depth", "is not of the form"),
+        ("depth < x", "is not of the form"),
+        ("depth <= 1e", "is not of the form"),
+        ("depth <= nan", "is not of the form"),
+        ("depth = 1", "is not of the form"),
+        ("1 < depth < 2", "is not of the form|not expected"),
+        ("depth <= 5 MPa", "unit mismatch: the limit is in MPa, the expression in m"),
+        ("volume_fraction <= 3 mm", "unit mismatch: the limit is in mm, the expression in 1"),
+        ("depth <= 5 furlong", "'furlong' is not a unit"),
+        ("depth <= 5 mm with probability 1.2", "probability 1.2 is not from 0.5"),
+        ("depth <= 5 mm with probability 0.01", "probability 0.01 is not from 0.5"),
+        ("deviation(depth) >= 2 %", "a deviation takes a positive upper bound"),
+        ("depth <= 1e999", "not a finite number"),
+    ],
+)
+def test_refuses_other_limits(text: str, reason: str) -> None:
+    with pytest.raises(ValueError, match=reason):
+        statements.limit(text)
+
+
+def test_statistics_of_the_objective() -> None:
+    assert statements.statistic("worst case").deviations is None
+    assert statements.statistic("mean").deviations == 0
+    assert statements.statistic("mean - 2.5 std").deviations == 2.5
+    with pytest.raises(ValueError, match="'best case' is not 'worst case', 'mean'"):
+        statements.statistic("best case")
+
+
+def test_every_unit_of_the_interface_is_known() -> None:
+    assert set(UNITS) == {*EVERY_QUANTITY, *FACTORS}
+    for text in UNITS.values():
+        assert units.parse(text).factor == 1.0
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("V1/0", "'1/0': an exponent must be a whole number from -9 to 9, or one over 2 to 9"),
+        ("kV999", "'999': an exponent must be"),
+        ("V99999999999999999999", "an exponent must be"),
+        ("V٣", "'٣' is not a unit"),
+        ("kV9 " * 12, "beyond the range of numbers"),
+        ("mV9 " * 12, "beyond the range of numbers"),
+        ("V " * 60, "a unit of 119 characters is longer than 100"),
+    ],
+)
+def test_units_beyond_numbers_are_refused(text: str, reason: str) -> None:
+    with pytest.raises(ValueError, match=reason):
+        units.parse(text)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "ratio"),
+    [("kV/mm", "V m-1", 1e6), ("N m-2", "Pa", 1.0), ("V A", "J s-1", 1.0), ("Wb", "V s", 1.0), ("F V", "C", 1.0),
+     ("T m2", "Wb", 1.0), ("g", "kg", 1e-3), ("µm", "nm", 1e3), ("%", "1", 0.01), ("C^2", "A2 s2", 1.0)],
+)  # fmt: skip
+def test_units_agree_with_the_si_brochure(one: str, other: str, ratio: float) -> None:
+    a, b = units.parse(one), units.parse(other)
+    assert a.fits(b)
+    assert a.factor / b.factor == pytest.approx(ratio, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("abs(voltage) / load", "V m N-1"),
+        ("abs(stroke_per_volt) * 3e5 * (contact_trailing + contact_leading)", "m2 V-1"),
+        ("voltage_sensitivity * load", "V"),
+        ("charge * voltage", "N"),
+        ("load / radius", "Pa"),
+        ("charge / load", "C N-1"),
+        ("peak_pressure * radius", "Pa m"),
+        ("sqrt(peak_pressure)", "Pa1/2"),
+        ("depth / radius", "1"),
+        ("1 / voltage", "V-1"),
+        ("radius / speed", "s"),
+    ],
+)
+def test_units_of_expressions_are_those_that_the_reader_knows(text: str, expected: str) -> None:
+    unit = statements.objective(text).expression.unit()
+    assert str(unit) == expected
+    assert unit is not None
+    assert units.parse(expected).fits(unit)

@@ -1,0 +1,105 @@
+"""Read-out: intervals hold true loads and frictions, exact quantities and errors of measurement in between."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import solve
+from surrogate import GridGP
+from workflow.cli import questions
+from workflow.dataset import factorial
+from workflow.learning import readout_trial
+from workflow.study import readout
+from workflow.study.model import Study, load
+from workflow.study.reading import InputError
+from workflow.study.readout import Readout
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    whole = load(Path("config/sensor.yaml")).narrowed({"composite": "fibrous"})
+    levels = {"volume_fraction": 16, "friction": 6, "radius": 6, "load": 8}
+    factors = {name: axis.model_copy(update={"levels": levels[name]}) for name, axis in whole.factors.items()}
+    factors["volume_fraction"] = factors["volume_fraction"].model_copy(update={"low": 0.6, "high": 0.75})
+    return whole.model_copy(update={"factors": factors, "validation": whole.validation.model_copy(update={"seed": 5})})
+
+
+@pytest.fixture(scope="module")
+def model(study: Study) -> GridGP:
+    data = factorial.exact(study, dict(factorial.levels(study)))
+    return GridGP(inputs=factorial.inputs(study), outputs=["voltage", "magnetic_potential", "depth"]).fit(data)
+
+
+def test_intervals_hold_the_truth(study: Study, model: GridGP) -> None:
+    measured = {"voltage": "0.5 %", "magnetic_potential": "0.5 %"}
+    asked = Readout(
+        measured=measured, infer=["load", "friction"], at={"volume_fraction": 0.67, "radius": 0.12}, cases=400
+    )
+    tried = readout_trial.trial(study, asked, model)
+    # 400 trials: 3.2 standard deviations; 2,000 were measured to hold 95.0 and 95.2 % (docs)
+    assert tried["coverage"].values == pytest.approx(0.95, abs=0.035)
+    assert float(tried["width"].sel(factor="load")) < 0.02
+    assert np.all(tried["low"] <= tried["mean"])
+    assert np.all(tried["mean"] <= tried["high"])
+
+
+def test_a_precise_measurement_gives_the_load_back(study: Study, model: GridGP) -> None:
+    asked = Readout(
+        measured={"depth": "1e-6 %"},
+        infer=["load"],
+        at={"volume_fraction": 0.67, "radius": 0.12, "friction": 0.3},
+        cases=50,
+    )
+    tried = readout_trial.trial(study, asked, model)
+    np.testing.assert_allclose(tried["mean"], tried["true"], rtol=2e-3)  # the small surrogate's own error
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"), [("2 V", (2.0, 0.0)), ("5 mV", (5e-3, 0.0)), ("0.5 %", (0.0, 5e-3)), ("1e-3", (1e-3, 0.0))]
+)
+def test_errors_of_measurement(text: str, expected: tuple[float, float]) -> None:
+    assert readout.error("voltage", text) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [("2 A", "unit mismatch: '2 A' for a quantity in V"), ("-2 V", "is not a positive"), ("0 V", "is not a pos"),
+     ("2 volts", "'volts' is not a unit"), ("much", "is not a positive number")],
+)  # fmt: skip
+def test_refuses_other_errors(text: str, reason: str) -> None:
+    with pytest.raises(ValueError, match=reason):
+        Readout(measured={"voltage": text}, infer=["load"])
+
+
+def test_the_command_inverts(study: Study, model: GridGP, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(questions, "results", lambda folder: (study, model))
+    case = {"volume_fraction": 0.67, "radius": 0.12, "load": 2e4, "friction": 0.25}
+    exact = solve({**case, "composite": "fibrous"})
+    voltage, potential = float(exact["voltage"]), float(exact["magnetic_potential"])
+    words = {
+        "measured": [
+            f"voltage={voltage}+-{abs(voltage) * 1e-3},magnetic_potential={potential}+-{abs(potential) * 1e-3}"
+        ],
+        "infer": ["load,friction"],
+        "at": ["volume_fraction=0.67,radius=0.12"],
+    }
+    lines = questions.invert(Path("results/sensor"), words).splitlines()
+    low, high = (float(lines[0].split()[k]) for k in (5, 7))
+    assert low < 2e4 < high
+    assert high / low < 1.02
+    for change, reason in (
+        ({"measured": ["voltage=1"]}, "--measured: voltage: '1' is not of the form VALUE"),
+        ({"measured": ["voltage=1+-0"]}, "needs finite numbers, and a positive one"),
+        ({"measured": ["voltage=1+-1e308"]}, "'1+-1e308': an error must be within 1e-150 to 1e+150"),
+        ({"measured": ["voltage=1+-1e-200"]}, "'1+-1e-200': an error must be within 1e-150 to 1e+150"),
+        ({"measured": ["voltage=1e308+-1"]}, "no case within the study's ranges gives these measurements (misfit inf)"),
+        ({"measured": ["voltage=1e30+-1"]}, "no case within the study's ranges gives these measurements"),
+        ({"measured": ["voltage=1_0+-1"]}, "--measured: voltage: '1_0' is not a number"),
+        ({"measured": ["voltage=1e9+-1"]}, "no case within the study's ranges gives these measurements"),
+        ({"infer": ["load"]}, "'friction' must be either inferred or given"),
+        ({"at": ["volume_fraction=0.67,radius=3"]}, "--at: radius = 3 is not within"),
+    ):
+        with pytest.raises(InputError) as caught:
+            questions.invert(Path("results/sensor"), words | change)
+        assert reason in str(caught.value)

@@ -1,0 +1,86 @@
+"""Surface fields from their surrogate against the exact solver."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import solve
+from surrogate import GridGP, OutOfBoxError, load
+from workflow.dataset import factorial
+from workflow.learning import surface, training
+from workflow.study import model as studies
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+
+TEXT = """\
+title: Fields as a surrogate
+fixed: {composite: fibrous, magnetic_charge: 1e-5}
+factors:
+  volume_fraction: {low: 0.4, high: 0.8, levels: 16}
+  friction: {low: 0.0, high: 0.5, levels: 8}
+  load: {low: 5e3, high: 5e4, levels: 9, scale: log}
+  charge: {low: -1e-6, high: 1e-6, levels: 2}
+  radius: {low: 0.02, high: 0.1, levels: 7, scale: log}
+surrogate: {outputs: [pressure_exponent], fields: 20}
+validation: {cases: 4000, calibration: 2000, tolerance: 1e-4}
+"""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    path = tmp_path_factory.mktemp("surface") / "s.yaml"
+    path.write_text(TEXT, encoding="utf-8")
+    return studies.load(path)
+
+
+@pytest.fixture(scope="module")
+def models(study: Study, tmp_path_factory: pytest.TempPathFactory) -> tuple[GridGP, GridGP]:
+    path = tmp_path_factory.mktemp("model") / "surface.nc"
+    surface.fit(study).save(path)
+    fields = load(path)
+    assert isinstance(fields, GridGP)
+    return fields, training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
+
+
+def test_fields_are_the_exact_ones_up_to_the_edges(study: Study, models: tuple[GridGP, GridGP]) -> None:
+    random = np.random.default_rng(3)
+    points = {
+        i.name: xr.DataArray(i.from_unit(random.uniform(-1, 1, 200)), dims="case") for i in factorial.inputs(study)
+    }
+    X = np.array([-1 + 1e-6, -0.97, -0.5, 0.0, 0.3, 0.9, 0.999, 1 - 1e-6])
+    found = surface.predict(*models, points, X)
+    exact = solve({**study.fixed, **points}, X)
+    for name in surface.NAMES:
+        assert found[name].dims == ("case", "position")
+        assert found[name].attrs["units"] == exact[name].attrs["units"]
+        # singular fields are as good as their regular parts
+        weight = 1.0 if name == "contact_pressure" else np.sqrt(1 - X**2)
+        error, size = np.abs(found[name].values - exact[name].values) * weight, np.abs(exact[name].values) * weight
+        assert error.max() < 2e-5 * size.max()
+        assert bool((found[f"{name}_std"] >= 0).all())
+
+
+def test_intervals_of_the_regular_parts_hold(study: Study, models: tuple[GridGP, GridGP]) -> None:
+    table = surface.validate(study, models[0])
+    np.testing.assert_allclose(table["coverage"], 0.95, rtol=0, atol=0.025)
+    assert float(table["worst_decile_coverage"].min()) >= 0.85
+    assert float(table["max_error"].max()) < 1e-4
+
+
+def test_points_and_positions_are_checked(models: tuple[GridGP, GridGP]) -> None:
+    point = {"volume_fraction": 0.5, "friction": [0.1, 0.2], "load": 1e4, "charge": 0.0, "radius": 0.05}
+    assert dict(surface.predict(*models, point, np.array([0.0, 0.5])).sizes) == {"point": 2, "position": 2}
+    with pytest.raises(ValueError, match="positions: 1 is not under the punch"):
+        surface.predict(*models, point, np.array([0.0, 1.0]))
+    with pytest.raises(OutOfBoxError, match="load = 10 is outside"):
+        surface.predict(*models, {**point, "load": 10.0}, np.array([0.0]))
+
+
+@pytest.mark.parametrize("kind", ["electric: insulating", "profile: half_cylinder"])
+def test_other_punches_are_refused(tmp_path: Path, kind: str) -> None:
+    text = TEXT.replace("magnetic_charge: 1e-5", kind).replace("  charge: {low: -1e-6, high: 1e-6, levels: 2}\n", "")
+    (tmp_path / "s.yaml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="surrogate: fields: only those under a cylinder that conducts"):
+        studies.load(tmp_path / "s.yaml")

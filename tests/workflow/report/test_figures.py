@@ -1,0 +1,65 @@
+"""Figures: the same however the data set is cut into slabs; no text is cut, no power of ten stands apart."""
+
+import warnings
+from pathlib import Path
+
+import pytest
+from matplotlib.text import Text
+
+from storage.netcdf import read_whole
+from tests.workflow.conftest import Project
+from workflow.dataset import slabs as dataset
+from workflow.report.figures import design, plots, sensitivity
+from workflow.study import partition
+from workflow.study.model import load
+
+ONE = "factors: {friction: {low: 0.0, high: 0.6, levels: 7}}"
+TWO = "factors: {volume_fraction: {low: 0.2, high: 0.8, levels: 7}, friction: {low: 0.0, high: 0.6, levels: 4}}"
+NAMED = f"categories: {{composite: [fibrous, laminate]}}\n{ONE}"
+
+
+@pytest.mark.parametrize("factors", [ONE, TWO, NAMED], ids=["one factor", "two factors", "a category and a factor"])
+def test_the_number_of_slabs_does_not_change_the_figure_of_fields(factors: str, tmp_path: Path) -> None:
+    drawn = set()
+    for slabs in (1, 2, 3):
+        file = tmp_path / "some.yaml"
+        fixed = {"radius": 0.05, "load": 1e5, "composite": "fibrous", "volume_fraction": 0.5}
+        fixed = {name: value for name, value in fixed.items() if name not in factors}
+        file.write_text(f"title: Some\n{factors}\nfixed: {fixed}\ndataset: {{slabs: {slabs}}}\n", encoding="utf-8")
+        study = load(file)
+        parts = []
+        for index in range(partition.count(study)):
+            dataset.write_slab(study, index, tmp_path / f"{index}.nc")
+            parts.append(read_whole(tmp_path / f"{index}.nc"))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            plots.save(plots.fields(parts), tmp_path / "fields.svg")
+        drawn.add((tmp_path / "fields.svg").read_bytes())
+    assert len(drawn) == 1
+
+
+def test_no_text_is_cut_and_no_power_of_ten_stands_apart_from_its_ticks(ran: Project) -> None:
+    study, folder = load(ran.folder / "config/small.yaml"), ran.folder / "results/small"
+    answer, long = read_whole(folder / "design/sensor.nc"), "abs(voltage_sensitivity) * (contact_trailing + radius) / 2"
+    answer.attrs["objective"] = long
+    drawn = [*design.figures_of(answer, study.design["sensor"]).values()]
+    drawn += [plots.parity(read_whole(folder / "validation.nc"))]
+    drawn += [sensitivity.main_effects(read_whole(folder / "sensitivity.nc"), study.of_interest)]
+    seen = ""
+    for figure in drawn:
+        figure.canvas.draw()
+        legends = [text for one in (*figure.legends, *(ax.get_legend() for ax in figure.axes)) if one
+                   for text in one.get_texts()]  # fmt: skip
+        own = [text for ax in figure.axes for text in (ax.title, ax.xaxis.label, ax.yaxis.label)]
+        texts: list[Text] = [text for text in (*legends, *own) if text.get_text()]
+        for text in texts:
+            box = text.get_window_extent()
+            assert min(box.x0, box.y0) > -1, text
+            assert box.x1 < figure.bbox.x1 + 1, text
+            assert box.y1 < figure.bbox.y1 + 1, text
+        for ax in figure.axes:
+            assert ax.xaxis.get_offset_text().get_text() == ax.yaxis.get_offset_text().get_text() == ""
+        seen += " ".join(text.get_text() for text in texts)
+    assert "…" not in seen
+    assert seen.replace("\n", " ").count(long) == 2  # map and slices
+    assert "trailing tension [MPa]" in seen.replace("\n", " ")

@@ -1,0 +1,456 @@
+"""The page in a real browser: every figure drawn, nothing loaded from elsewhere, no script needed."""
+
+import html
+import json
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import surrogate
+from solver import solve
+from storage.netcdf import read_whole
+from tests.workflow.conftest import Project
+from workflow.cli import predictions
+from workflow.dataset.slabs import open_results
+from workflow.design import scenarios
+from workflow.report import whatif
+from workflow.study.model import load
+from workflow.study.target import Target
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+_NUMBER = re.compile(r"-?\d+\.?\d*(?:e[-+]\d+)?")
+needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium: the browser tests are left out")
+
+PROBE = """
+<script>
+addEventListener("load", () => {
+  const out = {
+    images: document.images.length,
+    figures: [...document.querySelectorAll("svg.figure")].map((svg) => {
+      const frame = svg.getBoundingClientRect();
+      const stored = svg.querySelector("metadata.hover"), tips = [];
+      for (const { box } of stored ? JSON.parse(stored.textContent) : []) {
+        for (let k = 1; k < 20 && !tips.length; k++) {
+          for (let l = 1; l < 20 && !tips.length; l++) {
+            const [x, y] = [box[0] + (k * (box[2] - box[0])) / 20, box[1] + (l * (box[3] - box[1])) / 20];
+            const at = { clientX: frame.left + x * frame.width, clientY: frame.top + y * frame.height };
+            svg.dispatchEvent(new PointerEvent("pointermove", at));
+            const tip = document.querySelector(".tip");
+            if (!tip.hidden) tips.push(tip.innerText);
+          }
+        }
+      }
+      const ids = [...svg.querySelectorAll("[id]")].map((one) => one.id);
+      return { name: svg.closest("figure").id, shown: frame.width, high: frame.height, alt: svg.ariaLabel, tips, ids,
+               paths: svg.querySelectorAll("path").length };
+    }),
+    complaints,
+    bytes: document.documentElement.outerHTML.length,
+    overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
+    loaded: performance.getEntriesByType("resource").map(e => e.name).filter(n => !n.startsWith("data:")),
+    text: document.body.innerText,
+  };
+  const pre = document.createElement("pre");
+  pre.id = "probe";
+  pre.textContent = JSON.stringify(out);
+  document.body.replaceChildren(pre);
+});
+</script>
+"""
+
+
+#: Collects whatever a script complains about.
+ERRORS = """
+<script>
+window.complaints = [];
+addEventListener("error", (event) => complaints.push(String(event.message)));
+console.error = console.warn = (...words) => complaints.push(words.join(" "));
+</script>
+"""
+
+#: Reads the limits of the panel: text, verdict, value, and how far from the limit it still counts as held.
+LIMITS = """[...root.querySelectorAll("li[data-limit]")].map(({ dataset: l, innerText }) => ({
+    limit: l.limit, verdict: l.verdict, value: Number(l.value), room: Number(l.room), text: innerText }))"""
+
+#: Moves every slider to given places, then presses the buttons, and reads the panel each time; then moves the sliders
+#: from each design to the same design, so that the surrogate and no longer the design's own verdict judges it.
+SLIDE = """
+<script>
+addEventListener("load", () => {
+  const root = document.getElementById("whatif"), sliders = [...root.querySelectorAll("input[type=range]")];
+  const all = (where, key, value) =>
+    Object.fromEntries([...root.querySelectorAll(where)].map((one) => [one.dataset[key], one.dataset[value]]));
+  const read = () => ({
+    inputs: all("output[data-input]", "input", "value"),
+    mean: all("tr[data-output]", "output", "mean"),
+    lower: all("tr[data-output]", "output", "lower"),
+    upper: all("tr[data-output]", "output", "upper"),
+    interval: Object.fromEntries([...root.querySelectorAll("tr[data-output]")].map(
+      (row) => [row.dataset.output, [row.cells[1].innerText, row.cells[2].innerText]])),
+    limits: LIMITS,
+    shown: [...root.querySelectorAll("tr[data-output]")].map((r) => r.innerText),
+    curve: root.querySelector("svg polyline") ? root.querySelector("svg polyline").getAttribute("points") : "",
+  });
+  const seen = [read()];
+  for (const place of PLACES) {
+    sliders.forEach((slider, k) => {
+      slider.value = String(place[k]);
+      slider.dispatchEvent(new Event("input"));
+    });
+    seen.push(read());
+  }
+  const buttons = [...root.querySelectorAll("button[data-case]")];
+  const presets = buttons.map((button) => { button.click(); return read(); });
+  const { surrogate, cases: designs } = JSON.parse(document.getElementById("whatif-data").textContent);
+  const moved = buttons.map((button, c) => {
+    button.click();
+    sliders.forEach((slider, k) => {
+      slider.step = "any";
+      slider.value = String(toUnit(surrogate.data.inputs[k], designs[c].values[surrogate.data.inputs[k].name]));
+      slider.dispatchEvent(new Event("input"));
+    });
+    return read();
+  });
+  const pre = document.createElement("pre");
+  pre.id = "probe";
+  pre.textContent = JSON.stringify({ seen, presets, moved, complaints });
+  document.body.replaceChildren(pre);
+});
+</script>
+""".replace("LIMITS", LIMITS)
+
+
+def page(project: Project) -> str:
+    return (project.folder / "results/small/report.html").read_text(encoding="utf-8")
+
+
+def opened(text: str, folder: Path, width: int, probe: str = PROBE) -> dict[str, Any]:
+    """What a headless Chromium sees of a page at some width."""
+    assert BROWSER is not None
+    file = folder / "probe.html"
+    file.write_text(
+        text.replace("<head>", f"<head>{ERRORS}", 1).replace("</body>", f"{probe}</body>"), encoding="utf-8"
+    )
+    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
+    flags += ["--disable-quic", "--disable-component-update", "--disable-sync", f"--user-data-dir={folder / 'profile'}"]
+    done = subprocess.run(
+        [BROWSER, *flags, f"--window-size={width},900", "--virtual-time-budget=20000", "--dump-dom", file.as_uri()],
+        capture_output=True, text=True, timeout=120, check=True,
+    )  # fmt: skip
+    found = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
+    assert found, done.stdout[:2000]
+    seen = json.loads(html.unescape(found[1]))
+    assert isinstance(seen, dict)
+    return seen
+
+
+@needs_browser
+@pytest.mark.parametrize("width", [1280, 500])
+def test_every_figure_is_drawn(ran: Project, tmp_path: Path, width: int) -> None:
+    seen = opened(page(ran), tmp_path, width)
+    kinds = [figure["name"] for figure in seen["figures"]]
+    shown = ("map", "slices", "bars", "contact")
+    design = [f"figure-{kind}_{name}" for name in ("sensor", "impossible") for kind in shown]
+    effects = [f"figure-{kind}_{name}" for name in ("friction", "material") for kind in ("effect", "interior")]
+    learning = ("fields", "decay", "errors", "parity", "intervals", "sensitivity", "main_effects")
+    assert kinds == [*(f"figure-{name}" for name in learning), *design, *effects]
+    assert seen["images"] == 0
+    for figure in seen["figures"]:
+        assert figure["shown"] > 100
+        assert figure["high"] > 50
+        assert figure["paths"] > 10
+        assert len(figure["alt"]) > 20
+    ids = [one for figure in seen["figures"] for one in figure["ids"]]
+    assert len(ids) == len(set(ids))
+    tips = {figure["name"]: figure["tips"] for figure in seen["figures"]}
+    assert tips["figure-map_sensor"][0].startswith("worst-case abs(voltage_sensitivity): ")
+    assert "mV m N⁻¹\nvolume fraction of phase one: " in tips["figure-map_sensor"][0]
+    assert "MPa" in tips["figure-contact_sensor"][0]
+    assert all(tips[name] for name in kinds if not name.startswith(("figure-parity", "figure-bars", "figure-interior")))
+    assert seen["loaded"] == []
+    assert seen["complaints"] == []
+    assert seen["overflow"] == 0
+    assert seen["bytes"] < 6e6
+
+
+@needs_browser
+def test_the_page_says_what_a_reader_needs(ran: Project, tmp_path: Path) -> None:
+    text = str(opened(page(ran), tmp_path, 1280)["text"])
+    for word in (
+        "A small study",
+        "640",
+        "exact solver",
+        "surrogate, mean and interval",
+        "feasible; binding",
+        "not reachable\nimpossible: trailing_tension <= 1 MPa binds; the least violated design misses it by 9075 %",
+        "Not reachable: trailing_tension <= 1 MPa binds",
+        "No design within the ranges keeps every limit.",
+        "broken, as predicted",
+        "at the upper end of the studied range",
+        "of no effect on the goal: 1 % off costs nothing",
+    ):
+        assert word in text.replace("\N{NO-BREAK SPACE}", " "), word
+    for kind in ("map", "slices"):
+        figure = ran.folder / f"results/small/figures/design_impossible/{kind}_impossible.svg"
+        drawn = figure.read_text(encoding="utf-8")
+        assert "least violated design: not reachable" in drawn
+        assert "recommended" not in drawn
+
+
+def test_the_page_is_self_contained(ran: Project) -> None:
+    text = page(ran)
+    sources = re.findall(r'(?:src|href)="([^"]*)"', text)
+    assert sources
+    assert all(source.startswith(("data:", "#")) for source in sources)
+    assert not re.search(r"<script[^>]*\bsrc=", text)
+    assert "url(" not in text.split("</style>")[0]
+    assert set(re.findall(r"url\((.)", text)) == {"#"}
+
+
+def test_text_from_the_study_is_escaped(ran: Project) -> None:
+    from workflow.report import page
+    from workflow.study import model as studies
+
+    config = studies.load(ran.folder / "config/small.yaml").model_copy(update={"title": "<script>alert(1)</script>"})
+    results = ran.folder / "results/small"
+    figures = sorted((results / "figures").rglob("*.svg"))
+    text = page.page(config, "small", results, figures, results / "provenance.json")
+    assert "<script>alert" not in text
+    assert "&lt;script&gt;" in text
+
+
+def test_the_page_tells_nothing_of_earlier_states_of_the_study(ran: Project, tmp_path: Path) -> None:
+    from workflow.report import page
+    from workflow.study import model as studies
+
+    results = tmp_path / "results/small"
+    shutil.copytree(ran.folder / "results/small", results)
+    for orphan in ("fields/slab_2.nc", "fields/slab_3.nc", "levels.nc"):
+        (results / orphan).write_bytes(b"old")
+    config = studies.load(ran.folder / "config/small.yaml")
+    figures = sorted((results / "figures").rglob("*.svg"))
+    text = page.page(config, "small", results, figures, results / "provenance.json")
+    assert re.search(r"positions each, in 2\s+slabs of", text)
+    assert "Why these levels" not in text
+
+
+@needs_browser
+def test_sliders_move_numbers_that_are_those_of_python(ran: Project, tmp_path: Path) -> None:
+    model = surrogate.load(ran.folder / "results/small/surrogate.nc")
+    places = np.round(np.random.default_rng(0).uniform(-1, 1, (12, len(model.box))), 4)
+    places[:2] = [[-1] * len(model.box), [1] * len(model.box)]
+    probe = SLIDE.replace("PLACES", json.dumps(places.tolist()))
+    found = opened(page(ran), tmp_path, 1000, probe)
+    assert found["complaints"] == []
+    assert len(found["seen"]) == len(places) + 1
+    assert len(found["presets"]) == 2
+    spread = read_whole(ran.folder / "results/small/quantities.nc")
+    for one in [*found["seen"], *found["presets"]]:
+        point = {name: float(value) for name, value in one["inputs"].items()}
+        mean, ends = model.predict(point), model.interval(point)
+        for name in model.outputs_:
+            room = 1e-9 * np.ptp(spread[name].values)
+            assert float(one["mean"][name]) == pytest.approx(float(mean[name]), abs=room)
+            half = float(ends[f"{name}_upper"] - ends[f"{name}_lower"]) / 2
+            for end in ("lower", "upper"):
+                assert float(one[end][name]) == pytest.approx(float(ends[f"{name}_{end}"]), abs=room + 1e-6 * half)
+            value, interval = one["interval"][name]
+            assert re.fullmatch(r"\[−?[\d.]+, −?[\d.]+\]", interval)
+            # the command prints the same figures, without the prefix of the unit
+            printed = predictions.shown(*(float(one[key][name]) for key in ("mean", "lower", "upper")))
+            seen, told = [value, *interval.split(",")], _NUMBER.findall(printed)[:3]
+            assert [re.sub(r"\D", "", text).lstrip("0") for text in seen] == [
+                re.sub(r"e.*|\D", "", text).lstrip("0") for text in told
+            ]
+        assert one["curve"] == ""  # the small study does not learn the contact's extents
+    worst = {
+        "friction": scenarios.corners(load(ran.folder / "config/small.yaml").design["sensor"], {1: 9}).values[
+            "friction"
+        ]
+    }
+    for place, one in zip(places, found["seen"][1:], strict=True):
+        spread = model.predict({name: float(value) for name, value in one["inputs"].items()} | worst)
+        for said, name, limit in zip(one["limits"], ("trailing_tension", "peak_pressure"), (50e6, 500e6), strict=True):
+            assert said["value"] == pytest.approx(float(spread[name].max()), rel=1e-9)
+            excess = said["value"] - limit
+            words = "broken" if excess > said["room"] else "held" if excess < -said["room"] else "on the limit"
+            assert said["verdict"].startswith(words)
+        for (name, value), t in zip(one["inputs"].items(), place, strict=True):
+            assert float(value) == pytest.approx(float(model.box[name].from_unit(t)), rel=1e-12)
+    texts = {tuple(one["shown"]) for one in found["seen"]}
+    assert len(texts) == len(found["seen"])
+    design = read_whole(ran.folder / "results/small/design/sensor.nc")
+    for name, value in found["presets"][0]["inputs"].items():
+        assert float(value) == pytest.approx(float(design["worst"].sel(factor=name)[0]), rel=1e-9)
+
+
+def designs_are_never_called_broken(found: dict[str, Any], folder: Path, targets: list[str]) -> None:
+    """The panel on every design says what the design's own verdict says, of the design's own limits."""
+    for shown, moved, name in zip(found["presets"], found["moved"], targets, strict=True):
+        answer = read_whole(folder / "design" / f"{name}.nc")
+        limited = answer.sel(term=np.isfinite(answer["limit"]))
+        held = limited["margin"].values >= 0
+        assert [one["limit"] for one in shown["limits"]] == list(limited["term"].values)
+        assert [one["verdict"] for one in shown["limits"]] == ["held" if one else "broken" for one in held]
+        assert [one["value"] for one in shown["limits"]] == pytest.approx(limited["exact"].values)
+        # the surrogate, asked for the same design: by the same tolerance as the verdict's
+        assert [one["verdict"] != "broken" for one in moved["limits"]] == list(held)
+        assert [one["value"] for one in moved["limits"]] == pytest.approx(limited["predicted"].values, rel=1e-9)
+        assert [one["room"] for one in moved["limits"]] == pytest.approx(limited["half"].values, rel=1e-6)
+        assert bool(answer["feasible"]) == all(held)
+
+
+@needs_browser
+def test_the_panel_agrees_with_every_design(ran: Project, tmp_path: Path) -> None:
+    found = opened(page(ran), tmp_path, 1000, SLIDE.replace("PLACES", "[]"))
+    assert found["complaints"] == []
+    assert found["seen"][0]["limits"] == found["presets"][0]["limits"]
+    assert len(found["presets"][0]["limits"]) == 2
+    designs_are_never_called_broken(found, ran.folder / "results/small", ["sensor", "impossible"])
+    assert found["moved"][0]["limits"][0]["verdict"].startswith("on the limit")  # it binds
+
+
+@needs_browser
+def test_a_probability_is_not_judged_at_one_point(ran: Project, tmp_path: Path) -> None:
+    text = page(ran).replace('"judged":true', '"judged":false')
+    found = opened(text, tmp_path, 1000, SLIDE.replace("PLACES", "[]"))
+    assert [one["verdict"] for one in found["presets"][0]["limits"]] == ["held", "held"]
+    for one in [limit for place in found["moved"] for limit in place["limits"]]:
+        assert one["verdict"] == "not judged at one point"
+        assert one["text"] == f"{one['limit']}: not judged at one point"
+
+
+@pytest.mark.parametrize(
+    ("limit", "judged"),
+    [("trailing_tension <= 50 MPa", True), ("trailing_tension <= 50 MPa with probability 0.9", False),
+     ("deviation(voltage_sensitivity) <= 5 %", False)],
+)  # fmt: skip
+def test_the_page_knows_which_limits_a_point_decides(ran: Project, limit: str, judged: bool) -> None:
+    config = load(ran.folder / "config/small.yaml")
+    changed = {"worst_case": {}, "uncertain": {"friction": {"normal": [0.2, 0.03]}}, "subject_to": [limit]}
+    target = Target.model_validate(config.design["sensor"].model_dump() | changed)
+    answer = read_whole(ran.folder / "results/small/design/sensor.nc").isel(term=[0, 1])
+    answer = answer.assign_coords(term=[str(answer["term"].values[0]), limit])
+    folder, model = ran.folder / "results/small", surrogate.load(ran.folder / "results/small/surrogate.nc")
+    quantities = read_whole(folder / "quantities.nc")
+    found = whatif.content(config.model_copy(update={"design": {"one": target}}), model, quantities, [answer])
+    assert found is not None
+    (case,) = found["cases"]
+    assert case["over"] == "friction 0.11 to 0.29"
+    assert [one["judged"] for one in case["limits"]] == [judged]
+
+
+#: A study whose punch and composite are chosen from lists.
+CHOSEN = """\
+title: A choice
+fixed: {friction: 0.2, load: 1e4}
+categories: {composite: [fibrous, laminate], profile: [cylinder, half_cylinder]}
+factors:
+  volume_fraction: {low: 0.5, high: 0.7, levels: 6}
+  radius: {low: 0.02, high: 0.2, levels: 4, scale: log}
+dataset: {slabs: 2, positions: {inside: 12, outside: 8}}
+surrogate: {outputs: [voltage_sensitivity, trailing_tension]}
+validation: {cases: 200, calibration: 400, tolerance: 1e-2}
+design:
+  best:
+    maximise: abs(voltage_sensitivity)
+    over: [volume_fraction, radius, composite, profile]
+    subject_to: [trailing_tension <= 30 MPa]
+  held:
+    maximise: abs(voltage_sensitivity)
+    over: [radius]
+    at: {volume_fraction: 0.6, composite: laminate, profile: half_cylinder}
+"""
+
+#: Chooses every combination of the panel's lists, then presses the buttons, and reads the panel each time.
+CHOOSE = """
+<script>
+addEventListener("load", () => {
+  const root = document.getElementById("whatif"), choosers = [...root.querySelectorAll("select[data-category]")];
+  const all = (where, key, value) =>
+    Object.fromEntries([...root.querySelectorAll(where)].map((one) => [one.dataset[key], one.dataset[value]]));
+  const read = () => ({
+    names: choosers.map((one) => one.value),
+    inputs: all("output[data-input]", "input", "value"),
+    mean: all("tr[data-output]", "output", "mean"),
+    limits: LIMITS,
+  });
+  const seen = [];
+  const [one, other] = choosers;
+  for (const first of one.options) for (const second of other.options) {
+    one.value = first.value;
+    other.value = second.value;
+    other.dispatchEvent(new Event("change"));
+    seen.push(read());
+  }
+  root.querySelectorAll("button[data-case]").forEach((button) => { button.click(); seen.push(read()); });
+  const pre = document.createElement("pre");
+  pre.id = "probe";
+  pre.textContent = JSON.stringify({ seen, complaints, text: document.body.innerText });
+  document.body.replaceChildren(pre);
+});
+</script>
+""".replace("LIMITS", LIMITS)
+
+
+@pytest.fixture(scope="module")
+def chosen(copy: Callable[[str], Project]) -> Project:
+    """A copy in which the study with categories has run to its report."""
+    project = copy("chosen")
+    (project.folder / "config/chosen.yaml").write_text(CHOSEN, encoding="utf-8")
+    project.run("meecontact", "run", "chosen", "--cores", "2")
+    return project
+
+
+def test_the_data_set_has_an_axis_a_category(chosen: Project) -> None:
+    with open_results(chosen.folder / "results/chosen") as data:
+        assert data["contact_pressure"].dims == ("volume_fraction", "radius", "composite", "profile", "position")
+        one = {"volume_fraction": data["volume_fraction"][4], "radius": data["radius"][1]}
+        for composite, profile in product(("fibrous", "laminate"), ("cylinder", "half_cylinder")):
+            kinds = {"composite": composite, "profile": profile}
+            exact = solve({**one, **kinds, "friction": 0.2, "load": 1e4}, data["position"].values)
+            stored = data.isel(volume_fraction=4, radius=1).sel(kinds)
+            for name in ("contact_pressure", "stress_xx", "depth"):
+                np.testing.assert_allclose(stored[name].values, exact[name].values, rtol=1e-12)
+    card = json.loads((chosen.folder / "results/chosen/datacard.json").read_text(encoding="utf-8"))
+    assert card["categories"] == {"composite": ["fibrous", "laminate"], "profile": ["cylinder", "half_cylinder"]}
+    assert card["cases"] == 96
+
+
+@needs_browser
+def test_lists_choose_what_the_panel_shows(chosen: Project, tmp_path: Path) -> None:
+    folder = chosen.folder / "results/chosen"
+    model = surrogate.load(folder / "surrogate.nc")
+    found = opened((folder / "report.html").read_text(encoding="utf-8"), tmp_path, 1000, CHOOSE)
+    assert found["complaints"] == []
+    assert len(found["seen"]) == 6
+    assert len({tuple(one["names"]) for one in found["seen"][:4]}) == 4
+    for one in found["seen"]:
+        answer = model.predict({name: float(value) for name, value in one["inputs"].items()})
+        for name, value in one["mean"].items():
+            expected = float(answer[f"{name}[{', '.join(one['names'])}]"])
+            assert float(value) == pytest.approx(expected, rel=1e-9)
+    assert found["seen"][-1]["names"] == ["laminate", "half_cylinder"]
+    assert [one["verdict"] for one in found["seen"][-2]["limits"]] == ["held"]
+    assert found["seen"][-1]["limits"] == []
+    assert "Best of every choice, on the surrogate: fibrous, cylinder" in found["text"]
+    words = ["--maximise", "abs(voltage_sensitivity)", "--over", "radius,composite", "--at", "volume_fraction=0.6"]
+    told = chosen.run("meecontact", "design", "results/chosen", *words).stdout
+    assert "  composite                                    fibrous                   variable\n" in told
+    assert "  profile                                      cylinder                  given\n" in told
+    both = chosen.run("meecontact", "query", "results/chosen/surrogate.nc", "--at", "volume_fraction=0.6,radius=0.1",
+                      "--exact", "chosen").stdout.splitlines()  # fmt: skip
+    assert len(both) == 8
+    for line in both:
+        assert float(line.split(" exact ")[1].split()[0]) == pytest.approx(
+            float(line.split("]")[1].split()[0]), rel=1e-3
+        )
+    rows = (folder / "design.csv").read_text(encoding="utf-8").splitlines()
+    assert "held,given,composite,,,,laminate,,," in rows

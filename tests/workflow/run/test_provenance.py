@@ -1,0 +1,66 @@
+"""The hash of a script follows the sources that the script reaches, and nothing else."""
+
+import subprocess
+import sys
+
+import pytest
+
+from workflow.run import provenance
+
+SCRIPTS = provenance.ROOT / "workflow" / "scripts"
+
+
+def reached(script: str) -> set[str]:
+    return {file.relative_to(provenance.ROOT).as_posix() for file in provenance.sources(SCRIPTS / script)}
+
+
+def test_slabs_reach_the_solver_and_its_data() -> None:
+    files = reached("slab.py")
+    assert {
+        "solver/face/solution.py",
+        "solver/halfplane/fields.py",
+        "solver/material/materials.toml",
+        "workflow/dataset/factorial.py",
+    } <= files
+    assert not files & {
+        "workflow/report/page.py",
+        "workflow/design/search.py",
+        "workflow/report/figures/plots.py",
+        "workflow/cli/main.py",
+    }
+    assert not files & {"surrogate/gp/gridgp.py", "surrogate/search/optimise.py", "surrogate/gp/persistence.py"}
+
+
+def test_a_design_reaches_solver_and_surrogate() -> None:
+    files = reached("target.py")
+    assert {"solver/halfplane/contact.py", "surrogate/search/optimise.py", "workflow/design/search.py"} <= files
+    assert "workflow/report/page.py" not in files
+
+
+def test_models_that_are_imported_when_asked_for_are_reached() -> None:
+    assert {"surrogate/gp/gridgp.py", "surrogate/gp/persistence.py"} <= reached("sensitivity.py")
+    assert "surrogate/gp/gridgp.py" in reached("surrogate.py")
+
+
+@pytest.mark.parametrize(
+    "module", ["solver", "workflow.dataset.slabs", "workflow.dataset.datacard", "workflow.cli.launch"]
+)
+def test_jobs_without_models_and_figures_start_without_their_libraries(module: str) -> None:
+    code = f"import sys, {module}; print(*{{'sklearn', 'matplotlib', 'jinja2'}} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ""
+
+
+def test_the_page_does_not_reach_the_design_search() -> None:
+    assert "workflow/design/search.py" not in reached("report.py")
+
+
+def test_the_hash_follows_the_bytes() -> None:
+    one = provenance.code("workflow/scripts/report.py")
+    assert one == provenance.code("workflow/scripts/report.py")
+    assert one != provenance.code("workflow/scripts/report.py", "workflow/report/captions/design.rst")
+    assert "workflow/report/templates/report.html.j2" in reached("report.py")
+
+
+def test_versions_name_every_named_package() -> None:
+    assert set(provenance.versions()) == {"python", *provenance.PACKAGES}

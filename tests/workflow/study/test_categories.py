@@ -1,0 +1,153 @@
+"""Categories: every combination is solved, learned and chosen from; checked case by case against the solver."""
+
+from functools import cache
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import solve
+from surrogate import GridGP
+from surrogate.search.pareto import hypervolume
+from workflow.cli import questions
+from workflow.dataset import factorial
+from workflow.design import answers, search
+from workflow.learning import readout_trial, training
+from workflow.study.categories import output
+from workflow.study.model import Study, load
+from workflow.study.reading import InputError
+
+MATERIALS, PROFILES = ("BaTiO3", "PZT-4", "PZT-5H", "BaTiO3-CoFe2O4 50:50"), ("cylinder", "half_cylinder")
+SENSITIVITY, TENSION = "voltage_sensitivity", "trailing_tension"
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return load(Path("config/catalogue.yaml"))
+
+
+@pytest.fixture(scope="module")
+def model(study: Study) -> GridGP:
+    made = training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
+    made.calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
+    return made
+
+
+@cache
+def dense(material: str, profile: str, radii: int = 2000) -> tuple[np.ndarray, np.ndarray]:
+    """Worst |sensitivity| and tension over the friction at many radii, the solver asked for one combination alone."""
+    exact = solve(
+        {
+            "material": material, "profile": profile, "radius": np.geomspace(5e-3, 0.2, radii), "load": 1e4,
+            "friction": np.linspace(0.1, 0.4, 25),
+        }
+    )  # fmt: skip
+    return abs(exact[SENSITIVITY]).min("friction").values, exact[TENSION].max("friction").values
+
+
+def test_every_combination_is_learned(study: Study, model: GridGP) -> None:
+    assert study.cases == 10 * 12 * 12 * 8
+    point = {"friction": 0.23, "radius": 0.031, "load": 2.2e4}
+    answer = model.predict(point)
+    assert len(answer.data_vars) == 2 * 7 * 8
+    for material, profile in product(MATERIALS, PROFILES):
+        exact = solve({**point, "material": material, "profile": profile})
+        for name in study.outputs:
+            found = answer[output(name, {"material": material, "profile": profile})]
+            assert float(found) == pytest.approx(float(exact[name]), rel=1e-6, abs=0)
+            assert found.attrs["units"] == exact[name].attrs["units"]
+
+
+def test_the_chosen_combination_is_the_best_of_all(study: Study, model: GridGP) -> None:
+    answer = search.solve_target(study, "voltage", model)
+    best = {}
+    for kinds in product(MATERIALS, PROFILES):
+        sensitivity, tension = dense(*kinds)
+        if np.any(tension <= 50e6):
+            best[kinds] = float(sensitivity[tension <= 50e6].max())
+    winner = max(best, key=lambda kinds: best[kinds])
+    assert tuple(kind for _, kind, _ in answers.kinds(answer)) == winner
+    objective = float(answer["exact"].sel(term=f"abs({SENSITIVITY})"))
+    assert best[winner] * (1 - 1e-9) <= objective <= best[winner] * 1.001
+    assert np.all(answer["margin"].values[1:] >= 0)
+    listed = dict(zip(answer["choice"].values, answer["choice_objective"].values, strict=True))
+    assert len(listed) == 8
+    feasible = answer["choice_feasible"].values
+    assert {name for name, good in zip(listed, feasible, strict=True) if good} == {", ".join(kinds) for kinds in best}
+    for kinds, value in best.items():
+        assert listed[", ".join(kinds)] == pytest.approx(value, rel=1e-3)
+
+
+def test_choices_of_numbers_and_names_together(study: Study, model: GridGP) -> None:
+    answer = search.solve_target(study, "charge", model)
+    assert answers.kinds(answer) == [("material", "PZT-5H", "variable"), ("profile", "cylinder", "given")]
+    assert answer.sizes["choice"] == 20
+    assert float(answer["value"].sel(factor="radius")) in (0.02, 0.05, 0.1, 0.15, 0.2)
+    rows = answers.table([answer]).splitlines()
+    assert "charge,variable,material,,,,PZT-5H,,," in rows
+    assert "charge,given,profile,,,,cylinder,,," in rows
+
+
+def test_the_front_is_that_of_all_combinations(study: Study, model: GridGP) -> None:
+    answer = search.solve_target(study, "front", model)
+    found = answer["front_exact"].values * [1, -1]
+    everything = np.concatenate([np.stack(dense(*kinds), -1) for kinds in product(MATERIALS, PROFILES)]) * [1, -1]
+    everything = everything[everything[:, 1] >= -150e6]
+    reference = everything.min(0)
+    assert hypervolume(found, reference) >= 0.999 * hypervolume(everything, reference)
+    chosen = set(answer["front_choice"].values)
+    assert len(chosen) > 1
+    for value, choice in zip(answer["front_exact"].values, answer["front_choice"].values, strict=True):
+        sensitivity, tension = dense(*choice.split(", "))
+        assert tension[np.abs(sensitivity - value[0]).argmin()] == pytest.approx(value[1], rel=0.02)
+
+
+def test_a_read_out_of_one_combination(study: Study, model: GridGP) -> None:
+    tried = readout_trial.trial(study, study.readout["voltage"], model)
+    assert float(tried["coverage"].sel(factor="load")) == pytest.approx(0.95, abs=0.035)
+    assert float(tried["width"].sel(factor="load")) < 0.01
+
+
+def test_questions_in_words(study: Study) -> None:
+    asked = {"maximise": ["abs(charge_sensitivity)"], "over": ["radius,material=PZT-4|PZT-5H"], "at": ["load=1e4"]}
+    target = questions.target(study, asked)
+    assert target.variables["material"].choices == ["PZT-4", "PZT-5H"]
+    assert target.at["profile"] == "cylinder"  # its default
+    for words, says in (
+        ({"over": ["radius,material=PZT-6"]}, "design: material: 'PZT-6' is not one of BaTiO3, PZT-4, PZT-5H"),
+        ({"over": ["radius=PZT-4,material"]}, "--over: radius: 'PZT-4' is not a number"),
+        ({"over": ["radius"]}, "design: 'material' is missing; put it in over or at"),
+        ({"at": ["load=1e4,profile=wedge"]}, "design: profile: 'wedge' is not one of cylinder, half_cylinder"),
+        ({"worst_case": ["profile=0:1"]}, "worst_case.profile"),
+        ({"over": ["radius,material=1:2"]}, "material: 1.0 is not one of BaTiO3, PZT-4"),
+    ):
+        with pytest.raises(InputError, match=r"^[^\n]*$") as caught:
+            questions.target(study, asked | words)
+        assert says in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("edit", "says"),
+    [
+        (("  profile: [cylinder, half_cylinder]", "  profile: [cylinder, cylinder]"), "a name is given twice"),
+        (
+            ("  profile: [cylinder, half_cylinder]", "  profile: [cylinder, conical]"),
+            "profile: 'conical' is not one of",
+        ),
+        (("  profile: [cylinder, half_cylinder]", "  colour: [red, blue]"), "'colour' is not a category"),
+        (("[BaTiO3, PZT-4,", "[CoFe2O5, PZT-4,"), "'CoFe2O5' is unknown"),
+        (("  charge: 0.0", "  profile: flat"), "fixed: profile: is one of the categories already"),
+        (("[radius, material, profile]", "[radius, material]"), "design: voltage: 'profile' is missing"),
+        (("at: {material: PZT-4, ", "at: {"), "readout: voltage: 'material' is missing; put it in at"),
+        (("  outputs: [", "  fields: 8\n  outputs: ["), "are not learned over categories: material, profile"),
+        (("stroke_per_volt, trailing", "peak_pressure, trailing"), "some of these cases have no 'peak_pressure'"),
+    ],
+)
+def test_bad_categories_are_named(edit: tuple[str, str], says: str, tmp_path: Path) -> None:
+    text = Path("config/catalogue.yaml").read_text(encoding="utf-8")
+    assert edit[0] in text
+    (tmp_path / "bad.yaml").write_text(text.replace(*edit, 1), encoding="utf-8")
+    with pytest.raises(InputError, match=r"^[^\n]*$") as caught:
+        load(tmp_path / "bad.yaml")
+    assert says in str(caught.value)

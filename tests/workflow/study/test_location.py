@@ -1,0 +1,88 @@
+"""Where a study's file is: by name, by path, from the results made of it; and names that no later step bears."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from workflow.cli import main
+from workflow.study import location
+from workflow.study.reading import InputError
+
+STUDY = "title: t\neffects: {baseline: {material: PZT-4, radius: 0.05, load: 1e5}, vary: {friction: [0.0, 0.4]}}\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty current folder, and no study given by a path."""
+    monkeypatch.setenv("MEECONTACT_STUDIES", "{}")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def write(path: Path) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(STUDY, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("name", ["my study.yaml", "a.b.yaml", "größe.yaml", "-x.yaml", f"{'x' * 101}.yaml"])
+def test_a_name_that_snakemake_cannot_bear_is_refused_by_path_and_by_name(
+    folder: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    path = write(folder / "config" / name)
+    for text in (str(path), path.stem):
+        assert main.main(["run", "--cores", "1", "--", text]) == 2
+        line = capsys.readouterr().err
+        assert line.count("\n") == 1
+        assert "a study's file must be named with up to 100 of the letters a to z, digits, - and _" in line
+    assert [file.name for file in folder.iterdir()] == ["config"]
+
+
+def test_outside_of_a_project_it_says_what_is_missing_and_what_to_do(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main.main(["run", "quickstart"]) == 2
+    line = capsys.readouterr().err
+    assert (
+        f"study: 'quickstart' is unknown: {folder} has no config/*.yaml; go to a folder that has one, or give" in line
+    )
+    assert line.count("\n") == 1
+    write(folder / "config/other.yaml")
+    with pytest.raises(InputError, match="allowed: other; or the path of a study's file"):
+        location.location("quickstart")
+
+
+def test_what_is_no_file_is_not_waited_for(folder: Path) -> None:
+    os.mkfifo(folder / "pipe.yaml")
+    for name, reason in (("absent.yaml", "No such file"), ("pipe.yaml", "not a file")):
+        with pytest.raises(InputError, match=f"{name}: {reason}; a study is given by its name in config/, or by the"):
+            location.given(name)
+
+
+def test_a_path_is_found_again_by_those_that_this_process_starts(folder: Path) -> None:
+    write(folder / "config/mine.yaml")
+    mine, other = write(folder / "far/mine.yaml"), write(folder / "other/mine.yaml")
+    assert location.location("mine") == Path("config/mine.yaml")
+    assert location.given("far/mine.yaml") == location.given(str(mine)) == "mine"
+    with pytest.raises(InputError, match="another study named 'mine' was given before"):
+        location.given(str(other))
+    command = "from workflow import location; print(location.location('mine'), end='')"
+    done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=True)
+    assert done.stdout == str(mine)
+
+
+def test_results_know_the_file_that_they_were_made_from(folder: Path) -> None:
+    results = folder / "results/mine"
+    results.mkdir(parents=True)
+    own, far = write(folder / "config/mine.yaml"), write(folder / "far/mine.yaml")
+    assert location.of_results(Path("results/mine")) == own
+    location.given("far/mine.yaml")
+    record = location.from_results("mine", Path("results/mine"))
+    assert record == "../../far/mine.yaml"
+    for study, expected in ((record, far), ("../../gone.yaml", own), (3, own), ("../../../../etc/passwd", own)):
+        (results / "provenance.json").write_text(json.dumps({"study": study}), encoding="utf-8")
+        assert location.of_results(Path("results/mine")) == expected

@@ -1,0 +1,308 @@
+"""The study model: what it accepts, and the one line with which it refuses."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from solver.names import PEAKS
+from workflow.study import schema
+from workflow.study.model import Study, load
+from workflow.study.reading import InputError, read_material, read_yaml
+
+QUICKSTART = Path("config/quickstart.yaml")
+
+
+def refusal(tmp_path: Path, old: str, new: str) -> str:
+    """The line with which a changed quickstart is refused."""
+    text = QUICKSTART.read_text(encoding="utf-8")
+    assert old in text
+    path = tmp_path / "changed.yaml"
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load(path)
+    line = str(caught.value)
+    assert line.startswith(f"{path}:")
+    assert "\n" not in line
+    return line.removeprefix(f"{path}: ")
+
+
+@pytest.mark.parametrize("path", sorted(Path("config").glob("*.yaml")), ids=lambda path: path.stem)
+def test_every_study_of_the_project_loads(path: Path) -> None:
+    assert load(path).title
+
+
+def test_quickstart_is_the_factorial_of_the_documentation() -> None:
+    study = load(QUICKSTART)
+    assert study.cases == 41_600
+    assert {name: axis.levels for name, axis in study.factors.items()} == {
+        "volume_fraction": 26, "friction": 5, "radius": 8, "load": 10, "charge": 4,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("high: 0.6", "hihg: 0.6", "factors.friction.hihg: unknown key; did you mean 'high'? allowed: low, high,"),
+        ("title:", "titel:", "titel: unknown key; did you mean 'title'?"),
+        ("levels: 5", "levels: 5.5", "factors.friction.levels: 5.5: input should be a valid integer"),
+        ("levels: 5", "levels: 1", "factors.friction.levels: 1: input should be greater than or equal to 2"),
+        ("levels: 5", "levels: '5'", "factors.friction.levels: '5': input should be a valid integer"),
+        ("levels: 5", "levels: true", "factors.friction.levels: True: input should be a valid integer"),
+        (", high: 0.6", "", "factors.friction.high: missing"),
+        ("high: 0.6", "high: .nan", "factors.friction.high: nan: input should be a finite number"),
+        ("high: 0.2,", "high: .inf,", "factors.radius.high: inf: input should be a finite number"),
+        ("low: 0.0, high: 0.6", "low: 0.7, high: 0.6", "factors.friction: low = 0.7 must be below high = 0.6"),
+        ("low: 0.0, high: 0.6", "low: -0.1, high: 0.6", "friction: -0.1 is not a finite number >= 0 [1]"),
+        ("low: 5e-3", "low: 0.0", "factors.radius: low = 0 must be positive on a log scale"),
+        ("high: 0.95", "high: 1.05", "volume_fraction: 1.05 is not a finite number >= 0 and <= 1 [1]"),
+        ("friction: {low", "fricton: {low", "factors.fricton: 'fricton' is not a factor; did you mean 'friction'?"),
+        ("[BaTiO3, CoFe2O4]", "[BaTi3, CoFe2O4]", "material: 'BaTi3' is unknown; did you mean 'BaTiO3'?"),
+        ("[BaTiO3, CoFe2O4]", "[BaTiO3]", "phases: ['BaTiO3']: list should have at least 2 items"),
+        ("composite: fibrous", "composite: fibruos", "composite: 'fibruos' is not one of fibrous, laminate"),
+        ("magnetic_charge: 0.0", "magnetic_charge: none", "magnetic_charge: 'none' is not a finite number [Wb m-1]"),
+        ("magnetic_charge: 0.0", "charge: 0.0", "fixed: charge: is one of the factors already"),
+        ("tension <=", "tensin <=", "design.sensor: 'trailing_tensin': 'trailing_tensin' is not a quantity; did"),
+        ("<= 50 MPa", "= 50 MPa", "design.sensor: 'trailing_tension = 50 MPa' is not of the form: expression"),
+        ("<= 50 MPa", "<= 50 mm", "design.sensor: 'trailing_tension <= 50 mm': unit mismatch: the limit is in mm, "),
+        ("abs(volt", "sinh(volt", "design.sensor: 'sinh(voltage_sensitivity)': 'sinh' is not a function; did you"),
+        ("abs(volt", "load + (volt", "design.sensor: 'load + (voltage_sensitivity)': 'N m-1' and 'V m N-1' cannot"),
+        ("maximise: abs", "maximize: abs", "design.sensor.maximize: unknown key; did you mean 'maximise'? allowed:"),
+        ("maximise: abs(voltage_sensitivity)", "robust: mean", "design.sensor: maximise or minimise: missing; one"),
+        ("[trailing_tension <= 50 MPa,", "[depth <= 1 mm with probability 0.9,", "design.sensor: subject_to: depth <="),
+        ("over: [volume_fraction, radius]", "over: {volume_fraction: {}, radius: {high: 1.0}}",
+         "design: sensor: radius = 1 is not within 0.005 to 0.2"),
+        ("friction: [0.1, 0.4]", "friction: {uniform: [0.1, 0.4]}", "design.sensor.worst_case.friction: {'uniform'"),
+        ("[0.1, 0.4]", "[0.1, 0.9]", "design: sensor: friction = 0.9 is not within 0 to 0.6"),
+        ("[0.1, 0.4]", "[0.4, 0.1]", "design.sensor: worst_case: friction: 0.4 must not be above 0.1"),
+        ("[0.1, 0.4]", "[0.1]", "design.sensor.worst_case.friction: [0.1]: list should have at least 2 items"),
+        ("{load: 1e4, charge: 0.0}", "{load: 1e4}", "design: sensor: 'charge' is missing; put it in over, at, worst"),
+        ("over: [volume_fraction, radius]", "over: [radius, radius]", "design: sensor: 'radius' is given twice"),
+        ("  sensor:", "  my sensor:", "design: 'my sensor' must be letters, digits and underscores"),
+        ("  sensor:", "  größe:", "design: 'größe' must be letters, digits and underscores, at most 60 of ASCII"),
+        ("  sensor:", f"  {'s' * 61}:", f"design: '{'s' * 61}' must be letters, digits and underscores, at most 60"),
+        ("over: [volume_fraction, radius]", "over: {volume_fraction: {}, radius: {lo: 0.03}}",
+         "design.sensor.over.radius.lo: unknown key; did you mean 'low'? allowed: low, high, choices"),
+        ("dataset: {slabs: 2}", "dataset: {positions: {insde: 3}}",
+         "dataset.positions.insde: unknown key; did you mean 'inside'? allowed: inside, outside, reach"),
+        ("levels: 5", "levels: 010", "line: not valid YAML: '010' is not a decimal number; in quotes it is a text"),
+        ("radius: {low: 5e-3", "radius: {low: 1:30", "line: not valid YAML: '1:30' is not a decimal number"),
+        ("<= 50 MPa", "<= 50 MPa1/0", "design.sensor: 'trailing_tension <= 50 MPa1/0': '1/0': an exponent must be"),
+        ("<= 50 MPa", "<= 50 MPa999", "design.sensor: 'trailing_tension <= 50 MPa999': '999': an exponent must be"),
+        ("cases: 5000", "cases: 5000\n  cases: 4", "line 27: not valid YAML: key 'cases' is given twice"),
+        ("\ndesign:", "\n\tdesign:", "line 30: not valid YAML: found character '\\t' that cannot start any token"),
+    ],
+)  # fmt: skip
+def test_refuses_in_one_line(tmp_path: Path, old: str, new: str, expected: str) -> None:
+    line = refusal(tmp_path, old, new)
+    assert re.sub(r"line \d+", "line", line).startswith(re.sub(r"line \d+", "line", expected))
+
+
+def test_refuses_more_cases_than_it_can_hold(tmp_path: Path) -> None:
+    text = re.sub(r"levels: \d+", "levels: 1000", QUICKSTART.read_text(encoding="utf-8"))
+    path = tmp_path / "huge.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="factors: 1000000000000000 cases are more than 20000000"):
+        load(path)
+
+
+EFFECTS = "title: t\neffects: {{baseline: {{material: PZT-4, radius: 0.05, load: 1e5}}, vary: {}}}\n"
+FACTORIAL = """\
+title: t
+fixed: {{material: PZT-4, radius: 0.05}}
+factors: {{friction: {{low: 0.0, high: 0.5, levels: {}}}, load: {{low: 5e3, high: 5e4, levels: {}}}}}
+{}
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (EFFECTS.format(f"{{friction: [{'0.1, ' * 201}]}}"), "effects: vary: friction: 201 values; must be 1"),
+        (EFFECTS.format("{friction: []}"), "effects: vary: friction: 0 values; must be 1 to 200, each is a curve"),
+        (EFFECTS.format(f"{{friction: [{'0.1, ' * 12}]}}, positions: {{inside: 10000, outside: 10000}}"),
+         "effects: vary: friction: 12 values x 20000 positions are more than 200000"),
+        (EFFECTS.format("{friction: [0, 0.1]}, interior: {across: 2000, down: 2000}"),
+         "effects.interior: across x down: 2000 x 2000 points are more than 250000"),
+        (FACTORIAL.format(1000, 1000, "dataset: {positions: {inside: 2000, outside: 2}}"),
+         "dataset: 1000000 cases x 2002 positions are more than 2000000000 values of each field"),
+        (FACTORIAL.format("null", 1000, "dataset: {budget: 1000000, positions: {inside: 2000, outside: 2}}"),
+         "dataset: 1000000 cases x 2002 positions are more than 2000000000 values of each field"),
+        (FACTORIAL.format(1000, 1000, "surrogate: {fields: 21}"),
+         "surrogate: fields: 1000000 cases x 21 angles are more than 20000000"),
+    ],
+)  # fmt: skip
+def test_refuses_what_no_later_step_could_bear(tmp_path: Path, text: str, expected: str) -> None:
+    path = tmp_path / "large.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load(path)
+    assert str(caught.value).startswith(f"{path}: {expected}")
+
+
+def test_refuses_a_box_of_more_corners_than_are_solved_at_once(tmp_path: Path) -> None:
+    axes = ["volume_fraction", "friction", "radius", "load", "charge", "magnetic_charge", "speed", "width", "slope"]
+    names = "[a, b, c, d, e, f, g, h]"
+    kinds = ", ".join(f"{name}: {names}" for name in ("profile", "electric", "magnetic", "corner"))
+    path = tmp_path / "corners.yaml"
+    ranges = ", ".join(f"{name}: {{low: 0.1, high: 0.2}}" for name in axes)
+    path.write_text(f"title: t\nfactors: {{{ranges}}}\ncategories: {{{kinds}}}\n", encoding="utf-8")
+    with pytest.raises(
+        InputError, match=r"factors: a box of 2097152 corners, over all categories, has more than 262144"
+    ):
+        load(path)
+
+
+def test_numbers_follow_yaml_1_2(tmp_path: Path) -> None:
+    path = tmp_path / "numbers.yaml"
+    path.write_text("a: 1e4\nb: -2.5E-3\nc: .5\nd: 7\ne: '1e4'\nf: '010'\ng: +0\nh: 007.5\ni: 1٢\n", encoding="utf-8")
+    expected = {"a": 1e4, "b": -2.5e-3, "c": 0.5, "d": 7, "e": "1e4", "f": "010", "g": 0, "h": 7.5, "i": "1٢"}
+    assert read_yaml(path) == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("!!python/object/apply:os.system ['true']", "not valid YAML"),
+        ("a: &x [1]\nb: *x", "aliases are not allowed"),
+        ("[1, 2]", "not a mapping"),
+        ("", "not a mapping"),
+        ("1: 2", "not a mapping of names"),
+        ("a: " + "[" * 3000 + "]" * 3000, "nested too deeply"),
+        ("a: 2020-13-45", "not valid YAML"),
+        ("a: !!bool maybe", "line 1: not valid YAML: tags, as !!int, are not allowed"),
+        ("a: !!int ''", "tags, as !!int, are not allowed"),
+        ("a: !!timestamp x", "tags, as !!int, are not allowed"),
+        ("a: !!seq {b: 1}", "tags, as !!int, are not allowed"),
+        ("a: " + "9" * 4000, "line 1: not valid YAML: a number of 4000 digits; at most 40, or write it as 1e3999"),
+        ("a: 010", "line 1: not valid YAML: '010' is not a decimal number; in quotes it is a text"),
+        ("a: 1:30", "'1:30' is not a decimal number"),
+        ("a: 1:30.5", "'1:30.5' is not a decimal number"),
+        ("a: 0b11", "'0b11' is not a decimal number"),
+        ("a: 0x1F", "'0x1F' is not a decimal number"),
+        ("a: 1_000", "'1_000' is not a decimal number"),
+        ("a: 1_000.5", "'1_000.5' is not a decimal number"),
+        (r'a: "\ud800"', r"a text must not hold the character '\\ud800'"),
+        (r'"\e[2J": 1', r"a text must not hold the character '\\x1b'"),
+    ],
+)
+def test_yaml_is_data_only(tmp_path: Path, text: str, expected: str) -> None:
+    path = tmp_path / "bad.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=expected):
+        read_yaml(path)
+
+
+@given(st.text(max_size=200))
+def test_any_text_is_a_mapping_or_a_named_refusal(tmp_path_factory: pytest.TempPathFactory, text: str) -> None:
+    path = tmp_path_factory.mktemp("fuzz") / "text.yaml"
+    path.write_bytes(text.encode("utf-8", "replace"))
+    try:
+        content = read_yaml(path)
+    except InputError as error:
+        content = {}
+        named = str(error).startswith(f"{path}:")
+    else:
+        named = True
+    assert named
+    assert isinstance(content, dict)
+
+
+def test_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"absent\.yaml: No such file"):
+        load(tmp_path / "absent.yaml")
+
+
+def test_own_material_is_read_and_checked(tmp_path: Path) -> None:
+    text = QUICKSTART.read_text(encoding="utf-8").replace(
+        "[BaTiO3, CoFe2O4]", "[mine, CoFe2O4]\nmaterials: [mine.yaml]"
+    )
+    study = tmp_path / "own.yaml"
+    study.write_text(text, encoding="utf-8")
+    constants = "c11: 166e9\nc12: 77e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\neps11: 11.2e-9\neps33: 12.6e-9\n"
+    (tmp_path / "mine.yaml").write_text(constants, encoding="utf-8")
+    assert float(load(study).own_materials["mine"].c33) == 162e9
+    (tmp_path / "mine.yaml").write_text(constants + "mu11: -590e-6\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"mine\.yaml: mine: mu11 = -0\.00059 N s2 C-2: must be positive; .*\+590e-6"):
+        load(study)
+
+
+@pytest.mark.parametrize("name", ["$x^$", "a\tb", "x" * 61, "a|b"])
+def test_a_material_has_a_name_that_figures_and_files_bear(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(f"name: {json.dumps(name)}\nc11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"mine\.yaml: name: .* must be up to 60 letters, digits, blanks and any of"):
+        read_material(path)
+
+
+def test_positions_never_touch_the_edges() -> None:
+    X = Study.model_validate({"title": "t", "factors": {}, "effects": {"baseline": {}, "vary": {"friction": [0.1]}}})
+    assert X.effects is not None
+    values = X.effects.positions.values()
+    assert np.all(np.diff(values) > 0)
+    assert not np.any(np.abs(values) == 1)
+
+
+def test_digest_follows_its_sections_only(tmp_path: Path) -> None:
+    one = load(QUICKSTART)
+    text = (
+        QUICKSTART.read_text(encoding="utf-8")
+        .replace("maximise: abs(stroke", "maximise: abs(blocked_load")
+        .replace("blocked_load_per_volt)", "blocked_load_per_volt)")
+    )
+    path = tmp_path / "other.yaml"
+    path.write_text(text, encoding="utf-8")
+    other = load(path)
+    assert one.digest("phases", "factors") == other.digest("phases", "factors")
+    assert one.digest("design") != other.digest("design")
+
+
+def test_schema_and_documented_default_are_the_model() -> None:
+    assert schema.SCHEMA.read_text(encoding="utf-8") == schema.schema_text()
+    assert schema.DEFAULT.read_text(encoding="utf-8") == schema.default_text()
+
+
+def test_documented_default_holds_every_default() -> None:
+    documented = yaml.safe_load(schema.default_text().replace("1e-06", "1.0e-06"))
+    documented["title"] = "t"
+    fields = {name: field for name, field in Study.model_fields.items() if not field.is_required()}
+    plain = {name: field.get_default(call_default_factory=True) for name, field in fields.items()}
+    expected = {name: v.model_dump() if hasattr(v, "model_dump") else v for name, v in plain.items()}
+    assert documented == {"title": "t", **expected}
+
+
+def test_a_study_has_the_quantities_that_its_cases_have(tmp_path: Path) -> None:
+    path = tmp_path / "kinds.yaml"
+    text = """\
+title: An insulating half cylinder
+fixed: {profile: half_cylinder, electric: insulating, radius: 0.05, load: 1.0e+5}
+factors: {volume_fraction: {low: 0.2, high: 0.8, levels: 4}, friction: {low: 0.0, high: 0.5, levels: 4}}
+"""
+    path.write_text(text, encoding="utf-8")
+    found = load(path).outputs
+    assert {"magnetic_potential", "trailing_tension", "depth"} <= set(found)
+    assert not {"voltage", "peak_pressure", "leading_compression", "peak_von_mises"} & set(found)
+    path.write_text(text + "dataset: {peaks: true}\n", encoding="utf-8")
+    assert load(path).outputs == [*found, *PEAKS]
+    for extra, expected in (
+        ("surrogate: {outputs: [voltage]}", "surrogate: outputs: some of these cases have no 'voltage'"),
+        ("surrogate: {outputs: [peak_von_mises]}", "surrogate: outputs: 'peak_von_mises' needs dataset: peaks: true"),
+        ("design: {least: {minimise: depth, over: [volume_fraction, friction], subject_to: [peak_von_mises <= 1 MPa]}}",
+         "design: least: 'peak_von_mises' needs dataset: peaks: true"),
+    ):  # fmt: skip
+        path.write_text(f"{text}{extra}\n", encoding="utf-8")
+        with pytest.raises(InputError, match=expected):
+            load(path)
+
+
+def test_an_effect_of_the_profile_takes_what_each_profile_needs() -> None:
+    study = load(Path("config/parametric.yaml"))
+    assert study.effects is not None
+    case = study.effects.case("profile")
+    assert {"radius", "width"} <= set(case)
+    assert "width" not in study.effects.case("friction")

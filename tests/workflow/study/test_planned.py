@@ -1,0 +1,149 @@
+"""A job works on the study that it was planned with, or refuses: never on what the file has become since."""
+
+import ast
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.workflow.conftest import SMALL, Project
+from workflow.run import lock
+from workflow.run.provenance import ROOT
+from workflow.study import partition, planned
+from workflow.study.model import PHYSICS, Study, load, named, thawed
+from workflow.study.reading import InputError
+
+MATERIAL = "name: mine\nc11: 2.7e+11\nc13: 1.2e+11\nc33: 2.7e+11\nc44: 7.7e+10\n"
+OWN = """\
+title: Own material
+materials: [mine.yaml]
+fixed: {material: mine, load: 1e5}
+factors: {friction: {low: 0.0, high: 0.3, levels: 3}, radius: {low: 0.02, high: 0.2, levels: 3}}
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Study]:
+    """A study with a material of its own, as it is planned, in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    Path("config").mkdir()
+    Path("config/mine.yaml").write_text(MATERIAL, encoding="utf-8")
+    Path("config/own.yaml").write_text(OWN, encoding="utf-8")
+    yield partition.settled(named("own"))
+    lock.release()
+
+
+def edit(file: str, old: str, new: str) -> None:
+    text = Path(file).read_text(encoding="utf-8")
+    assert old in text
+    Path(file).write_text(text.replace(old, new), encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("config/own.yaml", "load: 1e5", "load: 2e5"),
+        ("config/mine.yaml", "c44: 7.7e+10", "c44: 7.70000000001e+10"),
+        ("config/own.yaml", "load: 1e5", "load: ["),
+    ],
+    ids=["study", "material", "broken"],
+)
+def test_an_edit_while_the_run_lasts_reaches_no_job(own: Study, file: str, old: str, new: str) -> None:
+    parameter = planned.parameter(own, *PHYSICS)
+    lock.claim({"own": own.frozen()})
+    edit(file, old, new)
+    found = planned.study("own", parameter)
+    assert found.fixed["load"] == 1e5
+    assert found.own_materials["mine"].c44 == 7.7e10
+    lock.release()
+    with pytest.raises(InputError, match=r"^config/own\.yaml: ") as caught:
+        planned.study("own", parameter)
+    assert "\n" not in str(caught.value)
+
+
+def test_without_a_copy_of_the_start_an_edited_study_is_refused(own: Study) -> None:
+    parameter = planned.parameter(own, *PHYSICS)
+    edit("config/own.yaml", "Own", "My own")
+    assert planned.study("own", parameter).title == "My own material"  # not among what the job was planned with
+    with pytest.raises(InputError, match=r"own\.yaml: was changed \(.*title.*\) after this job was planned; run"):
+        planned.study("own", planned.parameter(own))
+
+
+@pytest.mark.parametrize("text", ["", '{"study": {"title"', "[]"])
+def test_what_a_killed_run_has_left_half_written_is_not_believed(own: Study, text: str) -> None:
+    Path("results/own").mkdir(parents=True)
+    Path("results/own/.running").write_text(text, encoding="utf-8")
+    assert planned.study("own", planned.parameter(own)).digest(*PHYSICS) == own.digest(*PHYSICS)
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda path: path.stem)
+def test_every_study_thaws_as_it_was_frozen(path: Path) -> None:
+    study = partition.settled(load(path))
+    again = thawed(study.frozen())
+    assert again.digest(*Study.model_fields) == study.digest(*Study.model_fields)
+    assert again.quantities == study.quantities
+
+
+def test_the_digest_tells_materials_apart_to_the_last_bit(own: Study) -> None:
+    next_one = float(np.nextafter(7.7e10, 1e11))
+    edit("config/mine.yaml", "c44: 7.7e+10", f"c44: {next_one!r}")
+    other = partition.settled(named("own"))
+    assert other.digest(*PHYSICS) != own.digest(*PHYSICS)
+    assert other.digest("factors") == own.digest("factors")
+
+
+def test_a_slab_is_of_the_count_that_it_was_planned_with(own: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})
+    one = partition.settled(named("own"))
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1})
+    monkeypatch.setattr("os.sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 2**22}.__getitem__)
+    two = partition.settled(named("own"))
+    assert (partition.count(one), partition.count(two)) == (1, 2)
+    assert one.digest("dataset") != two.digest("dataset")
+    assert partition.count(thawed(one.frozen())) == 1  # on a node with more cores than the login node
+
+
+def rules() -> Iterator[tuple[str, str, str]]:
+    """Name, script and text of every rule that has a script."""
+    for file in sorted((ROOT / "workflow/rules").glob("*.smk")):
+        for text in re.split(r"^(?=rule )", file.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]:
+            script = re.search(r'^    script:\n +"\.\./scripts/(\w+\.py)"', text, re.MULTILINE)
+            assert script, text
+            yield text.split()[1].rstrip(":"), script[1], text
+
+
+def test_every_script_that_needs_a_study_takes_the_one_it_was_planned_with() -> None:
+    checked = 0
+    for rule, script, text in rules():
+        tree = ast.parse((ROOT / "workflow/scripts" / script).read_text(encoding="utf-8"))
+        names = {
+            f"{node.module}.{alias.name}"
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom)
+            for alias in node.names
+        } | {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+        assert not [name for name in names if name.startswith("workflow.study.model")], script
+        if "workflow.study.planned" in names:
+            calls = [ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.Call)]
+            [call] = [call for call in calls if call.startswith("planned.")]
+            assert call.startswith("planned.study("), script
+            assert call.endswith(", snakemake.params.study)"), script
+            assert re.search(r"^        study=sections\(", text, re.MULTILINE), rule
+            checked += 1
+    assert checked >= 14
+
+
+def test_a_node_of_a_cluster_works_on_the_study_of_the_start(copy: Callable[[str], Project], ran: Project) -> None:
+    project, slab = copy("node"), "results/small/fields/slab_0.nc"
+    lock.claim(
+        {"small": partition.settled(load(project.folder / "config/small.yaml")).frozen()}, project.folder / "results"
+    )
+    try:
+        (project.folder / "config/small.yaml").write_text(SMALL.replace("fibrous", "laminate"), encoding="utf-8")
+        job = ["--target-jobs", "slab:slab=0,study=small", "--allowed-rules", "slab"]
+        project.run("snakemake", "--mode", "remote", "--no-hooks", "--nolock", "--force", "--cores", "1", *job)
+    finally:
+        lock.release()
+    assert (project.folder / slab).read_bytes() == (ran.folder / slab).read_bytes()

@@ -1,0 +1,20 @@
+"""What makes the solver trustworthy: comparisons with independent methods, measured.
+
+Each group gives its findings; pytest asserts them and the page of ``make run STUDY=verification`` shows them.
+"""
+
+from collections.abc import Callable
+
+from verification import balance, digits, finite_elements, integral_equations, limits
+from verification.findings import Findings, Sizes
+
+#: The groups by name, those of ``workflow.study.model``, in the order of the page.
+GROUPS: dict[str, Callable[[Sizes], Findings]] = {
+    "limits": limits.run,
+    "balance": balance.run,
+    "integral_equations": integral_equations.run,
+    "finite_elements": finite_elements.run,
+    "digits": digits.run,
+}
+
+__all__ = ["GROUPS", "Findings", "Sizes"]

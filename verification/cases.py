@@ -1,0 +1,22 @@
+"""Cases and constants that the groups share."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import solver
+from verification.oracles.half_plane import CONSTANTS
+
+Array = NDArray[np.float64]
+SIH_SONG = "BaTiO3-CoFe2O4 50:50"
+#: A case with every term at work: friction, both charges, a datum that is not one.
+CHARGED: dict[str, Any] = {
+    "radius": 0.05, "load": 1e5, "friction": 0.3, "charge": 1e-6, "magnetic_charge": -2e-3, "datum": 0.2
+}  # fmt: skip
+
+
+def constants(material: solver.Material) -> dict[str, float]:
+    """Plain constants of a material, SI units, with c12 and rho where it has them."""
+    names = [*CONSTANTS, *(name for name in ("c12", "rho") if np.isfinite(getattr(material, name)))]
+    return {name: float(getattr(material, name)) for name in names}

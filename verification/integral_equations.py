@@ -1,0 +1,218 @@
+"""The closed form against a numerical solution of the singular integral equations (2.2): Gauss-Jacobi collocation."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import product
+from math import comb
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+import solver
+from verification.cases import SIH_SONG, Array, constants
+from verification.findings import Check, Curve, Findings, Sizes, Timing, check, off
+from verification.oracles import collocation, precise, profile
+from verification.oracles.surface_response import SurfaceResponse, surface_response
+from verification.oracles.weighted_chebyshev import end_proof_nodes
+
+RADIUS, WIDTH, SLOPE = 0.05, 4e-4, 2e-3
+LOADS = {"load": 1e5, "friction": 0.5, "charge": 1e-6, "magnetic_charge": -2e-3, "datum": 0.2}
+TOLERANCE = 1e-8
+
+
+def _polynomial(*slope: float) -> solver.Profile:
+    """A punch without corners, of a slope in ascending powers of x."""
+    return solver.Profile(tuple(map(np.array, slope)), (True, True))
+
+
+#: Factors of each punch, and the same punch for the collocation.
+PUNCHES: dict[str, tuple[dict[str, Any], profile.Profile]] = {
+    "cylinder": ({"radius": RADIUS}, profile.cylinder(RADIUS)),
+    "flat": ({"profile": "flat", "width": WIDTH}, profile.flat(WIDTH)),
+    "tilted flat": ({"profile": "flat", "width": WIDTH, "slope": 1e-4}, profile.flat(WIDTH, 1e-4)),
+    "wedge": ({"profile": "wedge", "slope": SLOPE}, profile.wedge(SLOPE)),
+    "wedge, corner trailing": (
+        {"profile": "wedge", "slope": SLOPE, "corner": "trailing"}, profile.wedge(SLOPE, "trailing")
+    ),
+    "half-cylinder": ({"profile": "half_cylinder", "radius": RADIUS}, profile.half_cylinder(RADIUS)),
+    "half-cylinder, corner trailing": (
+        {"profile": "half_cylinder", "radius": RADIUS, "corner": "trailing"}, profile.half_cylinder(RADIUS, "trailing")
+    ),
+    "polynomial": (
+        {"profile": _polynomial(0.0, 20.0, 4e4, 1e9)},
+        profile.Profile(lambda x: 20 * x + 4e4 * x**2 + 1e9 * x**3),
+    ),
+}  # fmt: skip
+CONDUCTED = {(1, 2): "both", (1,): "electric", (2,): "magnetic", (): "neither"}
+X = np.array([-6.0, -1.01, *np.cos(np.pi * (np.arange(40) + 0.5) / 40), 1.01, 2.5])
+_TERMS = (3, 4, 6, 8)
+_CIRCLE_TERMS = (4, 6, 8, 10, 12, 14, 16)
+_CIRCLE_LOAD = 1e9  # presses the circle in to 0.4 of its radius, far from the parabola
+_TAYLOR = 45  # degree of the slope of the circle, 0.4**46 = 5e-19
+_TIMED = 10  # solutions by collocation of each punch
+
+
+def run(sizes: Sizes) -> Findings:
+    """All punches and conductions at 8 terms, convergence, and times where they are asked for."""
+    surface = surface_response(constants(solver.find(SIH_SONG)))
+    compared = "ends, response and all surface fields; collocation with 8 terms"
+    checks: list[Check] = [
+        check(f"{name}, conducting: {fields}", compared, TOLERANCE, error, name, conducted, 8, surface)
+        for (name, (conducted, fields)) in product(PUNCHES, CONDUCTED.items())
+    ]  # fmt: skip
+    checks.append(check("Moment", "flat punch given the moment of the collocated tilted one: its slope's response",
+                        TOLERANCE, moment, surface))  # fmt: skip
+    curves = [
+        Curve(
+            "collocation_terms",
+            name,
+            "terms",
+            list(map(float, _TERMS)),
+            [error(name, (1, 2), n, surface) for n in _TERMS],
+        )
+        for name in PUNCHES
+    ]
+    circle: list[float] = []
+
+    def whole_circle() -> float:
+        circle.extend(_circle(surface))
+        return circle[-1]
+
+    compared = (
+        f"half-width and pressure of the whole circle, and the closed form of its Taylor polynomial of degree {_TAYLOR}"
+    )
+    checks.append(check("Circle, 16 terms", compared, TOLERANCE, whole_circle))
+    curves.append(
+        Curve(
+            "collocation_circle",
+            "circle pressed in to 0.4 of its radius",
+            "terms",
+            list(map(float, _CIRCLE_TERMS)),
+            circle,
+        )
+    )
+    return Findings(
+        "Integral equations",
+        "A numerical solution of the three coupled singular integral equations, for every punch and conduction. It "
+        "shares no code with the closed form: even the constants of the half-plane are its own, by angular integrals.",
+        checks,
+        curves,
+        [timing(name, surface, sizes) for name in PUNCHES] if sizes.timed else [],
+    )
+
+
+def _case(name: str, conducted: tuple[int, ...]) -> dict[str, Any]:
+    case = {"material": SIH_SONG, **PUNCHES[name][0], **LOADS}
+    for i, field, charge in ((1, "electric", "charge"), (2, "magnetic", "magnetic_charge")):
+        if i not in conducted:
+            case |= {field: "insulating", charge: 0.0}
+    return case
+
+
+def _problem(name: str, case: dict[str, Any], terms: int, surface: SurfaceResponse) -> collocation.Problem:
+    conducted = tuple(
+        i for i, field in ((1, "electric"), (2, "magnetic")) if case.get(field, "conducting") == "conducting"
+    )
+    return collocation.Problem(
+        surface.normal_compliance, surface.shear_coupling, PUNCHES[name][1], case["friction"], case["load"],
+        case["charge"], case["magnetic_charge"], conducted, terms,
+    )  # fmt: skip
+
+
+def error(name: str, conducted: tuple[int, ...], terms: int, surface: SurfaceResponse) -> float:
+    """Largest error of an end or a response over itself, or of a surface field over its largest value."""
+    case = _case(name, conducted)
+    return _difference(solver.solve(case, X), _collocated(name, case, terms, surface))
+
+
+def _collocated(name: str, case: dict[str, Any], terms: int, surface: SurfaceResponse) -> dict[str, Array]:
+    return _answers(collocation.solve(_problem(name, case, terms, surface)), surface, case["datum"])
+
+
+def _answers(numerical: collocation.Contact, surface: SurfaceResponse, datum: float) -> dict[str, Array]:
+    """What the collocation says of a case, named as in ``interface.md``."""
+    tractions, transforms = numerical.tractions(X), numerical.transforms(X)
+    t, transform = (np.vstack([numerical.problem.friction * rows[0], rows]) for rows in (tractions, transforms))
+    along = surface.along_surface(t, transform)
+    response = zip(("depth", "voltage", "magnetic_potential"), numerical.punch_response(datum), strict=True)
+    ends = {"contact_trailing": np.array(numerical.trailing), "contact_leading": np.array(numerical.leading)}
+    rows = (-t[1], t[0], t[2], t[3], along[0], along[2], along[3])
+    return {**ends, **{k: np.array(v) for k, v in response}, **dict(zip(precise.FIELDS, rows, strict=True))}
+
+
+def _difference(found: xr.Dataset, expected: dict[str, Array]) -> float:
+    """Largest error; an end is compared over the half-width."""
+    worst, half_width = 0.0, float(expected["contact_trailing"] + expected["contact_leading"]) / 2
+    for name, value in expected.items():
+        if name.startswith("contact_") and value.ndim == 0:
+            worst = max(worst, abs(float(found[name] - value)) / half_width)
+        elif name in found and np.any(value):
+            worst = max(worst, off(found[name], value))
+    return worst
+
+
+def moment(surface: SurfaceResponse) -> float:
+    """Relative error of the depth of a flat punch whose moment replaces its slope."""
+    case = _case("tilted flat", (1, 2))
+    numerical = collocation.solve(_problem("tilted flat", case, 8, surface))
+    right, left, weight = end_proof_nodes()
+    pressure = -numerical._tractions(right, left)[0]
+    given = numerical.half_width**2 * float(np.sum(weight * pressure * (left - right) / 2))
+    tilted = {name: value for name, value in case.items() if name != "slope"} | {"moment": given}
+    return _difference(solver.solve(tilted, X), _answers(numerical, surface, case["datum"]))
+
+
+def _circle(surface: SurfaceResponse) -> list[float]:
+    """Errors of half-width and pressure of the circle itself by the number of terms."""
+    # x/sqrt(R^2 - x^2) = sum_k binomial(2k, k)/4^k (x/R)^(2k+1)
+    slope = [0.0] * (_TAYLOR + 1)
+    for k in range((_TAYLOR + 1) // 2):
+        slope[2 * k + 1] = comb(2 * k, k) / 4**k / RADIUS ** (2 * k + 1)
+    case = _case("cylinder", (1, 2)) | {"load": _CIRCLE_LOAD, "charge": 0.0, "magnetic_charge": 0.0}
+    problem = replace(_problem("cylinder", case, 8, surface), profile=profile.circle(RADIUS))
+    del case["radius"]
+    inside = X[np.abs(X) < 0.95]
+    exact = solver.solve(case | {"profile": _polynomial(*slope)}, inside)
+    half = float(exact.contact_trailing + exact.contact_leading) / 2
+    solutions = (collocation.solve(replace(problem, terms=terms)) for terms in _CIRCLE_TERMS)
+    return [max(off(one.half_width, half), off(-one.tractions(inside)[0], exact.contact_pressure)) for one in solutions]
+
+
+def timing(name: str, surface: SurfaceResponse, sizes: Sizes) -> Timing:
+    """Seconds a case with ends, response and surface fields at the same places, at the same accuracy.
+
+    The collocation has as few terms as 1e-8 needs, and gets the constants of the half-plane for nothing; the closed
+    form finds them anew in every call.
+    """
+    terms = next(n for n in range(3, 9) if error(name, (1, 2), n, surface) <= TOLERANCE)
+    random = np.random.default_rng(sizes.seed)
+    varied = {
+        "friction": random.uniform(0.05, 0.8, sizes.timed), "load": 10 ** random.uniform(4.5, 5.5, sizes.timed),
+        "charge": random.uniform(-1e-6, 1e-6, sizes.timed), "magnetic_charge": random.uniform(-1e-3, 1e-3, sizes.timed),
+    }  # fmt: skip
+    case = _case(name, (1, 2))
+    batch = case | {key: xr.DataArray(values, dims="case") for key, values in varied.items()}
+    singles = [
+        case | {key: float(values[i]) for key, values in varied.items()} for i in range(min(_TIMED, sizes.timed))
+    ]
+    numerical = [partial(_collocated, name, one, terms, surface) for one in singles]
+    whole = solver.solve(batch, X)
+    worst = max(_difference(whole.isel(case=i), run_one()) for i, run_one in enumerate(numerical))
+    return Timing(
+        name,
+        worst,
+        _seconds(numerical) / len(singles),
+        _seconds([partial(solver.solve, one, X) for one in singles]) / len(singles),
+        min(_seconds([partial(solver.solve, batch, X)]) for _ in range(3)) / sizes.timed,
+    )
+
+
+def _seconds(calls: Sequence[Callable[[], object]]) -> float:
+    """Time of some calls, one after the other."""
+    start = perf_counter()
+    for call in calls:
+        call()
+    return perf_counter() - start

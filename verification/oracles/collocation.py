@@ -1,0 +1,254 @@
+"""Numerical solution of the singular integral equations (2.2) in double precision, for any punch profile.
+
+    eta k sigma_yy + N H[(sigma_yy, D_y, B_y)] = (g', 0, 0)        on -b < x < a,
+
+without the rows and columns of fields that the punch does not conduct. Unknown are the tractions and the contact ends.
+
+Formulation. Next to an edge (2.2) admits the powers of the distance that make eta k e1^T + cot(pi A) N singular:
+cot(pi A) = -eta (N^-1 k)_1, so that A is alpha or alpha - 1, and A = -1/2 for D_y and B_y. Hence, with X = (x - c)/h,
+
+    sigma_yy = (1-X)^A (1+X)^B F(X),     D_y, B_y = (1-X)^A (1+X)^B G(X) + (1-X^2)^(-1/2) K(X)
+
+leaves nothing but analytic F, G, K. They are Chebyshev series: the error falls geometrically with the number of terms,
+to rounding at once where g' is a polynomial. Moments are Gauss-Jacobi quadratures. The equations are asked for at twice
+as many Chebyshev points as a series has terms, together with the balances, and solved by least squares. At alpha = 1/2
+the two families of D_y and B_y are one; the singular-value cut-off and a preference for low orders then choose.
+
+Ends. Two smooth edges leave one consistency condition: the punch may tilt, and the ends sought are those where the tilt
+is zero and the load the given one (Powell's hybrid method). One smooth edge is found from the load alone. A sharp edge
+stays where the profile has it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import quad
+from scipy.optimize import brentq, root
+
+from verification.oracles.profile import Profile
+from verification.oracles.surface_response import Array
+from verification.oracles.weighted_chebyshev import end_proof_nodes, moments, transforms
+
+_CUT_OFF = 1e-15  # of singular values
+_PREFERENCE = 0.5  # from one order to the next: without it the two families cancel in high orders from 16 terms on
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A punch on a half-plane, SI units.
+
+    Attributes
+    ----------
+    N : ndarray, shape (3, 3)
+    k : ndarray, shape (3,)
+        Theory (2.2), over (y, phi, psi).
+    profile : Profile
+    friction, load, charge, magnetic_charge : float
+        eta, P, T, J. The charge of a field that is not conducted is not used.
+    conducted : tuple of int
+        Which of 1 (electric) and 2 (magnetic) the punch conducts.
+    terms : int
+        Terms of each Chebyshev series, at least 3.
+    """
+
+    N: Array
+    k: Array
+    profile: Profile
+    friction: float
+    load: float
+    charge: float = 0.0
+    magnetic_charge: float = 0.0
+    conducted: tuple[int, ...] = (1, 2)
+    terms: int = 8
+
+    @property
+    def unknown(self) -> list[int]:
+        """Indices into (sigma_yy, D_y, B_y) of the unknown tractions."""
+        return [0, *self.conducted]
+
+    def scaled(self) -> tuple[Array, Array, Array]:
+        """N with diagonal +-1 and k, both over the unknown tractions, and the scale of each."""
+        N = self.N[np.ix_(self.unknown, self.unknown)]
+        scale: Array = 1 / np.sqrt(np.abs(np.diag(N)))
+        return scale[:, None] * N * scale, scale * self.k[self.unknown] * scale[0], scale
+
+    def weights(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Exponents (A, B) of 1 - X and 1 + X in the two families."""
+        N, k, _ = self.scaled()
+        alpha = float(np.arctan2(1.0, -self.friction * np.linalg.solve(N, k)[0])) / np.pi
+        right, left = (end is not None for end in (self.profile.sharp_trailing, self.profile.sharp_leading))
+        return (alpha - right, 1 - alpha - left), (-0.5, -0.5)
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Solution of a problem between two ends.
+
+    Attributes
+    ----------
+    problem : Problem
+    trailing, leading : float
+        a and b [m].
+    coefficients : ndarray, shape (3, 2, terms)
+        Chebyshev coefficients of (F, G, G) and of (nothing, K, K), SI units.
+    tilt : float
+        Rotation of the punch that the ends ask for [1]: zero unless both edges are smooth and the ends are wrong.
+    residual : float
+        Largest misfit of the equations at the collocation points, over the largest right-hand side.
+    """
+
+    problem: Problem
+    trailing: float
+    leading: float
+    coefficients: Array
+    tilt: float
+    residual: float
+
+    @property
+    def half_width(self) -> float:
+        """h [m]."""
+        return (self.trailing + self.leading) / 2
+
+    @property
+    def totals(self) -> Array:
+        """Integrals of sigma_yy, D_y, B_y over the contact: -P, -T, -J."""
+        table = np.stack([moments(*w, self.problem.terms) for w in self.problem.weights()])
+        return np.asarray(np.pi * self.half_width * np.einsum("fwk,wk->f", self.coefficients, table))
+
+    def tractions(self, X: Array) -> Array:
+        """sigma_yy, D_y, B_y at X, shape (3, points); zero outside and for a field that is not conducted."""
+        out, inside = np.zeros((3, len(X))), np.abs(X) < 1
+        out[:, inside] = self._tractions(1 - X[inside], 1 + X[inside])
+        return out
+
+    def _tractions(self, right: Array, left: Array) -> Array:
+        """Tractions from the distances 1 - X and 1 + X, so that no digit is lost next to an edge."""
+        basis = np.polynomial.chebyshev.chebvander((left - right) / 2, self.problem.terms - 1)
+        weights = np.stack([right**A * left**B for A, B in self.problem.weights()])
+        return np.asarray(np.einsum("fwk,wn,nk->fn", self.coefficients, weights, basis))
+
+    def transforms(self, X: Array) -> Array:
+        """H of sigma_yy, D_y, B_y at any X but the edges, shape (3, points)."""
+        out, inside = np.empty((3, len(X))), np.abs(X) < 1
+        tables = np.stack([transforms(X[inside], *w, self.problem.terms) for w in self.problem.weights()])
+        out[:, inside] = np.einsum("fwk,wkn->fn", self.coefficients, tables)
+        right, left, weight = end_proof_nodes()
+        outside = X[~inside][:, None]
+        distance = np.where(outside > 0, -right - (outside - 1), left - (outside + 1))  # s - X, exact at both edges
+        out[:, ~inside] = (weight * self._tractions(right, left)) @ (1 / distance).T / np.pi
+        return out
+
+    def punch_response(self, datum: float = 1.0) -> Array:
+        """Depth [m], voltage [V], magnetic potential [A]: logarithmic potentials at x = a, theory section 6.
+
+        The potential of a field that is not conducted is that of the surface at x = a. Depth is that of the profile's
+        point x = 0.
+        """
+        right, left, weight = end_proof_nodes()
+        samples = self.half_width * weight * self._tractions(right, left)
+        problem, logarithms = self.problem, np.log(self.half_width * right / datum)
+        response = -problem.N @ (samples @ logarithms) / np.pi + problem.k * problem.friction * samples[0].sum() / 2
+        rise = quad(lambda x: problem.profile.slope(np.array(x)).item(), 0, self.trailing, epsabs=0, epsrel=1e-13)[0]
+        return np.array([rise - response[0], response[1], response[2]])
+
+
+def solve(problem: Problem) -> Contact:
+    """Solve (2.2) with its contact ends.
+
+    Raises
+    ------
+    ArithmeticError
+        The ends were not found.
+    """
+    right, left = problem.profile.sharp_trailing, problem.profile.sharp_leading
+    if right is not None and left is not None:
+        return between(problem, right, -left)
+    if right is not None:
+        return _with_load(problem, lambda h: (right, 2 * h - right))
+    if left is not None:
+        return _with_load(problem, lambda h: (2 * h + left, -left))
+    return _with_load_upright(problem)
+
+
+def _with_load(problem: Problem, ends: Callable[[float], tuple[float, float]]) -> Contact:
+    """The contact whose half-width h gives the load, its ends being known functions of h."""
+
+    def excess(h: float) -> float:
+        return float(-between(problem, *ends(h)).totals[0]) / problem.load - 1
+
+    low = high = 1e-4
+    while excess(low) > 0:
+        low /= 1.5
+    while excess(high) < 0:
+        high *= 1.5
+    return between(problem, *ends(brentq(excess, low, high, xtol=1e-30, rtol=1e-14)))
+
+
+def _with_load_upright(problem: Problem) -> Contact:
+    """The contact between two smooth edges that gives the load without a tilt."""
+    start = _with_load(problem, lambda h: (h, h)).half_width
+    steepest = np.max(np.abs(problem.profile.slope(np.array([start, -start]))))
+
+    def contact(unknown: Array) -> Contact:
+        h = start * np.exp(unknown[1])
+        return between(problem, h * (1 + unknown[0]), h * (1 - unknown[0]))
+
+    def mismatch(unknown: Array) -> Array:
+        trial = contact(unknown)
+        return np.array([trial.tilt / steepest, -trial.totals[0] / problem.load - 1])
+
+    found = root(mismatch, np.zeros(2), tol=1e-13).x
+    worst = float(np.max(np.abs(mismatch(found))))
+    if worst > 1e-11:
+        raise ArithmeticError(f"contact ends not found: tilt or load is off by {worst:.1e}")
+    return contact(found)
+
+
+def between(problem: Problem, trailing: float, leading: float) -> Contact:
+    """Solve (2.2) between given ends -leading < x < trailing; the load is an outcome unless both edges are sharp."""
+    terms, h, centre = problem.terms, (trailing + leading) / 2, (trailing - leading) / 2
+    X = np.cos(np.pi * (np.arange(2 * terms + 2) + 0.5) / (2 * terms + 2))
+    families = [(0, 0), *((f, w) for f in range(1, len(problem.unknown)) for w in (0, 1))]
+    given = [f for f in range(len(problem.unknown)) if f or problem.profile.sharp]  # tractions of known total
+    matrix = _matrix(problem, X, families, given)
+
+    # One right-hand side for every cause (slope, load, charges): each keeps its own relative accuracy.
+    scale = problem.scaled()[2]
+    totals = np.array([-problem.load, -problem.charge, -problem.magnetic_charge])[problem.unknown] / (h * scale)
+    causes = np.zeros((len(matrix), 1 + len(given)))
+    causes[: len(X), 0] = scale[0] * problem.profile.slope(centre + h * X)
+    causes[len(matrix) - len(given) :, 1:] = np.diag(totals[given])
+
+    preference = np.ones(matrix.shape[1])
+    preference[: len(families) * terms] = np.tile(_PREFERENCE ** np.arange(terms), len(families))
+    unknown = preference[:, None] * np.linalg.lstsq(matrix * preference, causes, rcond=_CUT_OFF)[0]
+    residual = np.max(np.abs(matrix @ unknown - causes)) / np.max(np.abs(causes))
+
+    total = unknown.sum(axis=1)
+    coefficients = np.zeros((3, 2, terms))
+    for i, (f, w) in enumerate(families):
+        coefficients[problem.unknown[f], w] = scale[f] * total[i * terms : (i + 1) * terms]
+    tilt = float(total[-1] / scale[0]) if problem.profile.smooth else 0.0
+    return Contact(problem, trailing, leading, coefficients, tilt, float(residual))
+
+
+def _matrix(problem: Problem, X: Array, families: list[tuple[int, int]], given: list[int]) -> Array:
+    """Rows: the equations at X, then the balances. Columns: the series of every family, then the tilt if it is free."""
+    N, k, _ = problem.scaled()
+    terms, (own, root_family) = problem.terms, problem.weights()
+    tables = [transforms(X, *w, terms).T for w in (own, root_family)]
+    means = [np.pi * moments(*w, terms) for w in (own, root_family)]
+    blocks = []
+    for f, w in families:
+        equations = np.kron(N[:, f : f + 1], tables[w])
+        if f == 0:
+            values = ((1 - X) ** own[0] * (1 + X) ** own[1])[:, None] * np.polynomial.chebyshev.chebvander(X, terms - 1)
+            equations += np.kron(problem.friction * k[:, None], values)
+        balances = np.array([(f == g) * means[w] for g in given]).reshape(len(given), terms)
+        blocks.append(np.vstack([equations, balances]))
+    if problem.profile.smooth:
+        tilt = np.zeros((len(blocks[0]), 1))
+        tilt[: len(X)] = -1.0
+        blocks.append(tilt)
+    return np.hstack(blocks)

@@ -1,0 +1,155 @@
+"""Tractions under the circular punch in mpmath (theory section 3) and their transforms by quadrature.
+
+Points of the contact are given by u = (a - x)/l and v = (x + b)/l = 1 - u, exact at both edges.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+from mpmath import acot, cot, fdot, inverse, log, matrix, mp, mpf, pi, sin, sqrt
+
+from verification.oracles.half_plane import HalfPlane
+from verification.oracles.quadrature import integrate, nodes
+
+# D_y and B_y have the form 0/0 at kap = 0. A kap of this size in its place moves the results by 1e-40 of themselves,
+# and the cancellation that it leaves costs 40 of the 100 working digits.
+_LEAST_KAP = mpf("1e-40")
+
+
+@dataclass(frozen=True, eq=False)
+class Sliding:
+    """Half-plane, friction, radius and conducted fields: what the load does not change.
+
+    Attributes
+    ----------
+    half : HalfPlane
+    friction, radius : mpf
+    conducted : tuple of int
+        Which of (y, phi, psi) beside y the punch holds: any of 1 and 2.
+    """
+
+    half: HalfPlane
+    friction: mpf
+    radius: mpf
+    conducted: tuple[int, ...]
+
+    @cached_property
+    def reduction(self) -> tuple[matrix, matrix, mpf, mpf]:
+        """Theory section 3, r, d, lam, kap over the conducted fields."""
+        N, k = self.half.normal_compliance, self.half.shear_coupling
+        if not self.conducted:
+            return matrix(0, 1), matrix(0, 1), N[0, 0], k[0]
+        M = inverse(matrix([[N[i, j] for j in self.conducted] for i in self.conducted]))
+        n, kq = matrix([N[i, 0] for i in self.conducted]), matrix([k[i] for i in self.conducted])
+        r, d = M * n, M * kq
+        lam, kap = N[0, 0] - (n.T * r)[0], k[0] - (n.T * d)[0]
+        return r, d, lam, kap if abs(kap) > _LEAST_KAP * lam else _LEAST_KAP * lam
+
+    @cached_property
+    def alpha(self) -> mpf:
+        """Exponent of the pressure at the trailing edge, cot(pi alpha) = -eta kap/lam."""
+        _, _, lam, kap = self.reduction
+        angle = acot(-self.friction * kap / lam) if self.friction else pi / 2
+        return (angle if angle > 0 else angle + pi) / pi
+
+
+@lru_cache(maxsize=2**15)
+def _shape(alpha: mpf, u: mpf, v: mpf) -> mpf:
+    return u**alpha * v ** (1 - alpha)
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """A loaded contact.
+
+    Attributes
+    ----------
+    sliding : Sliding
+    load, charge, magnetic_charge : mpf
+        P, T, J.
+    """
+
+    sliding: Sliding
+    load: mpf
+    charge: mpf
+    magnetic_charge: mpf
+
+    @cached_property
+    def width(self) -> mpf:
+        """Contact width l = a + b."""
+        s = self.sliding
+        return sqrt(2 * s.reduction[2] * s.radius * self.load / (pi * s.alpha * (1 - s.alpha)))
+
+    @cached_property
+    def _charge_terms(self) -> list[tuple[int, mpf, mpf, mpf]]:
+        """Each conducted field and its factors of sigma_yy, of (c T1 + h/2 T2)/sqrt(1-X^2) and of 1/sqrt(1-X^2)."""
+        r, d, lam, kap = self.sliding.reduction
+        terms = []
+        for j, i in enumerate(self.sliding.conducted):
+            total = -(self.charge, self.magnetic_charge)[i - 1] - r[j] * self.load + lam / kap * d[j] * self.load
+            of_root = total / (pi * self.width / 2)
+            terms.append((i, lam / kap * d[j] - r[j], -d[j] / (kap * self.sliding.radius), of_root))
+        return terms
+
+    def tractions(self, u: mpf, v: mpf) -> list[mpf]:
+        """(sigma_xy, sigma_yy, D_y, B_y) in the contact, theory section 3."""
+        s, h = self.sliding, self.width / 2
+        normal = -sin(pi * s.alpha) / (s.reduction[2] * s.radius) * self.width * _shape(s.alpha, u, v)
+        out = [s.friction * normal, normal, mpf(0), mpf(0)]
+        X, root, c = v - u, 2 * sqrt(u * v), h * (1 - 2 * s.alpha)
+        for i, of_normal, of_chebyshev, of_root in self._charge_terms:
+            out[i + 1] = of_normal * normal + (of_chebyshev * (c * X + h / 2 * (2 * X**2 - 1)) + of_root) / root
+        return out
+
+    def transforms_inside(self, u: mpf, v: mpf) -> list[mpf]:
+        """H of the tractions in the contact, theory section 4."""
+        s, width = self.sliding, self.width
+        normal = self.tractions(u, v)[1]
+        h_normal = cot(pi * s.alpha) * normal + width * (v - s.alpha) / (s.reduction[2] * s.radius)
+        out = [s.friction * h_normal, h_normal, mpf(0), mpf(0)]
+        for i, of_normal, of_chebyshev, _ in self._charge_terms:
+            out[i + 1] = of_normal * h_normal + of_chebyshev * width * (v - s.alpha)  # x = c U0 + h/2 U1
+        return out
+
+    def transforms_outside(self, X: mpf) -> list[mpf]:
+        """H of the tractions at |X| > 1, by quadrature."""
+
+        def sums(level: int) -> list[mpf]:
+            # X(s) - X written so that nothing cancels beside the near edge
+            table, beyond = nodes(level), abs(X) - 1
+            kernel = [-1 / (beyond + 2 * u) if X > 0 else 1 / (beyond + 2 * v) for u, v, _ in table]
+            return [2 / pi * fdot(samples, kernel) for samples in _samples(self, level)]
+
+        normal, *charges = integrate(sums)
+        return [self.sliding.friction * normal, normal, *charges]
+
+    def shear_transform_at_edge(self, X: mpf) -> mpf:
+        """H of sigma_xy on the edge X = +-1, where the integral is an ordinary one."""
+
+        def sums(level: int) -> list[mpf]:
+            kernel = [-1 / u if X > 0 else 1 / v for u, v, _ in nodes(level)]
+            return [fdot(_samples(self, level)[0], kernel) / pi]
+
+        return self.sliding.friction * integrate(sums)[0]
+
+    def punch_response(self, datum: mpf) -> list[mpf]:
+        """Depth, voltage and magnetic potential: logarithmic potentials at x = a by quadrature, theory section 6."""
+
+        def sums(level: int) -> list[mpf]:
+            kernel = [log(self.width * u / datum) for u, _, _ in nodes(level)]
+            samples = _samples(self, level)
+            return [self.width * total for total in (*(fdot(s, kernel) for s in samples), mp.fsum(samples[0]))]
+
+        *logarithmic, normal = integrate(sums)
+        s, half = self.sliding, self.sliding.half
+        shear = matrix(half.shear_coupling) * s.friction * normal / 2
+        potentials = shear - half.normal_compliance * matrix(logarithmic) / pi
+        a = (1 - s.alpha) * self.width
+        return [a**2 / (2 * s.radius) - potentials[0], potentials[1], potentials[2]]
+
+
+@lru_cache(maxsize=16)
+def _samples(contact: Contact, level: int) -> list[list[mpf]]:
+    """Weighted sigma_yy, D_y and B_y at the nodes of a level."""
+    rows = [[w * t for t in contact.tractions(u, v)[1:]] for u, v, w in nodes(level)]
+    return [list(column) for column in zip(*rows, strict=True)]

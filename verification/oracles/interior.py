@@ -1,0 +1,100 @@
+"""Fields inside the half-plane in 50 digits, by eigenvectors and quadrature of the tractions (mpmath).
+
+Lekhnitskii's and Stroh's way as it stands in the textbooks: f_k'(z_k) = [B^-1 g(z_k)]_k with the eigenvectors of N,
+g by double-exponential quadrature. Coalescing roots are split by constants that differ from the 35th digit on; that
+costs half as many digits of the eigenvectors, of 100.
+"""
+
+from collections.abc import Mapping, Sequence
+
+from mpmath import diag, fdot, inverse, matrix, mp, mpc, mpf, pi, zeros
+
+from verification.oracles.contact import Contact, Sliding, _samples
+from verification.oracles.half_plane import WORK_DIGITS, half_plane
+from verification.oracles.quadrature import integrate, nodes
+
+_SPLIT = mpf("1e-35")
+_UNITS = (mpf(1), mpf(1), mpf(10) ** 10, mpf(10) ** 8)
+_STIFFNESS = mpf(10) ** 11
+
+FIELDS = (
+    "stress_xx", "stress_yy", "stress_xy", "stress_zz",
+    "electric_displacement_x", "electric_displacement_y", "magnetic_induction_x", "magnetic_induction_y",
+    "electric_field_x", "electric_field_y", "magnetic_field_x", "magnetic_field_y",
+    "strain_xx", "strain_yy", "strain_xy",
+)  # fmt: skip
+
+
+def solve(
+    material: Mapping[str, float],
+    points: Sequence[tuple[float, float]],
+    *,
+    radius: float,
+    load: float,
+    friction: float = 0.0,
+    charge: float = 0.0,
+    magnetic_charge: float = 0.0,
+    conducted: tuple[int, ...] = (1, 2),
+    speed: float = 0.0,
+) -> dict[str, list[float]]:
+    """Fields under the circular punch at points ((x - c)/h, y/h), y < 0; SI units.
+
+    Parameters
+    ----------
+    material : mapping
+        As for ``precise.solve``, and c12.
+    """
+    with mp.workdps(WORK_DIGITS):
+        half = half_plane(material, speed)
+        sliding = Sliding(half, mpf(friction), mpf(radius), conducted)
+        state = Contact(sliding, mpf(load), mpf(charge), mpf(magnetic_charge))
+        inertia = mpf(material["rho"]) * mpf(speed) ** 2 if speed else mpf(0)
+        roots, A, B = _eigenvectors(half.Q, half.R, half.T, inertia)
+        rows = [_fields(material, state, roots, A, B, mpf(x), mpf(y)) for x, y in points]
+        return {name: [float(row[i]) for row in rows] for i, name in enumerate(FIELDS)}
+
+
+def _eigenvectors(Q: matrix, R: matrix, T: matrix, inertia: mpf) -> tuple[list[mpc], matrix, matrix]:
+    """Upper roots and the eigenvectors A, B in SI units."""
+    units = diag(list(_UNITS))
+    moving = Q - inertia * diag([1, 1, 0, 0])
+    Q, R, T = (units * block * units / _STIFFNESS for block in (moving, R, T))
+    Q = Q + diag([_SPLIT * k for k in (1, 3, -7, -12)])
+    N1, N2 = -inverse(T) * R.T, inverse(T)
+    N = zeros(8)
+    N[0:4, 0:4], N[0:4, 4:8], N[4:8, 0:4], N[4:8, 4:8] = N1, N2, -R * N1 - Q, N1.T
+    values, vectors = mp.eig(N)
+    upper = [k for k in range(8) if values[k].imag > 0]
+    A, B = zeros(4), zeros(4)
+    for column, k in enumerate(upper):
+        for i in range(4):
+            A[i, column], B[i, column] = vectors[i, k] * _UNITS[i], vectors[i + 4, k] / _UNITS[i] * _STIFFNESS
+    return [values[k] for k in upper], A, B
+
+
+def _fields(
+    m: Mapping[str, float], state: Contact, roots: list[mpc], A: matrix, B: matrix, x: mpf, y: mpf
+) -> list[mpf]:
+    inverse_B = inverse(B)
+    f = matrix([(inverse_B[k, :] * _plemelj(state, x + p * y))[0] for k, p in enumerate(roots)])
+    down = diag(roots) * f
+    u_x, u_y, t_2 = (2 * (M * v).apply(mp.re) for M, v in ((A, f), (A, down), (B, f)))
+    half = state.sliding.half
+    xx, _, D_x, B_x = half.Q * u_x + half.R * u_y
+    xy, yy, D_y, B_y = t_2
+    zz = mpf(m["c12"]) * u_x[0] + mpf(m["c13"]) * u_y[1] + mpf(m["e31"]) * u_y[2] + mpf(m["f31"]) * u_y[3]
+    strains = [u_x[0], u_y[1], (u_y[0] + u_x[1]) / 2]
+    return [xx, yy, xy, zz, D_x, D_y, B_x, B_y, -u_x[2], -u_y[2], -u_x[3], -u_y[3], *strains]
+
+
+def _plemelj(state: Contact, z: mpc) -> matrix:
+    """g(z) = -(1/2 pi i) int t(s)/(s - z) ds over the contact, in units of the half-width."""
+
+    def sums(level: int) -> list[mpf]:
+        kernel = [1 / (2 * v - 1 - z) for _, v, _ in nodes(level)]
+        parts = [fdot(samples, kernel) for samples in _samples(state, level)]
+        return [part for total in parts for part in (2 * mp.re(total), 2 * mp.im(total))]
+
+    flat = integrate(sums)
+    normal, electric, magnetic = (mpc(flat[2 * i], flat[2 * i + 1]) for i in range(3))
+    return matrix([state.sliding.friction * normal, normal, electric, magnetic]) / mpc(0, -2 * pi)

@@ -1,0 +1,64 @@
+"""Rigid punch profiles for the collocation oracle: a slope and the places of the corners."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from verification.oracles.surface_response import Array
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A rigid punch.
+
+    Attributes
+    ----------
+    slope : callable
+        dg/dx [1] at x [m], arrays.
+    sharp_trailing, sharp_leading : float, optional
+        Place x [m] of the right and of the left edge where the punch has its corner there; None for a smooth edge.
+    """
+
+    slope: Callable[[Array], Array]
+    sharp_trailing: float | None = None
+    sharp_leading: float | None = None
+
+    @property
+    def smooth(self) -> bool:
+        """Whether both edges are."""
+        return self.sharp_trailing is None and self.sharp_leading is None
+
+    @property
+    def sharp(self) -> bool:
+        """Whether both edges are."""
+        return self.sharp_trailing is not None and self.sharp_leading is not None
+
+
+def cylinder(radius: float) -> Profile:
+    """Circular punch in the parabolic approximation of theory section 1."""
+    return Profile(lambda x: x / radius)
+
+
+def circle(radius: float) -> Profile:
+    """The circle itself, for which there is no closed form: here the number of terms matters."""
+    return Profile(lambda x: x / np.sqrt(radius**2 - x**2))
+
+
+def flat(width: float, tilt: float = 0.0) -> Profile:
+    """Flat punch centred on x = 0."""
+    return Profile(lambda x: np.full_like(x, tilt), width / 2, -width / 2)
+
+
+def wedge(slope: float, corner: str = "leading") -> Profile:
+    """Triangular punch with its corner at x = 0, the leading or the trailing edge of the contact."""
+    if corner == "leading":
+        return Profile(lambda x: np.full_like(x, slope), sharp_leading=0.0)
+    return Profile(lambda x: np.full_like(x, -slope), sharp_trailing=0.0)
+
+
+def half_cylinder(radius: float, corner: str = "leading") -> Profile:
+    """Half of the cylinder with its corner at x = 0, the leading or the trailing edge of the contact."""
+    if corner == "leading":
+        return Profile(lambda x: x / radius, sharp_leading=0.0)
+    return Profile(lambda x: x / radius, sharp_trailing=0.0)

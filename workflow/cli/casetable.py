@@ -1,0 +1,159 @@
+"""Tables of cases that people write: CSV with a header of factor names, read in bounded memory and time."""
+
+import csv
+from array import array
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Any, TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.names import CHOICES, FACTORS
+from storage.files import regular
+from workflow.language.spelling import nearest
+from workflow.study.reading import InputError, number
+
+_LARGEST = 1 << 28  # bytes
+_MOST_CASES = 1_000_000
+_MOST_LINES = 4 * _MOST_CASES  # blank ones among them
+_LONGEST_ROW = 1 << 16  # characters
+_LONGEST_CELL = 200  # characters; a name or a number has a tenth of that
+
+#: Factors whose values are names.
+TEXT_FACTORS = ("material", *CHOICES)
+_COLUMNS = (*TEXT_FACTORS, *FACTORS)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Cases by column.
+
+    Attributes
+    ----------
+    source
+        What the table was read from.
+    columns
+        One array a factor, one entry a case: numbers as float64, NaN where the cell is empty; names as objects, None
+        where the cell is empty.
+    lines
+        Line of the file that each case stands on; none of what was not read from a file.
+
+    Examples
+    --------
+    >>> table = Table("cases.csv", {"load": np.array([1e4, np.nan])}, np.array([2, 3]))
+    >>> table.at(1), table.empty("load").tolist()
+    ('cases.csv: line 3', [False, True])
+    """
+
+    source: str
+    columns: dict[str, NDArray[Any]]
+    lines: NDArray[np.int64]
+
+    def at(self, row: int) -> str:
+        """Where a case stands, for messages."""
+        return f"{self.source}: line {self.lines[row]}" if self.lines.size else self.source
+
+    def empty(self, name: str) -> NDArray[np.bool_]:
+        """Which cells of a column are empty."""
+        column = self.columns[name]
+        empty: NDArray[np.bool_] = np.isnan(column) if column.dtype.kind == "f" else column == np.array(None)
+        return empty
+
+
+def read_cases(path: Path) -> Table:
+    """Read a table of cases: a header of factor names, then one row a case; a cell may be empty.
+
+    Raises
+    ------
+    InputError
+        A file that is missing, too large or no regular one, no header, an unknown or repeated column, a ragged row, a
+        name that is none of a factor's or a cell that is no finite number; names file, line, column and value.
+    """
+    try:
+        if regular(path).stat().st_size > _LARGEST:
+            raise InputError(f"{path}: larger than {_LARGEST} bytes")
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            return _read(path, file)
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: not a CSV table in UTF-8: {error}") from None
+
+
+def _read(path: Path, file: TextIO) -> Table:
+    rows = _rows(path, file)
+    _, first = next(rows, (0, []))
+    header = _header(path, first)
+    numbers: dict[str, array[float]] = {name: array("d") for name in header if name not in TEXT_FACTORS}
+    texts: dict[str, list[str | None]] = {name: [] for name in header if name in TEXT_FACTORS}
+    lines = array("q")
+    known: dict[str, str | None] = {"": None}  # every name is kept once, however often it occurs
+    for line, row in rows:
+        if len(lines) == _MOST_CASES:
+            raise InputError(f"{path}: line {line}: more than {_MOST_CASES} cases; split the table")
+        if len(row) != len(header):
+            raise InputError(f"{path}: line {line}: {len(row)} cells, the header has {len(header)}")
+        for name, cell in zip(header, row, strict=True):
+            text = cell.strip()
+            if len(text) > _LONGEST_CELL:
+                shown = f"{text[:20]}..."
+                raise InputError(f"{path}: line {line}: {name}: {shown!r} has more than {_LONGEST_CELL} characters")
+            if name in numbers:
+                numbers[name].append(_number(path, line, name, text))
+            else:
+                if text and text not in (allowed := CHOICES.get(name, (text,))):
+                    raise InputError(f"{path}: line {line}: {name}: {text!r} is not one of {', '.join(allowed)}")
+                texts[name].append(known.setdefault(text, text))
+        lines.append(line)
+    if not lines:
+        raise InputError(f"{path}: needs a header of factor names and at least one case")
+    columns: dict[str, NDArray[Any]] = {name: np.frombuffer(values) for name, values in numbers.items()}
+    columns |= {name: np.array(cells, dtype=object) for name, cells in texts.items()}
+    return Table(str(path), {name: columns[name] for name in header}, np.frombuffer(lines, dtype=np.int64))
+
+
+def _rows(path: Path, file: TextIO) -> Iterator[tuple[int, list[str]]]:
+    """Rows that are not blank, with the lines on which they end; one that is too long is never held."""
+    read = 0
+
+    def pieces() -> Iterator[str]:
+        nonlocal read
+        while piece := file.readline(_LONGEST_ROW + 1):
+            read += len(piece)
+            if read > _LONGEST_ROW:
+                raise InputError(f"{path}: line {reader.line_num + 1}: longer than {_LONGEST_ROW} characters")
+            yield piece
+
+    reader = csv.reader(pieces(), strict=True)
+    for row in islice(reader, _MOST_LINES):
+        read = 0
+        if row:
+            yield reader.line_num, row
+    if next(reader, None) is not None:
+        raise InputError(f"{path}: more than {_MOST_LINES} lines")
+
+
+def _header(path: Path, row: list[str]) -> list[str]:
+    header = [name.strip() for name in row[: len(_COLUMNS) + 1]]  # one of them is unknown or stands there twice
+    for name in header:
+        if name not in _COLUMNS:
+            shown = name[:_LONGEST_CELL]
+            raise InputError(f"{path}: column {shown!r}: unknown factor; {nearest(shown, list(_COLUMNS))}")
+        if header.count(name) > 1:
+            raise InputError(f"{path}: column {name!r}: given twice")
+    return header
+
+
+def _number(path: Path, line: int, name: str, text: str) -> float:
+    if not text:
+        return np.nan
+    try:
+        value = number(text)
+    except ValueError:
+        raise InputError(f"{path}: line {line}: {name}: {text!r} is not {FACTORS[name].allowed}") from None
+    if not np.isfinite(value):
+        raise InputError(f"{path}: line {line}: {name}: {value:g} is not {FACTORS[name].allowed}")
+    return value

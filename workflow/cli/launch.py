@@ -1,0 +1,109 @@
+"""A study from its check to its report: Snakemake, started with the profile that is asked for."""
+
+import json
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+from workflow.design import unreached
+from workflow.language.spelling import nearest
+from workflow.study import location, partition
+from workflow.study import model as studies
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+
+SNAKEFILE = Path(__file__).parents[1] / "Snakefile"
+
+
+def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
+    """Check a study and run it; its results go below the current folder.
+
+    Parameters
+    ----------
+    text
+        A study of ``config/``, or the path of a study's file.
+    cores
+        Cores of this machine to use at most, or ``all``; a cluster's profile counts jobs instead.
+    profile
+        A folder of ``profiles/``, here or of the program.
+    dry
+        Only say what would be done.
+
+    Returns
+    -------
+    int
+        Snakemake's exit status.
+
+    Raises
+    ------
+    InputError
+        Unknown or bad study, unknown profile, a tolerance that no budget reaches, or results that Snakemake finds up
+        to date but that are of another state of the study.
+    """
+    name = location.given(text)
+    study = studies.named(name)
+    if study.verification:
+        _check_verifiable(name)
+    options = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(_profile(profile))]
+    if name != text:
+        options += ["--config", f"study={json.dumps(str(location.location(name)))}"]
+    if profile == "default":
+        options += ["--cores", cores]
+    if study.open and not dry:
+        _choose_levels(name, options)
+    report, *others = [f"results/{name}/{file}" for file in study.targets]
+    quiet = ["--dry-run", "--quiet", "host"] if dry else ["--quiet", "rules", "host", "reason"]
+    status = _snakemake([*options, *quiet, "--", report, *others])
+    if status == 0 and not dry:
+        _check_origin(study, Path(report).with_name("provenance.json"))
+        unreached.tell([name] if study.design else [])
+        print(f"report: {report}")
+    return status
+
+
+def _check_origin(study: Study, provenance: Path) -> None:
+    """Whether results that are up to date are of the study: Snakemake knows only the times of what others have made."""
+    made = json.loads(provenance.read_text(encoding="utf-8"))["study_sha256"]
+    if made != partition.settled(study).digest(*Study.model_fields):
+        raise InputError(
+            f"{provenance.parent}: was made from another state of the study, and not by this checkout; "
+            "remove that folder, and run again"
+        )
+
+
+def _check_verifiable(name: str) -> None:
+    """The independent methods need more than a run does."""
+    if absent := [one for one in ("mpmath", "skfem") if not find_spec(one)]:
+        raise InputError(f"study: {name!r} needs {', '.join(absent)} of requirements/dev.txt; `make run` installs them")
+
+
+def _profile(name: str) -> Path:
+    """The folder of a profile: of the current folder before the program's own."""
+    found = {file.parent.name: file.parent for file in SNAKEFILE.parent.glob("profiles/*/config.yaml")}
+    found |= {file.parent.name: file.parent for file in Path("profiles").glob("*/config.yaml")}
+    if name not in found:
+        raise InputError(f"--profile: {name!r} is unknown; {nearest(name, sorted(found))}")
+    return found[name]
+
+
+def _snakemake(arguments: list[str]) -> int:
+    """Snakemake in this process, which has imported by now what the Snakefile needs; its exit status."""
+    from snakemake.cli import main  # slow to import, and not for every command
+
+    try:
+        main(arguments)
+    except SystemExit as ended:
+        return ended.code if isinstance(ended.code, int) else int(ended.code is not None)
+    return 0
+
+
+def _choose_levels(name: str, options: list[str]) -> None:
+    """What no budget reaches is bad input, and is told before anything else is done."""
+    program = str(Path(sys.executable).with_name("snakemake"))
+    command = [program, *options, "--quiet", "all", "--", f"results/{name}/levels.nc"]
+    told = subprocess.run(command, check=False, stderr=subprocess.PIPE, text=True)
+    for line in told.stderr.splitlines():
+        kind, colon, reason = line.partition(": ")
+        if told.returncode and colon and kind in ("UnreachableError", "InputError"):
+            raise InputError(f"{location.location(name)}: {reason}")

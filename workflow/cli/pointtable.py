@@ -1,0 +1,57 @@
+"""What a surrogate says at a table of points, and which of its rows it has no answer to."""
+
+import numpy as np
+import xarray as xr
+
+from surrogate import GaussianProcess, OutOfBoxError
+from surrogate.data.points import outside
+from workflow.cli import predictions
+from workflow.cli.casetable import Table
+from workflow.language.spelling import nearest
+from workflow.study.reading import InputError
+
+
+def predicted(model: GaussianProcess, table: Table, *, extrapolate: bool) -> xr.Dataset:
+    """Every output of the model at every row, over dimension ``point``.
+
+    Raises
+    ------
+    InputError
+        A column that the model lacks or that lacks, a cell that is empty, a point outside the trained box unless
+        ``extrapolate``, or so far outside that the answer is no finite number; names line, input and value.
+    """
+    _check_columns(model, table)
+    named = {name: xr.DataArray(table.columns[name], dims="point") for name in model.box}
+    X = np.stack([table.columns[name] for name in model.box], axis=1)
+    wrong = outside(X, model.inputs_)
+    try:
+        with np.errstate(all="ignore"):  # what is not finite is named below
+            answer = predictions.predicted(model, named, extrapolate=extrapolate)
+    except OutOfBoxError as error:
+        raise InputError(f"{table.at(int(wrong.any(axis=1).argmax()))}: {error}") from None
+    except ValueError as error:
+        raise InputError(f"{table.source}: {error}") from None
+    bad = ~np.all([np.isfinite(array.values) for array in answer.data_vars.values()], axis=0)
+    if bad.any():
+        row = int(bad.argmax())
+        far = ", ".join(
+            f"{one.name} = {X[row, k]:.10g} (trained within {one.range_text()})"
+            for k, one in enumerate(model.inputs_)
+            if wrong[row, k]
+        )
+        raise InputError(f"{table.at(row)}: {far}: no finite answer so far outside of the trained box")
+    return answer
+
+
+def _check_columns(model: GaussianProcess, table: Table) -> None:
+    for name in table.columns:
+        if name not in model.box:
+            raise InputError(f"{table.source}: {name}: not an input of the surrogate; {nearest(name, list(model.box))}")
+    for name in model.box:
+        if name not in table.columns:
+            raise InputError(f"{table.source}: {name}: missing; the surrogate needs {', '.join(model.box)}")
+        column = table.columns[name]
+        if column.dtype.kind != "f":
+            raise InputError(f"{table.source}: {name}: holds names; must hold numbers")
+        if np.isnan(column).any() and table.lines.size:
+            raise InputError(f"{table.at(int(np.isnan(column).argmax()))}: {name}: empty; must be a number")

@@ -1,0 +1,277 @@
+"""Design questions from the command line: words to a target, and its answer as a table or JSON."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from pydantic import ValidationError
+
+from solver.names import CHOICES, FACTORS
+from surrogate import GaussianProcess, load
+from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
+from workflow.dataset import factorial
+from workflow.design import answers, search
+from workflow.learning import training
+from workflow.study import location
+from workflow.study import model as studies
+from workflow.study.categories import output
+from workflow.study.messages import first_problem
+from workflow.study.model import Study
+from workflow.study.reading import InputError, number
+from workflow.study.target import Target
+
+_IMPOSSIBLE = 25.0  # five standard deviations
+
+
+def results(folder: Path) -> tuple[Study, GaussianProcess]:
+    """The study of a folder ``results/<study>`` and its surrogate.
+
+    Raises
+    ------
+    InputError
+        No such results, or a study that was changed since they were made.
+    """
+    surrogate = folder / "surrogate.nc"
+    if not surrogate.is_file():
+        raise InputError(f"{folder}: holds no surrogate.nc; run `make run STUDY={folder.name}` first")
+    study = studies.load(location.of_results(folder))
+    model = load(surrogate)
+    as_now = model.made_from_ == training.origin(study)
+    if not as_now or list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.learned:
+        raise InputError(f"{surrogate}: was made from another state of the study; run `make run STUDY={folder.name}`")
+    return study, model
+
+
+def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
+    """The target that the options of the command line describe.
+
+    Parameters
+    ----------
+    study
+        Gives what is not said: a factor that is not named takes its default.
+    words
+        ``maximise``, ``minimise``, ``over``, ``at``, ``worst_case``, ``uncertain``, ``robust`` and ``limit``, as
+        written.
+
+    Raises
+    ------
+    InputError
+        One line with the option, the value and what is allowed.
+    """
+    asked: dict[str, Any] = {
+        "maximise": list(words.get("maximise") or []),
+        "minimise": list(words.get("minimise") or []),
+        "over": {name: _variable(name, text) for name, text in _named("--over", words.get("over"))},
+        "at": {name: _value(f"--at: {name}", name, text) for name, text in _named("--at", words.get("at"))},
+        "worst_case": {
+            name: _interval(f"--worst-case: {name}", text)
+            for name, text in _named("--worst-case", words.get("worst_case"))
+        },
+        "uncertain": {name: _distribution(name, text) for name, text in _named("--uncertain", words.get("uncertain"))},
+        "subject_to": list(words.get("limit") or []),
+    }
+    robust = words.get("robust")
+    if robust:
+        asked["robust"] = robust[0]
+    said = {*asked["over"], *asked["at"], *asked["worst_case"], *asked["uncertain"]}
+    for name, axis in study.factors.items():
+        default = FACTORS[name].default
+        if name not in said and default is not None and axis.low <= default <= axis.high:
+            asked["at"][name] = default
+    for name in study.categories:
+        if name not in said and _usual(study, name):
+            asked["at"][name] = _usual(study, name)
+    try:
+        found = Target.model_validate(asked)
+        study.check_target("design", found)
+    except ValidationError as error:
+        raise InputError(f"design: {first_problem(error, Target, asked)}") from None
+    except ValueError as error:
+        raise InputError(str(error)) from None
+    return found
+
+
+def _usual(study: Study, name: str) -> str:
+    """A category's default, where the study has it."""
+    usual = CHOICES.get(name, ("",))[0]
+    return usual if usual in study.categories[name] else ""
+
+
+def as_text(answer: xr.Dataset) -> str:
+    """The answer as a table."""
+    lines = [str(answer.attrs["goal"]), str(answer["status"].values), f"polish: {answer.attrs['polish']}"]
+    lines += [f"note: {answer['flags'].values}"] if str(answer["flags"].values) else []
+    lines += [f"  {name:44s} {kind:25s} {role}" for name, kind, role in answers.kinds(answer)]
+    for name in answer["factor"].values:
+        one = answer.sel(factor=name)
+        lines.append(f"  {name:44s} {float(one['value']):<14.8g} {FACTORS[name].units:10s} {one['role'].values}")
+    lines.append(f"  {'':44s} {'exact':14s} {'predicted':14s} margin")
+    for name in answer["term"].values:
+        one = answer.sel(term=name)
+        margin = float(one["margin"])
+        shown = "" if np.isnan(margin) else f"{100 * margin:.3g} %"
+        numbers = f"{float(one['exact']):<14.8g} {float(one['predicted']):<14.8g}"
+        lines.append(f"  {name:44s} {numbers} {shown:10s} {one['units'].values}")
+    rows = answers.choices(answer)
+    lines += ["best of every choice, on the surrogate"] if rows else []
+    lines += [
+        f"  {name:44s} {value:<14.8g} {'' if feasible else 'infeasible'}".rstrip() for name, value, feasible in rows
+    ]
+    return "\n".join(lines)
+
+
+def as_json(answer: xr.Dataset) -> str:
+    """The answer as JSON; what is not a number is null."""
+    out: dict[str, Any] = {key: answer.attrs[key] for key in ("goal", "polish")}
+    out |= {key: answer[key].item() for key in ("status", "flags", "feasible")}
+    out["factors"] = {
+        str(name): {"value": float(one["value"]), "role": str(one["role"].values), "units": FACTORS[name].units}
+        for name in answer["factor"].values
+        for one in [answer.sel(factor=name)]
+    }
+    out["categories"] = {name: {"value": kind, "role": role} for name, kind, role in answers.kinds(answer)}
+    out["choices"] = [
+        {"choice": name, "objective": _plain(value), "feasible": feasible}
+        for name, value, feasible in answers.choices(answer)
+    ]
+    keys = ("exact", "predicted", "predicted_std", "limit", "margin")
+    out["terms"] = {
+        str(name): {key: _plain(float(one[key])) for key in keys}
+        | {"inside": bool(one["inside"]), "units": str(one["units"].values)}
+        for name in answer["term"].values
+        for one in [answer.sel(term=name)]
+    }
+    if "front" in answer.dims:
+        out["front"] = [
+            {str(name): float(value) for name, value in zip(row["objective"].values, row.values, strict=True)}
+            | ({"choice": str(row["front_choice"].values)} if "choice" in answer.dims else {})
+            for row in answer.set_coords("front_choice")["front_exact"]
+        ]
+    return json.dumps(out, indent=2, allow_nan=False)
+
+
+def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> xr.Dataset:
+    """Answer a question from the results of a study.
+
+    Raises
+    ------
+    InputError
+        A bad question, or one that nothing answers: it names the binding limit and the least violated design.
+    """
+    study, model = results(folder)
+    answer = search.answer(study, "question", target(study, words), model)
+    if not bool(answer["feasible"]):
+        at = ", ".join(f"{name} = {float(answer['value'].sel(factor=name)):.6g}" for name in answer["factor"].values)
+        kinds = "".join(f"{name} = {kind}, " for name, kind, _ in answers.kinds(answer))
+        raise InputError(f"design: {answer['status'].values}, at {kinds}{at}")
+    return answer
+
+
+def invert(folder: Path, words: Mapping[str, Sequence[str] | None]) -> str:
+    """What measurements tell of some factors: a line each, with its 95 % interval.
+
+    Raises
+    ------
+    InputError
+        Names, numbers or a form that are not understood; measurements that no case of the box explains.
+    """
+    study, model = results(folder)
+    pairs = _named("--measured", words.get("measured"))
+    values, errors = [], []
+    for name, text in pairs:
+        value, sign, std = text.partition("+-")
+        if not sign:
+            raise InputError(f"--measured: {name}: {text!r} is not of the form VALUE+-STD")
+        values.append(_number(f"--measured: {name}", value))
+        errors.append(_number(f"--measured: {name}", std))
+        if not errors[-1] > 0 or not np.isfinite(errors[-1]) or not np.isfinite(values[-1]):
+            raise InputError(f"--measured: {name}: {text!r} needs finite numbers, and a positive one after +-")
+        if not SMALLEST_ERROR <= errors[-1] <= LARGEST_ERROR:
+            raise InputError(
+                f"--measured: {name}: {text!r}: an error must be within {SMALLEST_ERROR:g} to {LARGEST_ERROR:g}"
+            )
+    infer = [name for name, _ in _named("--infer", words.get("infer"))]
+    at: dict[str, float | str] = {name: _usual(study, name) for name in study.categories}
+    at |= {name: _value(f"--at: {name}", name, text) for name, text in _named("--at", words.get("at"))}
+    try:
+        for name, given in at.items():
+            study.check_values("--at", name, [given])
+        kinds = {name: str(at.pop(name)) for name in study.categories}
+        held = {name: float(value) for name, value in at.items()}
+        inversion = Inversion(model, infer, [output(name, kinds) for name, _ in pairs], held)
+    except ValueError as error:
+        raise InputError(f"invert: {error}") from None
+    found = inversion.estimate(np.array(values), np.array(errors))
+    if found.misfit > _IMPOSSIBLE + len(pairs):
+        raise InputError(
+            f"invert: no case within the study's ranges gives these measurements (misfit {found.misfit:.3g})"
+        )
+    rows = zip(infer, found.mean, found.low, found.high, strict=True)
+    return "\n".join(
+        f"{name:16s} {mean:<12.6g} 95 % within {low:.6g} to {high:.6g}  {FACTORS[name].units}"
+        for name, mean, low, high in rows
+    )
+
+
+def _named(option: str, words: Sequence[str] | None) -> list[tuple[str, str]]:
+    """``name`` or ``name=text`` of every part between commas outside brackets."""
+    parts = [part for word in words or [] for part in _split(word)]
+    pairs = [(name.strip(), text.strip()) for name, _, text in (part.partition("=") for part in parts)]
+    names = [name for name, _ in pairs]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"{option}: {name}: given twice")
+    return pairs
+
+
+def _split(word: str) -> list[str]:
+    parts, depth = [""], 0
+    for character in word:
+        depth += (character == "(") - (character == ")")
+        if character == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += character
+    return parts
+
+
+def _variable(name: str, text: str) -> dict[str, Any]:
+    if not text:
+        return {}
+    if ":" in text:
+        low, high = _interval(f"--over: {name}", text)
+        return {"low": low, "high": high}
+    return {"choices": [_value(f"--over: {name}", name, one) for one in text.split("|")]}
+
+
+def _value(where: str, name: str, text: str) -> float | str:
+    """A number, or one of the names of a category."""
+    return _number(where, text) if name in FACTORS else text.strip()
+
+
+def _interval(where: str, text: str) -> list[float]:
+    ends = text.split(":")
+    if len(ends) != 2:
+        raise InputError(f"{where}: {text!r} is not of the form LOW:HIGH")
+    return [_number(where, end) for end in ends]
+
+
+def _distribution(name: str, text: str) -> dict[str, list[float]]:
+    kind, bracket, rest = text.partition("(")
+    if not bracket or not rest.endswith(")"):
+        raise InputError(f"--uncertain: {name}: {text!r} is not of the form normal(MEAN,STD) or another distribution")
+    return {kind.strip(): [_number(f"--uncertain: {name}", one) for one in rest[:-1].split(",")]}
+
+
+def _number(where: str, text: str) -> float:
+    try:
+        return number(text)
+    except ValueError:
+        raise InputError(f"{where}: {text.strip()!r} is not a number") from None
+
+
+def _plain(value: float) -> float | None:
+    return value if np.isfinite(value) else None

@@ -1,0 +1,85 @@
+"""The factorial of a study: its axes, its exact cases, and random cases in the same box."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver import solve
+from solver.names import FACTORS
+from surrogate import Input, chebyshev_levels
+from workflow.study import categories
+from workflow.study.model import Study
+
+#: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
+SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
+
+
+def inputs(study: Study) -> list[Input]:
+    """The factorial's axes as inputs of a surrogate."""
+    return [
+        Input(name, axis.low, axis.high, axis.scale, FACTORS[name].units, FACTORS[name].long_name)
+        for name, axis in study.factors.items()
+    ]
+
+
+def axes(study: Study) -> dict[str, np.ndarray[Any, np.dtype[Any]]]:
+    """Axes of the data set: the levels of every factor, then the names of every category."""
+    return levels(study) | {name: np.array(names) for name, names in study.categories.items()}
+
+
+def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
+    """Cases of the study as the surrogate learns them: every output over the continuous factors or ``case`` alone."""
+    return categories.apart(data, study.categories, study.outputs)
+
+
+def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
+    """Levels of every axis of a study without open ones."""
+    return {
+        name: chebyshev_levels(axis.low, axis.high, axis.levels or 0, axis.scale)
+        for name, axis in study.factors.items()
+    }
+
+
+def cases(study: Study, name: str) -> xr.Dataset:
+    """Random exact cases of one of `SAMPLES`, over dimension ``case`` and the categories."""
+    number, key = SAMPLES[name]
+    return sample(study, getattr(study.validation, key), (study.validation.seed, number))
+
+
+def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
+    """Random cases, uniform in the axes' own scales; exact quantities over dimension ``case`` and the categories."""
+    random = np.random.default_rng(list(seed))
+    points: dict[str, xr.DataArray] = {}
+    for name, axis in study.factors.items():
+        u = random.uniform(size=count)
+        if axis.scale == "log":
+            values = axis.low * (axis.high / axis.low) ** u
+        else:
+            values = axis.low + (axis.high - axis.low) * u
+        points[name] = xr.DataArray(np.clip(values, axis.low, axis.high), dims="case")
+    return exact(study, points)
+
+
+def exact(
+    study: Study,
+    axes: dict[str, Any],
+    positions: Iterable[float] | None = None,
+    *,
+    peaks: bool | None = None,
+    regular: bool = False,
+) -> xr.Dataset:
+    """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
+
+    With the largest stresses of the body where ``peaks``, by default where the data set has them; with the regular
+    parts of the surface fields where ``regular``.
+    """
+    return solve(
+        {**study.fixed, **axes, **{name: names for name, names in study.categories.items() if name not in axes}},
+        positions,
+        materials=study.own_materials,
+        phases=study.phases,
+        peaks=study.dataset.peaks if peaks is None else peaks,
+        regular=regular,
+    )

@@ -1,0 +1,89 @@
+"""Level counts that a study leaves open: chosen from pilots for its tolerance, and put into it."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from storage.described import MEANINGS, described
+from storage.netcdf import read_whole
+from surrogate.levels.pilot import explore
+from workflow.dataset import factorial
+from workflow.run.joblog import log
+from workflow.study import partition
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+from workflow.study.sections import Axis
+
+_MEANINGS = {
+    "levels": "number of levels of every input",
+    "pilot_levels": "number of levels of every input in the last pilot",
+    "given": "1 where the study says the number of levels",
+    "affine": "1 where every output is affine in the input",
+    "extrapolated": "1 where the number was extrapolated from the pilot",
+    "predicted_error": "predicted largest error over range",
+}
+
+
+def choose(study: Study) -> xr.Dataset:
+    """Level counts for ``validation.tolerance`` within ``dataset.budget``, and the evidence for them.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``levels``, ``pilot_levels``, ``given``, ``affine`` and ``extrapolated`` over ``input``; ``predicted_error``
+        over ``output``; ``coefficient``, ``rate``, ``interpolation_error`` and ``kinked`` as
+        ``surrogate.levels.counts.evidence`` gives them.
+
+    Raises
+    ------
+    surrogate.levels.counts.UnreachableError
+        The budget cannot reach the tolerance; says what would.
+    InputError
+        An output that the study asks for by name is kinked: no tolerance can be promised for it.
+    """
+    given = {name: axis.levels for name, axis in study.factors.items() if axis.levels is not None}
+
+    def solve(axes: dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]) -> xr.Dataset:
+        log.info("pilot of %s", " x ".join(f"{axis.size} {name}" for name, axis in axes.items()))
+        return factorial.learned(study, factorial.exact(study, axes))
+
+    tolerance, budget = study.validation.tolerance, study.dataset.budget
+    pilot = explore(solve, factorial.inputs(study), tolerance, budget, study.learned, given)
+    choice = pilot.choice
+    for name, where in choice.kinked.items():
+        log.warning("%s is kinked along %s: no tolerance is claimed for it", name, ", ".join(where))
+        if name.partition("[")[0] in study.surrogate.outputs:
+            raise InputError(
+                f"surrogate: outputs: {name!r} is kinked along {', '.join(where)} (its Chebyshev coefficients fall "
+                f"like a power): tolerance {tolerance:g} cannot be promised; leave it out or give every factor levels"
+            )
+    names = list(study.factors)
+    counts = dict(choice.counts)
+    # every slab needs a level of the first axis
+    counts[names[0]] = max(counts[names[0]], partition.count(study))
+    chosen = choice.decay.assign(
+        levels=("input", [counts[name] for name in names]),
+        pilot_levels=("input", [pilot.levels[name] for name in names]),
+        given=("input", [int(name in given) for name in names]),
+        affine=("input", [int(name in choice.affine) for name in names]),
+        extrapolated=("input", [int(name in choice.extrapolated) for name in names]),
+        predicted_error=("output", list(choice.error.values())),
+    )
+    title = "numbers of levels chosen for a tolerance"
+    return described(chosen, title, meanings=MEANINGS | _MEANINGS).assign_attrs(
+        tolerance=tolerance, budget=budget, pilot_cases=pilot.cases
+    )
+
+
+def resolved(study: Study, files: Sequence[str | Path]) -> Study:
+    """The study with the chosen level counts in place; ``files`` holds ``levels.nc``, nothing where none are open."""
+    if not files:
+        return study
+    chosen = read_whole(Path(files[0]))["levels"]
+    axes: dict[str, Axis] = {
+        name: axis.model_copy(update={"levels": int(chosen.sel(input=name))}) for name, axis in study.factors.items()
+    }
+    # as many slabs as the rules counted before any level was chosen
+    return partition.settled(study).model_copy(update={"factors": axes})

@@ -1,0 +1,158 @@
+"""The data set of a study on disk: slabs written block by block, a card that describes them, opened lazily as one.
+
+A block is part of one level of the first axis, so neither a job's memory nor a bit of the results depends on how the
+levels are shared out among slabs.
+"""
+
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from math import prod
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from tqdm import tqdm
+from xarray.backends import BackendArray
+from xarray.core import indexing
+
+from solver.names import FIELDS
+from storage.blocks import Region, write_blocks
+from storage.netcdf import MAX_BYTES, read_whole
+from storage.sealed import check_seal
+from workflow.dataset import factorial, tiling
+from workflow.run.joblog import log
+from workflow.study import partition
+from workflow.study.model import Study
+
+CARD = "datacard.json"
+_BLOCK = 2**20  # values of a field that are solved at a time: some twenty temporaries of 8 MiB
+_CHUNK_CASES, _CHUNK_POSITIONS = 2**14, 16
+
+
+def write_slab(study: Study, index: int, path: Path) -> None:
+    """Solve one slab of the factorial exactly, and write it.
+
+    Shows cases done of all and the time left on a terminal.
+
+    Raises
+    ------
+    FactorError
+        A case without a finite solution.
+    ValueError
+        A value beyond the range of the stored precision.
+    OSError
+        No room or no permission.
+    """
+    axes = factorial.axes(study)
+    first = next(iter(axes))
+    axes[first] = np.array_split(axes[first], partition.count(study))[index]
+    positions = study.dataset.positions.values()
+    lengths, block = [levels.size for levels in axes.values()], max(1, _BLOCK // positions.size)
+    chunk = tiling.chunk_lengths(lengths, min(block, _CHUNK_CASES))
+    regions = list(tiling.regions(lengths, chunk, block))
+    name = f"slab {index + 1} of {partition.count(study)}"
+    cases = prod(levels.size for levels in axes.values())
+
+    def part(region: Region) -> xr.Dataset:
+        return factorial.exact(
+            study, {one: levels[some] for (one, levels), some in zip(axes.items(), region, strict=True)}, positions
+        )
+
+    def blocks() -> Iterator[tuple[Region, Mapping[str, NDArray[Any]]]]:
+        with tqdm(total=cases, desc=name, unit=" cases", disable=None, leave=False) as bar:
+            for region in regions:
+                yield region, {str(one): array.values for one, array in part(region).data_vars.items()}
+                bar.update(prod(some.stop - some.start for some in region))
+
+    one_case = part(tuple(slice(0, None if one in study.categories else 1) for one in axes))
+    chunks = {"position": _CHUNK_POSITIONS, **dict(zip(axes, chunk, strict=True))}
+    write_blocks(path, _frame(one_case, axes, study.dataset.precision), blocks(), chunks)
+    log.info("%s: %d cases of %d", name, cases, study.cases)
+
+
+def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision: str) -> xr.Dataset:
+    """The slab without its values: coordinates, attributes, dimensions and types."""
+    coords = {axis: xr.Variable(axis, levels, case[axis].attrs) for axis, levels in axes.items()}
+    frame = xr.Dataset(coords=case.coords).drop_vars(list(axes)).assign_coords(coords)
+    empty = {}
+    for name, array in case.data_vars.items():
+        nothing = np.zeros((), precision if name in FIELDS else array.dtype)
+        shape = [frame.sizes[dim] for dim in array.dims]
+        empty[name] = (array.dims, np.broadcast_to(nothing, shape), array.attrs)
+    return frame.assign(empty).assign_attrs(case.attrs)
+
+
+def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
+    """Open the data set of a study: every quantity in memory, every surface field left on disk until it is asked for.
+
+    Parameters
+    ----------
+    folder
+        ``results/<study>``.
+
+    Returns
+    -------
+    xarray.Dataset
+        Quantities over the factors, fields over these and ``position``, with units and statistics as attributes.
+        Selecting (``isel``, ``sel``) reads nothing; ``load``, ``values`` and arithmetic read what was selected.
+
+    Raises
+    ------
+    FileNotFoundError
+        The study has not been run.
+    FormatError
+        A file is incomplete, altered or not of this program.
+    """
+    folder = Path(folder)
+    card = json.loads((folder / CARD).read_text(encoding="utf-8"))
+    whole = read_whole(folder / "quantities.nc")
+    dims = [*whole[next(iter(whole.data_vars))].dims, "position"]
+    axis = xr.Variable("position", card["positions"], {"units": "1", "long_name": "surface position X = (x - c)/h"})
+    whole = whole.assign_coords(position=axis)
+    files = [folder / one["name"] for one in card["files"]]
+    for name, described in card["variables"].items():
+        if name in FIELDS:
+            shape = tuple(whole.sizes[dim] for dim in dims)
+            stacked = Stacked(name, files, [one["levels"] for one in card["files"]], shape, described["type"])
+            whole[name] = xr.Variable(dims, indexing.LazilyIndexedArray(stacked), described["attributes"])
+        elif name in whole:
+            whole[name].attrs.update(described["attributes"])
+    return whole
+
+
+class Stacked(BackendArray):
+    """A variable that lies in several files, one after the other along its first axis; read when indexed."""
+
+    def __init__(
+        self, name: str, files: Sequence[Path], levels: Sequence[int], shape: tuple[int, ...], dtype: str
+    ) -> None:
+        self.name, self.files, self.shape, self.dtype = name, list(files), shape, np.dtype(dtype)
+        self.starts = np.concatenate([[0], np.cumsum(levels)])
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> NDArray[Any]:
+        """Values of an orthogonal selection."""
+        return np.asarray(
+            indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, self._selected)
+        )
+
+    def _selected(self, key: tuple[Any, ...]) -> NDArray[Any]:
+        first, *rest = key
+        wanted = np.atleast_1d(np.arange(self.shape[0])[first])
+        parts = []
+        which = np.searchsorted(self.starts, wanted, side="right") - 1
+        changes = np.flatnonzero(np.diff(which)) + 1
+        for levels, part in zip(np.split(wanted, changes), np.split(which, changes), strict=True):
+            if levels.size:
+                parts.append(self._read(int(part[0]), levels - self.starts[part[0]], rest))
+        found = np.concatenate(parts) if parts else np.empty((0, *self.shape[1:]), self.dtype)[(slice(0), *rest)]
+        return found[0] if isinstance(first, int | np.integer) else found
+
+    def _read(self, number: int, levels: NDArray[np.int64], rest: Sequence[Any]) -> NDArray[Any]:
+        check_seal(self.files[number], MAX_BYTES, digest=False)
+        with netCDF4.Dataset(self.files[number], "r") as file:
+            file.set_auto_maskandscale(False)
+            return np.stack([np.asarray(file[self.name][(int(level), *rest)]) for level in levels])

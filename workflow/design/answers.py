@@ -1,0 +1,104 @@
+"""All designs of a study together: one data set, one table."""
+
+import csv
+import io
+
+import numpy as np
+import xarray as xr
+
+from solver.names import FACTORS
+from storage.described import described
+
+_LOCAL = ("map_x", "map_y", "slice", "step", "front", "choice", "position", "x", "y")  # what only pictures need
+
+SOURCE = "meecontact: search on a Gaussian process, polished and judged on the closed-form solution"
+_MEANINGS = {
+    "target": "name of a design target",
+    "factor": "name of a factor",
+    "term": "objective or limit",
+    "quantity": "name of a quantity",
+    "category": "name of a category",
+    "goal": "what is asked for",
+    "value": "factor of the design, over its SI unit",
+    "role": "what the factor is in the design",
+    "predicted": "predicted term, over its unit in units",
+    "predicted_std": "predicted standard deviation of the term, over its unit in units",
+    "half": "half of the interval of the predicted term, over its unit in units",
+    "exact": "exact term, over its unit in units",
+    "inside": "whether the exact term lies inside the predicted interval",
+    "limit": "limit of the term, over its unit in units",
+    "margin": "share of the limit that is left; negative beyond it",
+    "units": "unit of the term",
+    "worst": "factor in the scenario that decides the term, over its SI unit",
+    "exact_low": "least exact quantity over the scenarios, over its SI unit",
+    "exact_high": "largest exact quantity over the scenarios, over its SI unit",
+    "feasible": "whether the design keeps every limit",
+    "status": "what binds or is violated",
+    "flags": "what else is to be known of the design",
+    "elasticity": "relative change of the term for a relative change of the factor",
+    "cost": "share of the objective lost by an error of 1 % in the factor",
+    "loss": "what an error of 1 % in the factor takes from the objective, over its unit in units",
+    "edge": "which end of its range the factor stands at, if any",
+    "matters": "whether an error of 1 % in the factor changes any objective",
+    "margin_left": "least margin of all limits after an error of 1 % in the factor",
+    "kind": "what was chosen of the category",
+    "kind_role": "whether the category was chosen or given",
+}
+
+
+def together(answers: list[xr.Dataset]) -> xr.Dataset:
+    """All designs over ``target``; what a target has not is missing there."""
+    kept = [
+        answer.drop_dims(_LOCAL, errors="ignore").assign(goal=str(answer.attrs["goal"])).drop_attrs()
+        for answer in answers
+    ]
+    whole = xr.concat(kept, dim="target", join="outer", data_vars="all", fill_value=_missing(kept))
+    return described(whole, "designs", SOURCE, _MEANINGS)
+
+
+def kinds(answer: xr.Dataset) -> list[tuple[str, str, str]]:
+    """Name, what was chosen, and role of every category of a design."""
+    if "category" not in answer.dims:
+        return []
+    columns = (answer[key].values for key in ("category", "kind", "kind_role"))
+    return [(str(name), str(kind), str(role)) for name, kind, role in zip(*columns, strict=True)]
+
+
+def choices(answer: xr.Dataset) -> list[tuple[str, float, bool]]:
+    """Every choice in words, its best objective on the surrogate, and whether that is feasible."""
+    if "choice" not in answer.dims:
+        return []
+    columns = (answer[key].values for key in ("choice", "choice_objective", "choice_feasible"))
+    return [(str(name), float(value), bool(feasible)) for name, value, feasible in zip(*columns, strict=True)]
+
+
+def _missing(answers: list[xr.Dataset]) -> dict[str, object]:
+    """What stands where a target has no such term or factor."""
+    kinds = {str(name): one.dtype.kind for answer in answers for name, one in answer.data_vars.items()}
+    return {name: "" if kind in "UOT" else False if kind == "b" else np.nan for name, kind in kinds.items()}
+
+
+def table(answers: list[xr.Dataset]) -> str:
+    """The designs as CSV: one row a category, then one a factor, one a term, and the status."""
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(
+        ["target", "kind", "name", "units", "predicted", "predicted_std", "exact", "limit", "margin", "inside"]
+    )
+    for answer in answers:
+        target = str(answer["target"].values)
+        for name, kind, role in kinds(answer):
+            rows.writerow([target, role, name, "", "", "", kind, "", "", ""])
+        for name in answer["factor"].values:
+            one = answer.sel(factor=name)
+            cells = ["", "", float(one["value"]), "", "", ""]
+            rows.writerow([target, str(one["role"].values), name, FACTORS[name].units, *cells])
+        for name in answer["term"].values:
+            one = answer.sel(term=name)
+            numbers = [float(one[key]) for key in ("predicted", "predicted_std", "exact", "limit", "margin")]
+            shown = ["" if np.isnan(number) else number for number in numbers]
+            kind = "limit" if np.isfinite(float(one["limit"])) else "objective"
+            rows.writerow([target, kind, name, str(one["units"].values), *shown, int(one["inside"])])
+        for kind in ("status", "flags"):
+            rows.writerow([target, kind, str(answer[kind].values), *[""] * 7])
+    return text.getvalue()

@@ -1,0 +1,40 @@
+"""The contact of a recommended design: exact fields on and below the surface, in the scenario that decides."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from solver import MaterialError, solve_interior
+from workflow.dataset import factorial
+from workflow.study.model import Study
+from workflow.study.sections import Positions
+
+#: Surface fields shown, by their name in the data set of a design.
+SURFACE = ("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx")
+_POSITIONS = Positions(inside=120, outside=120)
+_X, _Y = np.linspace(-3.0, 3.0, 121), -np.linspace(0.03, 3.0, 61)
+
+
+def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
+    """Exact fields of one case of a study.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``field_<name>`` over ``position`` for the names of ``SURFACE`` that the case has, ``inside_<name>`` over ``y``,
+        ``x`` for the in-plane and, where the material has c12, von Mises stress.
+    """
+    factors = {**study.fixed, **case}
+    surface = factorial.exact(study, dict(case), _POSITIONS.values(), peaks=False)
+    parts = {f"field_{name}": surface[name].reset_coords(drop=True) for name in SURFACE if name in surface}
+
+    def below(names: list[str]) -> xr.Dataset:
+        return solve_interior(factors, _X, _Y, fields=names, materials=study.own_materials, phases=study.phases)
+
+    try:
+        inside = below(["stress_xx", "von_mises"])
+    except MaterialError:  # no c12: no stress out of the plane
+        inside = below(["stress_xx"])
+    parts |= {f"inside_{name}": array.reset_coords(drop=True) for name, array in inside.data_vars.items()}
+    return xr.Dataset(parts)

@@ -1,0 +1,31 @@
+"""Targets that no design reaches: told on the terminal when a run ends, which did its work all the same."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from storage.netcdf import read_whole
+
+RESULTS = Path("results")
+
+_told: set[str] = set()  # by Snakemake's hook or by `meecontact run`, whichever comes first in this process
+
+
+def lines(designs: Path) -> list[str]:
+    """One line for each target of a ``design.nc`` that is not reachable; none where there is no such file."""
+    if not designs.is_file():
+        return []
+    data = read_whole(designs)
+    rows = zip(data["target"].values, data["feasible"].values, data["status"].values, strict=True)
+    return [
+        f"target {name}: not reachable: {str(status).removeprefix('infeasible: ')}"
+        for name, feasible, status in rows
+        if not feasible
+    ]
+
+
+def tell(studies: Iterable[str], results: str | Path = RESULTS) -> None:
+    """Print those of some studies' results, once in a process."""
+    for study in sorted(set(studies) - _told):
+        _told.add(study)
+        for line in lines(Path(results) / study / "design.nc"):
+            print(line)

@@ -1,0 +1,1 @@
+"""What limits and goals are written in: units, expressions, statements. Nothing is executed."""

@@ -1,0 +1,131 @@
+"""The grammar of expressions, read by recursive descent. Nothing is executed.
+
+    sum     := product (("+" | "-") product)*
+    product := factor (("*" | "/") factor)*
+    factor  := ("-" | "+") factor | atom ["^" integer]          ("**" is "^")
+    atom    := number | name | function "(" sum ("," sum)* ")" | "(" sum ")"
+
+Names are the quantities and numeric factors of the interface; functions are abs, sqrt, log, exp, min and max.
+"""
+
+import re
+from math import isfinite
+
+from solver.names import EVERY_QUANTITY, FACTORS
+from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
+from workflow.language.spelling import nearest
+
+FUNCTIONS = {"abs": 1, "sqrt": 1, "log": 1, "exp": 1, "min": 2, "max": 2}  # number of arguments; min and max: or more
+DEEPEST = 40  # levels of brackets; keeps hostile texts from exhausting the stack
+LONGEST = 1000  # characters
+_TOKEN = re.compile(r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|(?P<name>[A-Za-z_]\w*)|(?P<sign>\*\*|\S))")
+
+
+def parse(text: str) -> Expression:
+    """Read an expression.
+
+    Raises
+    ------
+    ValueError
+        One line with the text and what is wrong: a character, name or function that is not known, brackets that do not
+        match, units that do not add up, a text that is too long or nested too deeply, or one without any name.
+    """
+    if len(text) > LONGEST:
+        raise ValueError(f"an expression of {len(text)} characters is longer than {LONGEST}")
+    try:
+        tree = _Parser(text).whole()
+        tree.unit()
+    except ValueError as error:
+        raise ValueError(f"{text!r}: {error}") from None
+    if not tree.names():
+        raise ValueError(f"{text!r}: names no quantity")
+    return tree
+
+
+class _Parser:
+    """Recursive descent over the tokens."""
+
+    def __init__(self, text: str) -> None:
+        self._tokens = [(str(match.lastgroup), match[str(match.lastgroup)]) for match in _TOKEN.finditer(text)]
+        self._at = 0
+
+    def whole(self) -> Expression:
+        tree = self._sum(0)
+        if self._at < len(self._tokens):
+            raise ValueError(f"{self._peek()!r} is not expected there")
+        return tree
+
+    def _peek(self) -> str:
+        return self._tokens[self._at][1] if self._at < len(self._tokens) else ""
+
+    def _take(self, *signs: str) -> str:
+        token = self._peek()
+        if token in signs and token:
+            self._at += 1
+            return token
+        return ""
+
+    def _sum(self, depth: int) -> Expression:
+        if depth > DEEPEST:
+            raise ValueError(f"nested more than {DEEPEST} deep")
+        tree = self._product(depth)
+        while sign := self._take("+", "-"):
+            tree = Operation(sign, tree, self._product(depth))
+        return tree
+
+    def _product(self, depth: int) -> Expression:
+        tree = self._factor(depth)
+        while sign := self._take("*", "/"):
+            tree = Operation(sign, tree, self._factor(depth))
+        return tree
+
+    def _factor(self, depth: int) -> Expression:
+        if depth > DEEPEST:
+            raise ValueError(f"nested more than {DEEPEST} deep")
+        if sign := self._take("-", "+"):
+            inner = self._factor(depth + 1)
+            return Operation("*", Number(-1.0), inner) if sign == "-" else inner
+        atom = self._atom(depth)
+        if self._take("^", "**"):
+            sign, exponent = self._take("-", "+"), self._peek()
+            if not exponent.isdecimal() or int(exponent) > 9:
+                raise ValueError("an exponent must be a whole number from -9 to 9")
+            self._at += 1
+            return Power(atom, int(sign + exponent))
+        return atom
+
+    def _atom(self, depth: int) -> Expression:
+        if self._at >= len(self._tokens):
+            raise ValueError("something is missing at its end")
+        kind, token = self._tokens[self._at]
+        self._at += 1
+        if kind == "number":
+            if not isfinite(float(token)):
+                raise ValueError(f"{token} is not a finite number")
+            return Number(float(token))
+        if kind == "name" and self._take("("):
+            return self._call(token, depth)
+        if kind == "name":
+            known = [*EVERY_QUANTITY, *FACTORS]
+            if token not in known:
+                raise ValueError(f"{token!r} is not a quantity; {nearest(token, known)}")
+            return Name(token)
+        if token == "(":
+            return self._closed(self._sum(depth + 1))
+        raise ValueError(f"{token!r} is not expected there")
+
+    def _call(self, function: str, depth: int) -> Expression:
+        if function not in FUNCTIONS:
+            raise ValueError(f"{function!r} is not a function; {nearest(function, list(FUNCTIONS))}")
+        arguments = [self._sum(depth + 1)]
+        while self._take(","):
+            arguments.append(self._sum(depth + 1))
+        count = FUNCTIONS[function]
+        if len(arguments) < count or (count == 1 and len(arguments) > 1):
+            raise ValueError(f"{function} takes {count}{' or more' if count > 1 else ''}, not {len(arguments)}")
+        return self._closed(Call(function, tuple(arguments)))
+
+    def _closed(self, tree: Expression) -> Expression:
+        if not self._take(")"):
+            raise ValueError("a bracket is not closed")
+        return tree

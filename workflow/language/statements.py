@@ -1,0 +1,134 @@
+"""The texts of a design question: objectives and limits, read by a fixed grammar. Nothing in them is evaluated.
+
+objective := expression
+limit     := (expression | "deviation(" expression ")") ("<=" | ">=" | "<" | ">") number [unit]
+["with probability" number]
+"""
+
+import re
+from dataclasses import dataclass
+from math import isfinite
+
+from workflow.language import grammar, units
+from workflow.language.expressions import Expression
+from workflow.language.spelling import nearest
+
+__all__ = ["Limit", "Objective", "Statistic", "limit", "nearest", "objective", "statistic"]
+
+_LIMIT = re.compile(
+    r"(?P<left>.+?)\s*(?P<sign><=|>=|<|>)\s*(?P<value>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\w.])\s*(?P<unit>.*?)"
+    r"(?:\s*\bwith\s+probability\s+(?P<probability>\d*\.?\d+))?\s*"
+)
+_DEVIATION = re.compile(r"\s*deviation\((?P<inner>.*)\)\s*")
+_STATISTIC = re.compile(r"worst case|mean(?:\s*-\s*(?P<count>\d+\.?\d*|\.\d+)\s*std)?")
+
+
+@dataclass(frozen=True)
+class Objective:
+    """What is maximised or minimised."""
+
+    text: str
+    expression: Expression
+    maximise: bool
+
+    @property
+    def sign(self) -> float:
+        """1 for a maximum, -1 for a minimum."""
+        return 1.0 if self.maximise else -1.0
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A bound of an expression in SI units.
+
+    Attributes
+    ----------
+    text
+        As the study has it.
+    expression
+        What is bounded.
+    value
+        The bound, in the expression's SI unit.
+    upper
+        Whether it is an upper bound.
+    probability
+        Share of the uncertain cases that must keep it; None: every case.
+    deviation
+        Whether the largest relative deviation of the expression from its mean over the cases is bounded.
+    unitless
+        Whether the bound was written without a unit although the expression has one: it is read in SI.
+    """
+
+    text: str
+    expression: Expression
+    value: float
+    upper: bool
+    probability: float | None = None
+    deviation: bool = False
+    unitless: bool = False
+
+    @property
+    def sign(self) -> float:
+        """1 for an upper bound, -1 for a lower one."""
+        return 1.0 if self.upper else -1.0
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True)
+class Statistic:
+    """How uncertain cases count in the objective: the worst one (None), or mean minus ``deviations`` times std."""
+
+    deviations: float | None
+
+    def __str__(self) -> str:
+        if self.deviations is None:
+            return "worst-case"
+        return "mean" if self.deviations == 0 else f"mean minus {self.deviations:g} std of"
+
+
+def objective(text: str, *, maximise: bool = True) -> Objective:
+    """Read an objective; ValueError names what is wrong."""
+    return Objective(" ".join(text.split()), grammar.parse(text), maximise)
+
+
+def limit(text: str) -> Limit:
+    """Read a limit; ValueError names what is wrong, such as a unit that does not fit the expression."""
+    if len(text) > grammar.LONGEST:
+        raise ValueError(f"a limit of {len(text)} characters is longer than {grammar.LONGEST}")
+    match = _LIMIT.fullmatch(text)
+    if match is None:
+        raise ValueError(f"{text!r} is not of the form: expression <= number [unit] [with probability p]")
+    wrapped = _DEVIATION.fullmatch(match["left"])
+    expression = grammar.parse(wrapped["inner"] if wrapped else match["left"])
+    try:
+        unit = units.parse(match["unit"])
+    except ValueError as error:
+        raise ValueError(f"{text!r}: {error}") from None
+    expected = units.Unit.none() if wrapped else expression.unit()
+    if match["unit"] and expected is not None and not unit.fits(expected):
+        shown = str(expected) if wrapped else expression.lone() or str(expected)
+        raise ValueError(f"{text!r}: unit mismatch: the limit is in {match['unit']}, the expression in {shown}")
+    value = float(match["value"]) * unit.factor
+    if not isfinite(value):
+        raise ValueError(f"{text!r}: {match['value']} is not a finite number")
+    probability = float(match["probability"]) if match["probability"] else None
+    if probability is not None and not 0.5 <= probability < 1:
+        raise ValueError(f"{text!r}: probability {probability:g} is not from 0.5 to below 1")
+    if wrapped and (probability is not None or "<" not in match["sign"] or value <= 0):
+        raise ValueError(f"{text!r}: a deviation takes a positive upper bound and no probability")
+    unitless = not match["unit"] and value != 0 and expected is not None and not expected.fits(units.Unit.none())
+    label, upper = " ".join(text.split()), "<" in match["sign"]
+    return Limit(label, expression, value, upper, probability, wrapped is not None, unitless)
+
+
+def statistic(text: str) -> Statistic:
+    """Read ``worst case``, ``mean`` or ``mean - K std``; ValueError otherwise."""
+    match = _STATISTIC.fullmatch(" ".join(text.split()))
+    if match is None:
+        raise ValueError(f"{text!r} is not 'worst case', 'mean' or 'mean - K std'")
+    return Statistic(None if text.strip().startswith("worst") else float(match["count"] or 0.0))

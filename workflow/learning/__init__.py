@@ -1,0 +1,1 @@
+"""The surrogates of a study, and how good they are."""

@@ -1,0 +1,56 @@
+"""Read-out: from measured potentials back to load and friction, and how often the intervals hold."""
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from surrogate import GaussianProcess
+from surrogate.use.inversion import Inversion
+from workflow.dataset import factorial
+from workflow.study.categories import output
+from workflow.study.model import Study
+from workflow.study.readout import Readout, error
+
+Array = NDArray[np.float64]
+
+
+def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
+    """Infer random true cases from exact quantities with random errors of measurement.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``true``, ``mean``, ``low``, ``high`` over (``factor``, ``case``), in SI units; ``coverage`` and ``width``
+        (median of the half interval over its middle) over ``factor``.
+    """
+    random = np.random.default_rng((study.validation.seed, 2))
+    inputs = [one for one in factorial.inputs(study) if one.name in readout.infer]
+    names = list(readout.measured)
+    true = np.stack([one.from_unit(random.uniform(-1, 1, readout.cases)) for one in inputs])
+    given = {one.name: xr.DataArray(row, dims="case") for one, row in zip(inputs, true, strict=True)}
+    solved = factorial.exact(study.narrowed(readout.kinds), {**readout.held, **given})
+    like = next(iter(given.values()))
+    exact = np.stack([solved[name].broadcast_like(like).values for name in names], -1)
+    measured = exact + _errors(readout, exact) * random.standard_normal(exact.shape)
+    kinds = {name: readout.kinds[name] for name in study.categories}
+    inversion = Inversion(model, [one.name for one in inputs], [output(one, kinds) for one in names], readout.held)
+    found = [inversion.estimate(row, one) for row, one in zip(measured, _errors(readout, measured), strict=True)]
+    mean, low, high = (np.stack([getattr(one, key) for one in found], -1) for key in ("mean", "low", "high"))
+    dims = ("factor", "case")
+    return xr.Dataset(
+        {
+            "true": (dims, true),
+            "mean": (dims, mean),
+            "low": (dims, low),
+            "high": (dims, high),
+            "coverage": ("factor", ((low <= true) & (true <= high)).mean(-1)),
+            "width": ("factor", np.median((high - low) / (high + low), -1)),
+        },
+        coords={"factor": [one.name for one in inputs]},
+    )
+
+
+def _errors(readout: Readout, values: Array) -> Array:
+    """Standard deviations of measurements with some values, (n, m)."""
+    parts = [error(name, text) for name, text in readout.measured.items()]
+    return np.stack([absolute + share * np.abs(values[:, k]) for k, (absolute, share) in enumerate(parts)], -1)

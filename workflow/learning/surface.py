@@ -1,0 +1,128 @@
+"""Surface fields under the punch as a surrogate: their regular parts over the factors and an angle.
+
+Under the punch X = -cos(angle). What remains of a field without its edge behaviour is smooth in the angle, and this is
+all that the statistics see: the square-root singular fields times sqrt(1 - X^2), and the pressure over
+(1 - X)^alpha (1 + X)^(1 - alpha). The weights that give the fields back need only X and the pressure exponent alpha.
+"""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from solver import solve
+from solver.names import FIELDS
+from storage.described import described
+from surrogate import GaussianProcess, GridGP, Input
+from surrogate.use import validation
+from workflow.dataset import factorial
+from workflow.learning import training
+from workflow.study.model import Study
+
+Array = NDArray[np.float64]
+
+#: Fields that are learned, by their regular parts.
+NAMES = ("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx")
+ANGLE = Input("angle", 0.0, np.pi, "linear", "rad", "angle of the position under the punch, X = -cos(angle)")
+_BLOCK = 100  # random cases that are solved at once
+
+
+def weights(X: Array, exponent: xr.DataArray) -> dict[str, xr.DataArray]:
+    """What every regular part is multiplied by at positions X, (position,), |X| < 1: over the exponent's dims too."""
+    if (np.abs(X) >= 1).any():
+        raise ValueError(f"positions: {X[np.abs(X) >= 1][0]:g} is not under the punch, |X| < 1")
+    at = xr.DataArray(X, dims="position", coords={"position": X})
+    root = (1 - at**2) ** -0.5
+    pressure = (1 - at) ** exponent * (1 + at) ** (1 - exponent)
+    return {name: pressure if name == "contact_pressure" else root for name in NAMES}
+
+
+def fit(study: Study) -> GridGP:
+    """Gaussian process of the regular parts, on the study's factorial and its Chebyshev angles; calibrated."""
+    angles = ANGLE.levels(study.surrogate.fields)
+    data = _regular(study, dict(factorial.levels(study)), angles)
+    inputs, allowed = [*factorial.inputs(study), ANGLE], training.compression(study)
+    model = GridGP(study.surrogate.kernel, inputs, NAMES, compression=allowed).fit(data)
+    return model.calibrate(cases(study, study.validation.calibration, 4))
+
+
+def cases(study: Study, count: int, number: int) -> xr.Dataset:
+    """Random exact regular parts: factors, ``angle`` and the fields over dimension ``case``."""
+    random = np.random.default_rng([study.validation.seed, number])
+    inputs = [*factorial.inputs(study), ANGLE]
+    columns = {one.name: one.from_unit(random.uniform(-1, 1, count)) for one in inputs}
+    points = {name: xr.DataArray(column, dims="case") for name, column in columns.items()}
+    parts = []
+    # the solver takes the same positions for all cases that it is given: of a block's square, the diagonal is wanted
+    for block in np.array_split(np.arange(count), -(-count // _BLOCK)):
+        axes = {one.name: points[one.name][block] for one in inputs[:-1]}
+        square = _regular(study, axes, columns["angle"][block])
+        parts.append(square.isel(angle=xr.DataArray(np.arange(len(block)), dims="case")).drop_vars("angle"))
+    return xr.concat(parts, "case").assign(points)
+
+
+def validate(study: Study, model: GridGP) -> xr.Dataset:
+    """Errors and coverage of the regular parts on exact cases that neither training nor calibration has seen."""
+    fresh = cases(study, study.validation.cases, 5)
+    table = validation.validate(model, fresh, None)
+    units = xr.DataArray([FIELDS[name].units for name in NAMES], dims="output")
+    table = described(table.assign_coords(units=units), "errors of the surrogate of the surface fields on exact cases")
+    return table.assign_attrs(tolerance=study.validation.tolerance)
+
+
+def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[str, Any], X: Array) -> xr.Dataset:
+    """Surface fields and their standard deviations at positions under the punch.
+
+    Parameters
+    ----------
+    fields, quantities
+        The surrogates of the regular parts (``surface.nc``) and of the quantities, with ``pressure_exponent``.
+    points
+        Factors as for ``surrogate.GaussianProcess.predict``.
+    X
+        Positions (x - c)/h, |X| < 1.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``<field>`` and ``<field>_std`` over the points' dimensions and ``position``. The exponent is taken as known,
+        being itself far more accurate.
+
+    Raises
+    ------
+    ValueError
+        A position that is not under the punch; a point outside the box.
+    """
+    position = np.asarray(X, dtype=np.float64)
+    factor = weights(position, quantities.predict(points, return_std=False)["pressure_exponent"])
+    angle = xr.DataArray(np.arccos(-position), dims="position", coords={"position": position})
+    found = fields.predict({**_named(points), "angle": angle})
+    return xr.Dataset(
+        {
+            f"{name}{suffix}": (found[f"{name}{suffix}"] * factor[name]).assign_attrs(FIELDS[name].attrs)
+            for name in NAMES
+            for suffix in ("", "_std")
+        }
+    )
+
+
+def _named(points: dict[str, Any]) -> dict[str, xr.DataArray]:
+    """Plain sequences get the dimension that the surrogate would give them, so that they broadcast with positions."""
+    arrays = {name: np.asarray(value) for name, value in points.items() if not isinstance(value, xr.DataArray)}
+    return {**points, **{name: xr.DataArray(one, dims=("point",) * one.ndim) for name, one in arrays.items()}}
+
+
+def _regular(study: Study, axes: dict[str, Any], angles: Array) -> xr.Dataset:
+    """Exact regular parts over the axes' dimensions and ``angle``."""
+    X = -np.cos(angles)
+    out = solve({**study.fixed, **axes}, X, materials=study.own_materials, phases=study.phases, regular=True).drop_vars(
+        "position"
+    )
+    at = xr.DataArray(X, dims="position")
+    alpha = out["pressure_exponent"]
+    parts = {name: out[f"{name}_regular"] for name in NAMES[1:]}
+    parts["contact_pressure"] = (out["contact_pressure"] / ((1 - at) ** alpha * (1 + at) ** (1 - alpha))).assign_attrs(
+        FIELDS["contact_pressure"].attrs
+    )
+    return xr.Dataset(parts).rename(position="angle").assign_coords(angle=angles)

@@ -1,0 +1,94 @@
+"""What hangs on the datum, the arbitrary length of a half-plane's logarithmic potentials; all from the exact solver."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver.names import EVERY_QUANTITY
+from workflow.dataset import factorial
+from workflow.design import answers
+from workflow.language.expressions import Expression
+from workflow.study.datum import HANGING, length
+from workflow.study.model import Study
+from workflow.study.target import Target
+
+_TIMES = (0.1, 1.0, 10.0)
+_EDGE = 1 - 1e-12  # position X from which the field at the edge is read
+_STRAIGHT = 1e-9  # relative difference of two slopes up to which they are one
+
+
+def changes(study: Study) -> list[dict[str, Any]]:
+    """What hangs on the datum in the middle of the box, at a tenth of it, at it and at ten times it.
+
+    With the change per decade of the datum, NaN where that is no constant.
+    """
+    kinds = {name: names[0] for name, names in study.categories.items()}
+    middle = {
+        name: float(np.sqrt(axis.low * axis.high) if axis.scale == "log" else (axis.low + axis.high) / 2)
+        for name, axis in study.factors.items()
+    }
+    rows = []
+    for name, values in _solved(study.narrowed(kinds), middle).items():
+        steps = np.diff(values)
+        straight = abs(steps[1] - steps[0]) <= _STRAIGHT * np.abs(values).max()
+        slope = float(steps.mean()) if straight else np.nan
+        rows.append({"name": name, "values": values.tolist(), "slope": slope, "units": EVERY_QUANTITY[name].units})
+    return rows
+
+
+def of_design(study: Study, target: Target, answer: xr.Dataset) -> list[dict[str, Any]]:
+    """The terms of a design that hang on the datum: in the case that decides, at the same three lengths.
+
+    A deviation has no value in one case: its ``values`` are empty.
+    """
+    expressions: dict[str, Expression] = {str(one): one.expression for one in target.objectives}
+    expressions |= {str(one): one.expression for one in target.limits}
+    deviations = {str(one) for one in target.limits if one.deviation}
+    own = study.narrowed({name: kind for name, kind, _ in answers.kinds(answer)})
+    rows = []
+    for label in map(str, answer["term"].values):
+        if HANGING.isdisjoint(expressions[label].names()):
+            continue
+        case = _case(answer.sel(term=label))
+        known: dict[str, Any] = {**case, **_solved(own, case, every=True)}
+        values = np.broadcast_to(expressions[label].evaluate(known), len(_TIMES))
+        rows.append(
+            {
+                "name": label,
+                "values": [] if label in deviations else values.tolist(),
+                "units": str(answer["units"].sel(term=label).values),
+            }
+        )
+    return rows
+
+
+def singular_zone(study: Study, target: Target, answer: xr.Dataset) -> dict[str, float] | None:
+    """How far inside the trailing edge what conduction adds to sigma_xx exceeds the trailing tension [m].
+
+    In the case that decides a limit of ``trailing_tension``; None without such a limit or such a singularity. There
+    sigma_xx grows as K / sqrt(1 - X^2): K is its regular part at the edge.
+    """
+    labels = [str(one) for one in target.limits if "trailing_tension" in one.expression.names()]
+    if not labels:
+        return None
+    own = study.narrowed({name: kind for name, kind, _ in answers.kinds(answer)})
+    solved = factorial.exact(own, _case(answer.sel(term=labels[0])), [_EDGE], peaks=False, regular=True)
+    tension = float(solved["trailing_tension"])
+    half = float(solved["contact_trailing"] + solved["contact_leading"]) / 2
+    strength = float(solved["stress_xx_regular"][..., 0]) - tension * np.sqrt(1 - _EDGE**2)
+    zone = half * (strength / tension) ** 2 / 2
+    return {"zone": zone, "half": half, "tension": tension} if zone > 0 else None
+
+
+def _case(one: xr.Dataset) -> dict[str, float]:
+    return {str(name): float(one["worst"].sel(factor=name)) for name in one["factor"].values}
+
+
+def _solved(study: Study, case: Mapping[str, float], *, every: bool = False) -> dict[str, np.ndarray[Any, Any]]:
+    """What hangs on the datum, or every quantity, of one case at the three lengths."""
+    base = case.get("datum") or length(study) or 1.0
+    solved = factorial.exact(study, {**case, "datum": base * np.array(_TIMES)}, peaks=False)
+    names = [str(name) for name in solved.data_vars if every or name in HANGING]
+    return {name: np.broadcast_to(solved[name].values, len(_TIMES)) for name in names}

@@ -1,0 +1,1 @@
+"""What matplotlib draws, a file a chapter of the page."""

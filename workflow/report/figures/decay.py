@@ -1,0 +1,45 @@
+"""Figure of the report: decay of the Chebyshev coefficients along every factor, the reason for its levels."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from workflow.report.figures.plots import BLUE, GREY, ORANGE, styled
+
+_COLUMNS = 3
+_FLOOR = 1e-17
+
+
+@styled
+def figure(validation: xr.Dataset) -> Figure:
+    """Largest coefficient of every output over its range, along every input of the factorial.
+
+    Parameters
+    ----------
+    validation
+        ``coefficient`` over (output, input, mode), ``kinked`` over (output, input), attribute ``tolerance``.
+    """
+    names = [str(name) for name in validation["input"].values]
+    rows = -(-len(names) // _COLUMNS)
+    made, axes = plt.subplots(rows, _COLUMNS, figsize=(11, 2.7 * rows), squeeze=False, sharey=True)
+    for ax, name in zip(axes.flat, names, strict=False):
+        one = validation.sel(input=name)
+        sizes = one["coefficient"].transpose("mode", "output").values
+        sizes = np.maximum(sizes[~np.isnan(sizes).all(axis=1)], _FLOOR)
+        ax.semilogy(sizes, color=BLUE, lw=0.7, alpha=0.45)
+        ax.semilogy(sizes.max(axis=1), "o-", ms=2.5, color=BLUE, lw=1.6)
+        for output in one["output"].values[one["kinked"].values > 0]:
+            ax.semilogy(
+                sizes[:, list(one["output"].values).index(output)], color=ORANGE, lw=1.6, label=f"kinked: {output}"
+            )
+            ax.legend(loc="lower left")
+        ax.axhline(validation.attrs["tolerance"], color=GREY, ls="--", lw=1)
+        ax.set_title(f"{name.replace('_', ' ')}: {len(sizes)} levels")
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    for ax in list(axes.flat)[len(names) :]:
+        ax.set_visible(False)
+    made.supxlabel("degree along the factor", fontsize=9)
+    made.supylabel("largest coefficient over range", fontsize=9)
+    return made

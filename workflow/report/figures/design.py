@@ -1,0 +1,237 @@
+"""Figures of one recommended design: map, slices, sensitivities, contact, Pareto front."""
+
+from collections.abc import Callable
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from solver.names import FACTORS
+from workflow.design.contact_fields import SURFACE
+from workflow.language.numbers import label, number, prefixed
+from workflow.report.figures.hover import attach_map
+from workflow.report.figures.listing import kinds
+from workflow.report.figures.plots import BLUE, GREY, ORANGE, by_ratio, factor_scale, styled, ticked
+from workflow.report.svg import INK
+from workflow.study.target import Target
+
+Array = NDArray[np.float64]
+
+_NEAR = 0.02  # distance in X from an edge within which a singular field is cut
+
+
+def figures_of(answer: xr.Dataset, target: Target) -> dict[str, Figure]:
+    """All of them, by kind."""
+    return {kind: draw(kind, answer) for kind in kinds(target)}
+
+
+def draw(kind: str, answer: xr.Dataset) -> Figure:
+    """One figure of an answer of `design.answer`."""
+    return _DRAWN[kind](answer)
+
+
+@styled
+def _map(answer: xr.Dataset) -> Figure:
+    """First objective over two design variables, the infeasible region hatched, the exact optimum marked."""
+    axes = (answer["map_x"], answer["map_y"])
+    names = [str(axis.attrs["factor"]) for axis in axes]
+    sizes = [factor_scale(name, axis.values)[0] for name, axis in zip(names, axes, strict=True)]
+    x, y = (axis.values / size for axis, size in zip(axes, sizes, strict=True))
+    figure, ax = plt.subplots(figsize=(5.6, 4.1))
+    objective, excess = answer["map_objective"].values.T, answer["map_excess"].values.T
+    size, words = _objective(answer)
+    filled = ax.contourf(x, y, objective / size, 24, cmap="viridis")
+    filled.set_edgecolor("face")
+    if excess.max() > 0:
+        ax.contourf(x, y, excess, [0.0, float(excess.max())], colors="none", hatches=["////"])
+        if excess.min() < 0:
+            ax.contour(x, y, excess, [0.0], colors="white", linewidths=1.6)
+    best = [float(answer["value"].sel(factor=name)) / one for name, one in zip(names, sizes, strict=True)]
+    ax.plot(*([one] for one in best), "*", ms=15, mfc=ORANGE, mec="white", label=_star(answer))
+    for name, axis, which in zip(names, axes, ("x", "y"), strict=True):
+        _factor_axis(ax, which, name, axis.values)
+    attach_map(ax, x, y, objective / size, words)
+    figure.colorbar(filled, ax=ax, label=words, format=ticked)
+    ax.grid(visible=False)
+    figure.legend(loc="outside upper left")
+    return figure
+
+
+@styled
+def _slices(answer: xr.Dataset) -> Figure:
+    """The first objective along each variable through the design: as it counts, and its band over the scenarios."""
+    names = [str(name) for name in answer["slice"].values]
+    figure, axes = plt.subplots(
+        1, len(names), figsize=(max(2.6 * len(names) + 0.6, 4.6), 3.0), squeeze=False, sharey=True
+    )
+    size, words = _objective(answer)
+    lowest, highest = float(answer["slice_low"].min()) / size, float(answer["slice_high"].max()) / size
+    pad = 0.05 * (highest - lowest)
+    ends = (lowest - pad, highest + pad)
+    for ax, name in zip(axes.flat, names, strict=True):
+        one = answer.sel(slice=name)
+        width = factor_scale(name, one["slice_value"].values)[0]
+        x, excess = one["slice_value"].values / width, one["slice_excess"].values
+        low, high = one["slice_low"].values / size, one["slice_high"].values / size
+        ax.fill_between(x, low, high, color=BLUE, alpha=0.18, lw=0, label="all scenarios")
+        ax.plot(x, one["slice_objective"].values / size, color=BLUE, lw=1.6, label="as it counts")
+        ax.fill_between(x, *ends, where=list(excess > 0), facecolor="none", edgecolor=GREY, hatch="////", lw=0,
+                        label="breaks a limit")  # fmt: skip
+        best = float(answer["value"].sel(factor=name)) / width
+        ax.plot([best], [float(answer["exact"][0]) / size], "*", ms=13, mfc=ORANGE, mec=INK, mew=0.6,
+                label=f"{_star(answer)}, exact")  # fmt: skip
+        ax.set_ylim(ends)
+        _factor_axis(ax, "x", name, one["slice_value"].values)
+    axes[0, 0].set_ylabel(words)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=2)
+    return figure
+
+
+@styled
+def _bars(answer: xr.Dataset) -> Figure:
+    """Elasticities of objective and limits: percent for a percent, exact."""
+    names = [str(name) for name in answer["factor"].values if np.isfinite(answer["elasticity"].sel(factor=name)).any()]
+    terms = [str(term) for term in answer["term"].values]
+    figure, ax = plt.subplots(figsize=(5.8, 0.3 * len(terms) * max(len(names), 1) + 1.1))
+    height = 0.8 / max(len(names), 1)
+    for k, name in enumerate(names):
+        values = answer["elasticity"].sel(factor=name).values
+        places = np.arange(len(terms)) + (k - (len(names) - 1) / 2) * height
+        drawn = ax.barh(places, values, height * 0.9, color=plt.get_cmap("tab10")(k), label=name.replace("_", " "))
+        texts = [number(value, 2) if np.isfinite(value) else "" for value in values]
+        ax.bar_label(drawn, texts, padding=3, fontsize=7.5)
+    ax.axvline(0, color=INK, lw=0.8)
+    ax.set_yticks(np.arange(len(terms)), [label(term, "", 30) for term in terms])
+    ax.invert_yaxis()
+    ax.margins(x=0.12)
+    ax.set_xlabel("change in % for 1 % more of a variable")
+    ax.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=4)
+    return figure
+
+
+@styled
+def _contact(answer: xr.Dataset) -> Figure:
+    """Exact fields of the contact on the surface, and stresses below it."""
+    surface = [name for name in SURFACE if f"field_{name}" in answer]
+    inside = [name for name in ("von_mises", "stress_xx") if f"inside_{name}" in answer]
+    figure = plt.figure(figsize=(10.4, 5.2))
+    grid = figure.add_gridspec(2, 12, height_ratios=[1, 1.15])
+    width = 12 // len(surface)
+    X = answer["position"].values
+    for k, name in enumerate(surface):
+        ax = figure.add_subplot(grid[0, k * width : (k + 1) * width])
+        values = answer[f"field_{name}"].values
+        away = (np.abs(np.abs(X) - 1) > _NEAR) & (np.abs(X) < 3)
+        size, units = prefixed(float(np.abs(values[away]).max()), _units(answer[f"field_{name}"]))
+        for part in (X < -1, np.abs(X) < 1, X > 1):
+            ax.plot(X[part], values[part] / size, color=BLUE, lw=1.5)
+        ends = np.array([min(values[away].min(), 0.0), max(values[away].max(), 0.0)]) / size
+        # no charge enters an insulating punch: D_y is zero all along
+        ax.set_ylim(*(ends + np.array([-0.06, 0.06]) * (np.ptp(ends) or 1.0)))
+        ax.set_xlim(-3, 3)
+        ax.set_title(f"{_FIELDS[name]} [{units}]")
+        ax.set_ylabel("")
+        ax.set_xlabel("(x - c)/h")
+    for k, name in enumerate(inside):
+        ax = figure.add_subplot(grid[1, k * (12 // len(inside)) : (k + 1) * (12 // len(inside))])
+        _inside(figure, ax, answer[f"inside_{name}"], f"{_FIELDS[name]} below")
+    return figure
+
+
+def _inside(figure: Figure, ax: Axes, field: xr.DataArray, title: str) -> None:
+    values = field.transpose("y", "x").values
+    # the edges of a conducting punch are singular: the scale leaves out the topmost percent
+    low, high = np.quantile(values, [0.005, 0.99])
+    signed = low < -0.02 * high
+    size, units = prefixed(float(max(abs(low), abs(high))), _units(field))
+    bound = max(abs(low), abs(high)) / size or 1.0
+    levels = bound * np.linspace(-1.0 if signed else 0.0, 1.0, 15)
+    x, y = field["x"].values, field["y"].values
+    filled = ax.contourf(x, y, values / size, levels, cmap="RdBu_r" if signed else "viridis", extend="both")
+    filled.set_rasterized(True)
+    ax.plot([-1, 1], [0, 0], color=INK, lw=2.5, solid_capstyle="butt", clip_on=False)
+    ax.set_aspect("equal")
+    ax.grid(visible=False)
+    ax.set_xlabel("(x - c)/h")
+    ax.set_ylabel("y/h")
+    attach_map(ax, x, y, values / size, f"{title} [{units}]")
+    figure.colorbar(filled, ax=ax, label=f"{title} [{units}]", format=ticked, pad=0.01)
+
+
+@styled
+def _front(answer: xr.Dataset) -> Figure:
+    """The exact Pareto front: the first objective against each other one, the compromise marked."""
+    traced = "front" in answer.dims  # which no target has that is not reachable
+    names = [
+        str(name) for name in (answer["objective"] if traced else answer["term"][np.isnan(answer["limit"])]).values
+    ]
+    figure, axes = plt.subplots(1, len(names) - 1, figsize=(5.8 * (len(names) - 1) ** 0.7, 4.0), squeeze=False)
+    for ax, other in zip(axes.flat, names[1:], strict=True):
+        labels, columns, best = [], [], []
+        choices = answer["front_choice"].values if traced else np.empty(0, dtype=str)
+        for name in (names[0], other):
+            values = (answer["front_exact"].sel(objective=name) if traced else answer["exact"].sel(term=[name])).values
+            size, units = prefixed(float(np.abs(values).max()), str(answer["units"].sel(term=name).values))
+            columns.append(values / size)
+            labels.append(label(name, units, 44))
+            best.append([float(answer["exact"].sel(term=name)) / size])
+        for k, choice in enumerate(dict.fromkeys(choices)):
+            own = choices == choice
+            # a line would join what another choice lies between
+            style = "o-" if len(names) == 2 and own.all() else "o"
+            words = f"front, exact: {choice}" if choice else "front, exact"
+            ax.plot(
+                *(one[own] for one in columns),
+                style,
+                ms=2.5,
+                lw=1,
+                color=plt.get_cmap("tab10")(2 * k % 10),
+                label=words,
+            )
+        ax.plot(*best, "*", ms=15, mfc=ORANGE, mec=INK, mew=0.6, label=_star(answer, "compromise"))
+        ax.set_xlabel(labels[0])
+        ax.set_ylabel(labels[1])
+    axes[0, 0].legend()
+    return figure
+
+
+_DRAWN: dict[str, Callable[[xr.Dataset], Figure]] = {
+    "map": _map,
+    "slices": _slices,
+    "bars": _bars,
+    "contact": _contact,
+    "front": _front,
+}
+_FIELDS = {
+    "contact_pressure": "contact pressure",
+    "electric_displacement_y": "$D_y$",
+    "magnetic_induction_y": "$B_y$",
+    "stress_xx": "$\\sigma_{xx}$",
+    "von_mises": "von Mises stress",
+}
+
+
+def _star(answer: xr.Dataset, kind: str = "design") -> str:
+    """What the star of a figure is."""
+    return f"recommended {kind}" if bool(answer["feasible"]) else "least violated design: not reachable"
+
+
+def _objective(answer: xr.Dataset) -> tuple[float, str]:
+    """What to divide the first objective by, and its label."""
+    size, units = prefixed(float(np.abs(answer["exact"][0])), str(answer["units"].values[0]))
+    return size, label(f"{answer.attrs['statistic']} {answer.attrs['objective']}", units, 34)
+
+
+def _factor_axis(ax: Axes, which: str, name: str, values: Array) -> None:
+    """Scale and label of an axis that is a factor."""
+    if by_ratio(values):
+        (ax.set_xscale if which == "x" else ax.set_yscale)("log")
+    words = label(FACTORS[name].long_name, factor_scale(name, values)[1], 40)
+    (ax.set_xlabel if which == "x" else ax.set_ylabel)(words)
+
+
+def _units(field: xr.DataArray) -> str:
+    return str(field.attrs["units"])

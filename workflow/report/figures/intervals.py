@@ -1,0 +1,60 @@
+"""Figure of the report: whether the surrogate's intervals hold, before and after calibration."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from workflow.report.figures.plots import BLUE, GREY, ORANGE, styled
+
+_COLUMNS = 4
+_NOMINAL = 0.95
+
+
+@styled
+def figure(validation: xr.Dataset) -> Figure:
+    """Coverage in the deciles of every input, and the probability integral transform.
+
+    Parameters
+    ----------
+    validation
+        ``validation.nc`` of a calibrated model: ``decile_coverage`` over (output, input, decile), ``pit`` and
+        ``raw_pit`` over (output, case).
+    """
+    names = [str(name) for name in validation["input"].values]
+    rows = -(-(len(names) + 2) // _COLUMNS)
+    made, axes = plt.subplots(rows, _COLUMNS, figsize=(11, 2.6 * rows), squeeze=False)
+    panels = list(axes.flat)
+    for ax, name in zip(panels, names, strict=False):
+        _deciles(ax, validation.sel(input=name), name)
+    for ax, (key, title) in zip(
+        panels[len(names) :], {"raw_pit": "PIT, not calibrated", "pit": "PIT, calibrated"}.items(), strict=False
+    ):
+        _transform(ax, validation[key].values)
+        ax.set_title(title)
+    for ax in panels[len(names) + 2 :]:
+        ax.set_visible(False)
+    return made
+
+
+def _deciles(ax: Axes, one: xr.Dataset, name: str) -> None:
+    coverage = one["decile_coverage"].transpose("output", "decile").values
+    ax.plot(one["decile"], coverage.T, color=BLUE, lw=0.7, alpha=0.5)
+    ax.plot(one["decile"], coverage.min(axis=0), color=ORANGE, lw=1.5, label="least of all quantities")
+    ax.axhline(_NOMINAL, color=GREY, ls="--", lw=1)
+    ax.set_ylim(min(0.84, float(coverage.min()) - 0.01), 1.003)
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
+    ax.set_title(f"decile of {name.replace('_', ' ')}")
+    ax.set_ylabel("coverage")
+    ax.legend(loc="lower right")
+
+
+def _transform(ax: Axes, pit: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> None:
+    share = (np.arange(pit.shape[1]) + 0.5) / pit.shape[1]
+    some = slice(None, None, max(1, pit.shape[1] // 120))
+    for row in np.sort(pit, axis=1):
+        ax.plot(share[some], row[some], color=BLUE, lw=0.7, alpha=0.5)
+    ax.plot([0, 1], [0, 1], color=GREY, ls="--", lw=1)
+    ax.set_xlabel("share of cases")

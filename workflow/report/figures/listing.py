@@ -1,0 +1,11 @@
+"""Which figures a design has: for the job that draws them, and for the page that shows them without drawing."""
+
+from workflow.study.target import Target
+
+
+def kinds(target: Target) -> list[str]:
+    """The figures of a target, in the order of the page."""
+    continuous = len(target.continuous)
+    kinds = ["front"] if len(target.objectives) > 1 else []
+    kinds += ["map"] if continuous > 1 else []
+    return [*kinds, *(["slices", "bars"] if continuous else []), "contact"]

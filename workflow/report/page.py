@@ -1,0 +1,293 @@
+"""The report: one self-contained HTML page from the files of a study."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
+from storage.netcdf import read_whole
+from surrogate import load
+from workflow.dataset.slabs import CARD
+from workflow.design import answers, assessment
+from workflow.language.numbers import number, raised, shown
+from workflow.learning.timing import by_quantity
+from workflow.report import datum_effect, whatif
+from workflow.report.figures import listing
+from workflow.report.svg import inlined
+from workflow.report.verdict import findings
+from workflow.study.datum import HANGING, length
+from workflow.study.model import CHECK_GROUPS, Study
+
+_INTERVALS = ("coverage", "worst_decile_coverage", "crps", "raw_coverage", "raw_worst_decile_coverage", "raw_crps")
+
+#: Factors that take a name, in words.
+_MEANINGS = {
+    "material": "material of the half-plane",
+    "composite": "arrangement of the two phases",
+    "profile": "shape of the punch",
+    "corner": "sharp edge of the punch",
+    "electric": "the punch in the electric field",
+    "magnetic": "the punch in the magnetic field",
+}
+
+#: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
+CAPTIONS = Path(__file__).parent / "captions"
+TEMPLATES = Path(__file__).parent / "templates"
+
+
+def page(
+    study: Study, name: str, folder: Path, figures: list[Path], provenance: Path, levels: Sequence[str | Path] = ()
+) -> str:
+    """The page as text.
+
+    Parameters
+    ----------
+    study, name
+        The study and its name.
+    folder
+        ``results/<study>``, holding the files of the parts that the study has.
+    figures
+        SVG files, in the order of the page.
+    provenance
+        ``provenance.json``.
+    levels
+        Holds ``levels.nc`` where the study leaves levels open.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.globals |= {"kinds": listing.kinds}
+    environment.filters |= {"number": number, "seconds": _seconds, "words": _words, "si": shown, "raised": raised}
+    content: dict[str, Any] = {
+        "study": study,
+        "name": name,
+        "figures": {path.stem: _figure(path) for path in figures},
+        "provenance": json.loads(provenance.read_text(encoding="utf-8")),
+        "factors": FACTORS,
+        "quantities": EVERY_QUANTITY,
+        "meanings": _MEANINGS,
+        "hanging": HANGING,
+        "datum": length(study),
+        "datum_changes": [],
+        "composites": _composites(study),
+        "dataset": None,
+        "levels": None,
+        "surface": None,
+        "validation": None,
+        "timing": None,
+        "times": [],
+        "designs": [],
+        "whatif": None,
+        "readouts": [],
+        "scripts": [_script(name) for name in ("numbers.js", "hover.js", "surrogate.js", "whatif.js")],
+        "effects": list(study.effects.vary) if study.effects else [],
+        "verification": _verification(folder) if study.verification else None,
+    }
+    if study.factors:
+        content["dataset"] = _dataset(folder)
+        content["surface"] = _surface(folder / "surface_validation.nc") if study.surrogate.fields else None
+        content["levels"] = _levels(Path(levels[0])) if levels else None
+        content["validation"] = _validation(folder)
+        content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
+        content["times"] = by_quantity(study, times)
+        answers = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
+        content["datum_changes"] = datum_effect.changes(study)
+        content["designs"] = [
+            _design(answer)
+            | {
+                "on_datum": datum_effect.of_design(study, target, answer),
+                "edge": datum_effect.singular_zone(study, target, answer),
+            }
+            for target, answer in zip(study.design.values(), answers, strict=True)
+        ]
+        content["readouts"] = [_readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
+        quantities = read_whole(folder / "quantities.nc")
+        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers)
+        content["whatif_json"] = whatif.as_json(content["whatif"])
+    return environment.get_template("report.html.j2").render(content)
+
+
+def _composites(study: Study) -> list[str]:
+    """How the phases are arranged in the cases of the study, the default where it does not say."""
+    usual = CHOICES["composite"][0]
+    if study.factors or study.effects is None:
+        return study.categories.get("composite") or [str(study.fixed.get("composite", usual))]
+    return list(dict.fromkeys(map(str, [study.effects.baseline.get("composite", usual),
+                                        *study.effects.vary.get("composite", [])])))  # fmt: skip
+
+
+def _figure(path: Path) -> dict[str, Any]:
+    kind, _, rest = path.stem.partition("_")
+    caption = (CAPTIONS / f"{kind}.rst").read_text(encoding="utf-8").replace("\n", " ").replace("``", "").strip()
+    alt = f"{kind} {rest.replace('_', ' ')}: {caption}".replace(" :", ":")
+    return {"caption": caption, "svg": inlined(path, alt), "name": path.stem, "kind": kind}
+
+
+def _verification(folder: Path) -> dict[str, Any]:
+    groups = findings([folder / "verification" / f"{name}.json" for name in CHECK_GROUPS])
+    checks = [check for group in groups for check in group["checks"]]
+    return {
+        "groups": dict(zip(CHECK_GROUPS, groups, strict=True)),
+        "checks": len(checks),
+        "green": sum(check["passed"] for check in checks),
+        "timings": [timing for group in groups for timing in group["timings"]],
+    }
+
+
+def _dataset(folder: Path) -> dict[str, Any]:
+    data = read_whole(folder / "quantities.nc")
+    card = json.loads((folder / CARD).read_text(encoding="utf-8"))
+    rows = [
+        {
+            "name": str(name),
+            "units": EVERY_QUANTITY[str(name)].units,
+            "long_name": EVERY_QUANTITY[str(name)].long_name,
+            "low": float(array.min()),
+            "high": float(array.max()),
+        }
+        for name, array in data.data_vars.items()
+    ]
+    return {"rows": rows, "slabs": len(card["files"]), "bytes": card["bytes"]}
+
+
+def _surface(path: Path) -> list[dict[str, Any]]:
+    data = read_whole(path)
+    keys = ("max_error", "rmse", *_INTERVALS)
+    return [
+        {"name": str(name), **{key: float(one[key]) for key in keys}}
+        for name in data["output"].values
+        for one in [data.sel(output=name)]
+    ]
+
+
+def _levels(path: Path) -> dict[str, Any]:
+    """Why the factorial has the levels that it has: the pilots' evidence."""
+    data = read_whole(path)
+    errors = data["predicted_error"]
+    rows = [
+        {
+            "name": str(name),
+            **{key: int(one[key]) for key in ("levels", "pilot_levels", "given", "affine", "extrapolated")},
+            "rate": float(one["rate"].max()),
+            "error": float(one["interpolation_error"].max()),
+            "decider": str(one["output"].values[int(one["interpolation_error"].values.argmax())]),
+        }
+        for name in data["input"].values
+        for one in [data.sel(input=name)]
+    ]
+    return {"rows": rows, "predicted": float(errors.max()), **data.attrs}
+
+
+def _validation(folder: Path) -> dict[str, Any]:
+    data = read_whole(folder / "validation.nc")
+    tolerance = float(data.attrs["tolerance"])
+    rows: list[dict[str, Any]] = [
+        {
+            "name": str(name),
+            "error": float(one["max_error"]),
+            "rmse": float(one["rmse"]),
+            "baseline": float(one["baseline_max_error"]),
+            "r2": float(one["r2"]),
+            **{key: float(one[key]) for key in _INTERVALS},
+        }
+        for name in data["output"].values
+        for one in [data.sel(output=name)]
+    ]
+    worst = max(rows, key=lambda row: row["error"])
+    kinked = [
+        {"name": str(name), "along": [str(factor) for factor in data["input"].values[one.values > 0]]}
+        for name, one in zip(data["output"].values, data["kinked"], strict=True)
+        if (one.values > 0).any()
+    ]
+    return {"kinked": kinked, "rows": rows, "tolerance": tolerance, "worst": worst, "cases": data.sizes["case"]}
+
+
+def _readout(name: str, path: Path) -> dict[str, Any]:
+    data = read_whole(path)
+    rows = [
+        {"name": str(factor), "coverage": float(one["coverage"]), "width": float(one["width"])}
+        for factor in data["factor"].values
+        for one in [data.sel(factor=factor)]
+    ]
+    return {"name": name, "rows": rows, "cases": data.sizes["case"]}
+
+
+def _script(name: str) -> Markup:
+    """A script of ours, to stand inside the page."""
+    return Markup((TEMPLATES / name).read_text(encoding="utf-8"))
+
+
+def _design(data: xr.Dataset) -> dict[str, Any]:
+    terms = [
+        {
+            "name": str(name),
+            "inside": bool(one["inside"]),
+            "broken": float(one["margin"]) < -assessment.ROUNDING,
+            **{key: float(one[key]) for key in ("predicted", "half", "exact", "limit", "margin")},
+            "units": str(one["units"].values),
+            "error": abs(float(one["predicted"]) / float(one["exact"]) - 1) if float(one["exact"]) else np.nan,
+        }
+        for name in data["term"].values
+        for one in [data.sel(term=name)]
+    ]
+    variables = [
+        {
+            "name": str(name),
+            "role": str(one["role"].values),
+            "units": FACTORS[name].units,
+            "edge": str(one["edge"].values) if one["matters"] else "",
+            "matters": bool(one["matters"]),
+            **{key: float(one[key]) for key in ("value", "cost", "loss", "margin_left")},
+        }
+        for name in data["factor"].values
+        for one in [data.sel(factor=name)]
+    ]
+    return {
+        "target": str(data["target"].values),
+        "goal": str(data.attrs["goal"]),
+        "polish": str(data.attrs["polish"]),
+        "statistic": str(data.attrs["statistic"]),
+        "flags": str(data["flags"].values),
+        "status": str(data["status"].values),
+        "feasible": bool(data["feasible"].values),
+        "at_edge": any(one["edge"] for one in variables),
+        "objective": terms[0],
+        "several": int(np.isnan(data["limit"]).sum()) > 1,
+        "limits": terms[1:],
+        "variables": variables,
+        "kinds": answers.kinds(data),
+        "choices": answers.choices(data),
+        "compromise": "objective" in data.dims,
+        "ranges": _ranges(data),
+    }
+
+
+def _ranges(data: xr.Dataset) -> list[dict[str, Any]]:
+    return [
+        {"name": str(name), "low": float(one["exact_low"]), "high": float(one["exact_high"])}
+        for name in data["quantity"].values
+        for one in [data.sel(quantity=name)]
+    ]
+
+
+def _seconds(value: float) -> str:
+    """A time with a fitting unit."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if value >= size:
+            return f"{number(value / size, 3)} {unit}"
+    return f"{number(value / 1e-9, 3)} ns"
+
+
+def _words(name: str) -> str:
+    """A name of the interface as words."""
+    return name.replace("_", " ")

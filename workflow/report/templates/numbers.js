@@ -1,0 +1,32 @@
+// Numbers for people, as workflow/language/numbers.py writes them: decimal prefixes, exponents as superscripts.
+"use strict";
+
+const PREFIXES = { "-15": "f", "-12": "p", "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T" };
+const SUPERSCRIPT = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹", "/": "ᐟ" };
+
+const raised = (text) => [...text].map((c) => SUPERSCRIPT[c]).join("");
+const decimalPower = (value, count) => Number(value.toExponential(count - 1).split("e")[1]);
+
+// A prefix fits where the first symbol of a unit has no exponent, as in "V m N-1"; `count` digits will be shown.
+function engineering(value, units, count = 15) {
+  const scalable = units && /^[A-Za-z]+( |$)/.test(units) && !units.startsWith("kg");
+  const some = scalable && value !== 0 && Number.isFinite(value);
+  const power = some ? Math.min(Math.max(3 * Math.floor(decimalPower(value, count) / 3), -15), 12) : 0;
+  const pretty = units === "1" ? "" : units.replace(/([A-Za-z])(-?[0-9/]+)/g, (_, symbol, exponent) => symbol + raised(exponent));
+  return { size: 10 ** power, units: (scalable ? PREFIXES[power] : "") + pretty };
+}
+
+function digits(value, count = 4) {
+  if (!Number.isFinite(value)) return "–";
+  const power = value === 0 ? 0 : decimalPower(value, count);
+  if (power >= -3 && power < 5) return Number(value.toPrecision(count)).toString().replace("-", "−");
+  const mantissa = Number(value.toExponential(count - 1).split("e")[0]);
+  return `${mantissa}×10${raised(String(power))}`.replace("-", "−");
+}
+
+// A value with its prefix and unit, as 122.61 mm.
+function said(value, units, count = 5) {
+  if (!Number.isFinite(value)) return "–";
+  const shown = engineering(value, units, count);
+  return `${digits(value / shown.size, count)} ${shown.units}`.trim();
+}

@@ -1,0 +1,140 @@
+"""What a result depends on: the sources behind a script, the versions behind a run."""
+
+import ast
+import hashlib
+import json
+import platform
+from collections.abc import Iterator
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+from storage.files import write_text
+
+ROOT = Path(__file__).resolve().parents[2]
+ROOMS = ("storage", "solver", "surrogate", "workflow", "verification")
+PACKAGES = ("meecontact", "numpy", "scipy", "xarray", "netCDF4", "scikit-learn", "snakemake", "pydantic", "matplotlib")
+
+
+@cache
+def sources(module: Path) -> frozenset[Path]:
+    """Files of the rooms that a module uses, directly or not, itself included, and data files that these name.
+
+    ``from room import name`` leads to the module that defines the name, not to everything that the room's
+    ``__init__`` gathers.
+    """
+    found: set[Path] = set()
+    waiting = [module]
+    while waiting:
+        path = waiting.pop()
+        if path not in found:
+            found.add(path)
+            modules, data = _named(path)
+            waiting += modules
+            found |= data
+    return frozenset(found)
+
+
+def code(*paths: str) -> str:
+    """Hash over the sources behind scripts (and over plain files, such as templates), relative to the project's root.
+
+    Snakemake sees an edit in a script but not in a package that the script imports: this hash, as a parameter of the
+    rule, makes the edit rerun exactly what depends on it.
+    """
+    found: set[Path] = set()
+    for path in paths:
+        file = ROOT / path
+        found |= sources(file) if file.suffix == ".py" else {file}
+    return _hash(sorted(found))
+
+
+def _hash(files: list[Path]) -> str:
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(file.relative_to(ROOT).as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def _file_hash(file: Path) -> str:
+    with file.open("rb") as content:
+        return hashlib.file_digest(content, "sha256").hexdigest()
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the named packages."""
+    return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
+
+
+def write(path: Path, study: str, study_digest: str, seed: int, results: list[Path]) -> None:
+    """Write ``provenance.json``: versions, hashes of sources, study and results, the seed and the machine.
+
+    ``study`` is the path of its file, relative to the results' folder.
+    """
+    content = {
+        "study": study,
+        "study_sha256": study_digest,
+        "seed": seed,
+        "sources_sha256": _hash([file for room in ROOMS for file in _room(room)]),
+        "versions": versions(),
+        "platform": platform.platform(),
+        "results_sha256": {file.name: _file_hash(file) for file in results},
+    }
+    write_text(path, json.dumps(content, indent=2) + "\n")
+
+
+def _room(room: str) -> list[Path]:
+    return sorted(file for file in (ROOT / room).rglob("*") if file.is_file() and "__pycache__" not in file.parts)
+
+
+@cache
+def _data(room: str) -> list[Path]:
+    return [file for file in _room(room) if file.suffix in (".toml", ".j2", ".js")]
+
+
+@cache
+def _named(path: Path) -> tuple[frozenset[Path], frozenset[Path]]:
+    """Modules and data files of the rooms that one module names."""
+    text = path.read_text(encoding="utf-8")
+    return frozenset(_used(text)), frozenset(
+        data for data in _data(path.relative_to(ROOT).parts[0]) if data.name in text
+    )
+
+
+def _used(text: str) -> Iterator[Path]:
+    """Files of the rooms that a module's import statements lead to."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            yield from (file for alias in node.names if (file := _file(alias.name)))
+        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
+            for alias in node.names:
+                file = _file(f"{node.module}.{alias.name}") or _definition(node.module, alias.name)
+                if file:
+                    yield file
+
+
+@cache
+def _file(name: str) -> Path | None:
+    """The file of a module of the rooms."""
+    parts = name.split(".")
+    if parts[0] not in ROOMS:
+        return None
+    target = ROOT.joinpath(*parts)
+    return next((file for file in (target.with_suffix(".py"), target / "__init__.py") if file.is_file()), None)
+
+
+def _definition(module: str, name: str) -> Path | None:
+    """The file that defines a name which a module of the rooms may only pass on."""
+    file = _file(module)
+    if file is None or file.name != "__init__.py":
+        return file
+    source = _gathered(file).get(name)
+    return (_file(f"{source}.{name}") or _definition(source, name)) if source else file
+
+
+@cache
+def _gathered(file: Path) -> dict[str, str]:
+    """Names that a module imports from others, for good or for type checkers, and from where."""
+    imports = [
+        node for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))) if isinstance(node, ast.ImportFrom)
+    ]
+    return {alias.name: node.module for node in imports for alias in node.names if node.module}

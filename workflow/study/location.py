@@ -1,0 +1,95 @@
+"""Where a study's file is: ``config/<name>.yaml``, or wherever a path has said.
+
+Results, logs and rules know a study by its name alone. A path that was given for it stands in the environment, which
+jobs inherit from the process that has read the Snakefile: there the path is the key ``study`` of Snakemake's config,
+which Snakemake hands on to other machines.
+"""
+
+import json
+import os
+import re
+from pathlib import Path
+
+from workflow.language.spelling import nearest
+from workflow.study.reading import InputError
+
+FOLDER = Path("config")
+_GIVEN = "MEECONTACT_STUDIES"  # in the environment: JSON, absolute paths by name
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,99}")  # it names folders, and is a wildcard of the Snakefile
+
+
+def given(text: str) -> str:
+    """The name of a study that is given by its name or by the path of its file (``.yaml``, ``.yml``).
+
+    This process and those that it starts find a path again under the name.
+
+    Raises
+    ------
+    InputError
+        No such file, a file whose name cannot name results, or another path under the same name before.
+    """
+    path = Path(text)
+    if path.suffix not in (".yaml", ".yml"):
+        return text
+    if not path.is_file():
+        reason = "not a file" if path.exists() else "No such file"
+        raise InputError(f"{path}: {reason}; a study is given by its name in {FOLDER}/, or by the path of its file")
+    _check_name(path.stem, str(path))
+    known = _paths()
+    whole = str(path.absolute())
+    if known.get(path.stem, whole) != whole:
+        raise InputError(f"{path}: another study named {path.stem!r} was given before: {known[path.stem]}")
+    os.environ[_GIVEN] = json.dumps({**known, path.stem: whole})
+    return path.stem
+
+
+def location(name: str) -> Path:
+    """The file of a study.
+
+    Raises
+    ------
+    InputError
+        A name that is unknown, or that cannot name results.
+    """
+    if name in (paths := _paths()):
+        return Path(paths[name])
+    known = sorted(file.stem for file in FOLDER.glob("*.yaml"))
+    if name in known:
+        _check_name(name, f"study: {name!r}")
+        return FOLDER / f"{name}.yaml"
+    if known:
+        raise InputError(f"study: {name!r} is unknown; {nearest(name, known)}; or the path of a study's file")
+    raise InputError(
+        f"study: {name!r} is unknown: {Path.cwd()} has no {FOLDER}/*.yaml; "
+        "go to a folder that has one, or give the path of a study's file"
+    )
+
+
+def of_results(folder: Path) -> Path:
+    """The file of the study that a folder ``results/<study>`` was made from."""
+    folder = folder.absolute()
+    try:
+        record = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))["study"]
+        path = Path(os.path.normpath(folder / record))
+    except (OSError, ValueError, LookupError, TypeError):
+        path = folder
+    if path.suffix in (".yaml", ".yml") and path.is_file():
+        return path
+    return folder.parent.parent / FOLDER / f"{folder.name}.yaml"
+
+
+def from_results(name: str, folder: Path) -> str:
+    """The path of a study's file as its results record it: relative to their folder."""
+    return os.path.relpath(location(name), folder)
+
+
+def _paths() -> dict[str, str]:
+    return dict(json.loads(os.environ.get(_GIVEN, "{}")))
+
+
+def _check_name(name: str, where: str) -> None:
+    if not _NAME.fullmatch(name):
+        raise InputError(
+            f"{where}: a study's file must be named with up to 100 of the letters a to z, digits, - and _, "
+            "a letter or digit first"
+        )

@@ -1,0 +1,319 @@
+"""The study: one strict model of everything that a run can be asked for."""
+
+import dataclasses
+import hashlib
+import json
+import re
+from collections.abc import Mapping, Sequence
+from math import prod
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+import numpy as np
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
+
+from solver import FactorError, Material, MaterialError, solve
+from solver.names import EVERY_QUANTITY, PEAKS, QUANTITIES
+from workflow.study.categories import Kinds, combinations, output
+from workflow.study.location import location
+from workflow.study.messages import first_problem
+from workflow.study.reading import InputError, read_material, read_yaml
+from workflow.study.readout import Readout
+from workflow.study.sections import (
+    MOST_CASES,
+    MOST_CORNERS,
+    MOST_LEARNED,
+    MOST_VALUES,
+    Axis,
+    DataSet,
+    Effects,
+    Surrogate,
+    Validation,
+    Verification,
+)
+from workflow.study.target import Target
+from workflow.study.types import CategoryName, FactorName, InputName, Number, Strict
+
+_LABEL = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
+_SMOOTH = {"profile": "cylinder", "electric": "conducting", "magnetic": "conducting"}
+#: Groups of checks in tests/verification, in the order of the page.
+CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "digits")
+#: Those with convergence curves.
+CONVERGING = ("integral_equations", "finite_elements")
+#: Sections that decide what a case is and what the solver answers.
+PHYSICS = ("phases", "materials", "fixed", "factors", "categories")
+
+
+class Study(Strict):
+    """Everything that a run can be asked for; a study needs ``factors``, ``effects`` or ``verification``."""
+
+    title: str = Field(min_length=1, max_length=200, description="headline of the report")
+    description: str = Field("", description="what the study is for")
+    materials: list[str] = Field(default_factory=list, description="files of own materials, relative to the study")
+    phases: Annotated[list[str], Field(min_length=2, max_length=2)] = Field(
+        default_factory=lambda: ["BaTiO3", "CoFe2O4"], description="phase one (fibres) and phase two (matrix)"
+    )
+    fixed: dict[InputName, Number | str] = Field(default_factory=dict, description="factors with one value")
+    factors: dict[FactorName, Axis] = Field(default_factory=dict, description="the axes of the factorial")
+    categories: dict[CategoryName, Annotated[list[str], Field(min_length=2, max_length=8)]] = Field(
+        default_factory=dict, description="factors that take one of a few names; every case is solved for each"
+    )
+    dataset: DataSet = Field(default_factory=DataSet, description="what is stored of the factorial")
+    surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
+    validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
+    design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
+    readout: dict[str, Readout] = Field(default_factory=dict, description="what measurements tell, by name")
+    effects: Effects | None = Field(None, description="one factor at a time, as figures")
+    verification: Verification | None = Field(None, description="checks of the solver against independent methods")
+
+    _path: Path = PrivateAttr(default=Path())
+    _content: dict[str, Any] = PrivateAttr(default_factory=dict)
+    _own: dict[str, Material] = PrivateAttr(default_factory=dict)
+    _absent: set[str] = PrivateAttr(default_factory=set)
+
+    @property
+    def path(self) -> Path:
+        """The file that the study was read from."""
+        return self._path
+
+    @property
+    def own_materials(self) -> dict[str, Material]:
+        """The study's own materials by name."""
+        return self._own
+
+    @property
+    def cases(self) -> int:
+        """Number of cases of the factorial; 0 while some of its levels are open."""
+        levels = prod(axis.levels or 0 for axis in self.factors.values()) if self.factors else 0
+        return levels * len(self.combinations)
+
+    @property
+    def combinations(self) -> list[Kinds]:
+        """Every combination of the categories' names."""
+        return combinations(self.categories)
+
+    @property
+    def open(self) -> bool:
+        """Whether the pipeline is to choose some levels."""
+        return any(axis.levels is None for axis in self.factors.values())
+
+    @property
+    def targets(self) -> list[str]:
+        """Files under ``results/<study>/`` that a run makes last."""
+        return ["report.html", "verdict.txt"] if self.verification else ["report.html"]
+
+    @property
+    def quantities(self) -> list[str]:
+        """Quantities of the data set: those that its cases have, the peaks where they are asked for."""
+        without = self._absent | (set() if self.dataset.peaks else set(PEAKS))
+        return [name for name in EVERY_QUANTITY if name not in without]
+
+    @property
+    def outputs(self) -> list[str]:
+        """Quantities that the surrogate learns."""
+        return self.surrogate.outputs or self.quantities
+
+    @property
+    def learned(self) -> list[str]:
+        """What the surrogate calls them: those of every combination of categories."""
+        return [output(name, kinds) for kinds in self.combinations for name in self.outputs]
+
+    @property
+    def of_interest(self) -> list[str]:
+        """What the designs ask for of it, or else all."""
+        asked = [name for target in self.design.values() for name in target.names() if name in self.outputs]
+        return [output(name, kinds) for name in dict.fromkeys(asked) for kinds in self.combinations] or self.learned
+
+    def narrowed(self, kinds: Mapping[str, str]) -> Self:
+        """The study with some of its categories held at a name."""
+        rest = {name: names for name, names in self.categories.items() if name not in kinds}
+        return self.model_copy(update={"fixed": {**self.fixed, **kinds}, "categories": rest})
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if not self.factors and self.effects is None and self.verification is None:
+            raise ValueError("factors: a study needs factors, effects or verification")
+        self._check_size()
+        for name in self.fixed:
+            if name in self.factors or name in self.categories:
+                part = "factors" if name in self.factors else "categories"
+                raise ValueError(f"fixed: {name}: is one of the {part} already")
+        for name, names in self.categories.items():
+            if len(set(names)) < len(names):
+                raise ValueError(f"categories: {name}: {', '.join(names)}: a name is given twice")
+        for label in (*self.design, *self.readout):
+            if not _LABEL.fullmatch(label):  # names files
+                part = "design" if label in self.design else "readout"
+                raise ValueError(f"{part}: {label!r} must be letters, digits and underscores, at most 60 of ASCII")
+        self._check_quantities()
+        return self
+
+    def _check_size(self) -> None:
+        """Whether what the study asks for can be computed and stored at all."""
+        if self.cases > MOST_CASES:
+            raise ValueError(f"factors: {self.cases} cases are more than {MOST_CASES}")
+        corners = 2 ** len(self.factors) * len(self.combinations)
+        if corners > MOST_CORNERS:
+            raise ValueError(f"factors: a box of {corners} corners, over all categories, has more than {MOST_CORNERS}")
+        if not self.factors:
+            return
+        cases, positions = self.cases or self.dataset.budget, self.dataset.positions.count
+        if cases * positions > MOST_VALUES:
+            raise ValueError(
+                f"dataset: {cases} cases x {positions} positions are more than {MOST_VALUES} values of each field"
+            )
+        if cases * self.surrogate.fields > MOST_LEARNED:
+            raise ValueError(
+                f"surrogate: fields: {cases} cases x {self.surrogate.fields} angles are more than {MOST_LEARNED}"
+            )
+
+    def _check_quantities(self) -> None:
+        """Whether the data set holds what the surrogate and the designs ask for."""
+        for name in self.surrogate.outputs:
+            if name in PEAKS and not self.dataset.peaks:
+                raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
+            if name in self._absent:
+                raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
+        if self.surrogate.fields and any(self.fixed.get(name, usual) != usual for name, usual in _SMOOTH.items()):
+            raise ValueError("surrogate: fields: only those under a cylinder that conducts in both fields are learned")
+        if self.surrogate.fields and self.categories:
+            raise ValueError(f"surrogate: fields: are not learned over categories: {', '.join(self.categories)}")
+        for label, target in self.design.items():
+            self.check_target(f"design: {label}", target)
+        for label, readout in self.readout.items():
+            self._check_readout(f"readout: {label}", readout)
+
+    def _check_readout(self, where: str, readout: Readout) -> None:
+        for name in self.factors:
+            if (name in readout.infer) + (name in readout.at) != 1:
+                raise ValueError(f"{where}: {name!r} must be either in infer or in at")
+        for name in self.categories:
+            if name not in readout.at:
+                raise ValueError(f"{where}: {name!r} is missing; put it in at")
+        for name in readout.infer:
+            self.check_values(where, name, [])
+        for name, value in readout.at.items():
+            self.check_values(where, name, [value])
+        for name in readout.measured:
+            if name not in self.outputs:
+                raise ValueError(f"{where}: {name!r} is not one of surrogate.outputs")
+
+    def check_target(self, where: str, target: Target) -> None:
+        """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs."""
+        given = [*target.over, *target.at, *target.worst_case, *target.uncertain]
+        for name in given:
+            if given.count(name) > 1:
+                raise ValueError(
+                    f"{where}: {name!r} is given twice; over, at, worst_case and uncertain exclude each other"
+                )
+            self.check_values(where, name, target.values(name))
+        for name in (*self.factors, *self.categories):
+            if name not in given:
+                places = "over, at, worst_case or uncertain" if name in self.factors else "over or at"
+                raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
+        for name in target.names():
+            if name in EVERY_QUANTITY and name not in self.outputs:
+                needs = "needs dataset: peaks: true" if name in PEAKS and not self.dataset.peaks else ""
+                raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
+
+    def check_values(self, where: str, name: str, values: Sequence[float | str]) -> None:
+        """Whether the study has a factor or category, and values are among what it has of it."""
+        if name in self.categories:
+            for value in values:
+                if value not in self.categories[name]:
+                    raise ValueError(f"{where}: {name}: {value!r} is not one of {', '.join(self.categories[name])}")
+            return
+        if name not in self.factors:
+            known = ", ".join((*self.factors, *self.categories))
+            raise ValueError(f"{where}: {name!r} is not one of the study's factors: {known}")
+        axis = self.factors[name]
+        for value in values:
+            if isinstance(value, str):
+                raise ValueError(f"{where}: {name}: {value!r} is not a number")
+            if not axis.low <= value <= axis.high:
+                raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
+
+    def corners(self) -> dict[str, Any]:
+        """Ends of the factorial's box with the fixed factors: what the solver is asked once before any work."""
+        ends = {name: [axis.low, axis.high] for name, axis in self.factors.items()}
+        return {**self.fixed, **self.categories, **ends}
+
+    def digest(self, *sections: str) -> str:
+        """Hash of some sections, and of own materials where the physics is among them."""
+        content = self.model_dump(mode="json", include=set(sections))
+        text = json.dumps(content, sort_keys=True)
+        if "phases" in sections:
+            text += json.dumps(self._plain_materials(), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    def frozen(self) -> dict[str, Any]:
+        """The study and its own materials as plain data, from which `thawed` makes the same study again."""
+        materials, slabs = self._plain_materials(), self.dataset.slabs
+        return {"path": str(self._path), "study": self._content, "materials": materials, "slabs": slabs}
+
+    def _plain_materials(self) -> dict[str, dict[str, Any]]:
+        """Every constant exactly: JSON gives a float the digits that tell it from its neighbours."""
+        return {
+            name: {
+                entry.name: np.asarray(getattr(material, entry.name)).tolist() for entry in dataclasses.fields(material)
+            }
+            for name, material in self._own.items()
+        }
+
+
+def named(name: str) -> Study:
+    """The checked study of a name, wherever its file is.
+
+    Raises
+    ------
+    InputError
+        Also for a name that is unknown or no plain name.
+    """
+    return load(location(name))
+
+
+def load(path: str | Path) -> Study:
+    """Read and check a study, down to one solution at every corner of its box.
+
+    Raises
+    ------
+    InputError
+        One line that names file, key, value and what is allowed.
+    """
+    path = Path(path)
+    study = _modelled(path, read_yaml(path))
+    study._own.update(read_material(path.parent / name) for name in study.materials)
+    return _tried(path, study)
+
+
+def thawed(frozen: Mapping[str, Any]) -> Study:
+    """The study as it was when it was `frozen`; no file is read."""
+    path = Path(frozen["path"])
+    study = _modelled(path, frozen["study"])
+    study._own.update((name, Material(**entries)) for name, entries in frozen["materials"].items())
+    dataset = study.dataset.model_copy(update={"slabs": frozen["slabs"]})
+    return _tried(path, study.model_copy(update={"dataset": dataset}))
+
+
+def _modelled(path: Path, content: dict[str, Any]) -> Study:
+    try:
+        study = Study.model_validate(content)
+    except ValidationError as error:
+        raise InputError(f"{path}: {first_problem(error, Study, content)}") from None
+    study._path, study._content = path, content
+    return study
+
+
+def _tried(path: Path, study: Study) -> Study:
+    """The study, once the solver has answered at every corner of its box."""
+    try:
+        if study.factors:
+            known = solve(study.corners(), materials=study.own_materials, phases=study.phases)
+            study._absent.update(set(QUANTITIES) - set(known.data_vars))
+            study._check_quantities()
+        if study.effects is not None:
+            for factor in study.effects.vary:
+                solve(study.effects.case(factor), materials=study.own_materials, phases=study.phases)
+    except (FactorError, MaterialError, ValueError) as error:
+        raise InputError(f"{path}: {error}") from None
+    return study

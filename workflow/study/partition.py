@@ -1,0 +1,42 @@
+"""Slabs of a study's data set: how many there are, and which files belong to none of them."""
+
+import os
+from pathlib import Path
+
+from workflow.study.model import Study
+
+#: What a job that solves a slab takes at most, whatever its size [MB].
+MEMORY = 1500
+
+#: Slabs of a study whose first axis is open, at most and if it does not say: `choice.choose` gives it as many levels.
+MOST, USUAL = 8, 4
+
+
+def count(study: Study) -> int:
+    """Number of slabs: what the study asks for, or one for each job that cores and memory let run at once.
+
+    At most one a level of the first axis. The cores and the memory are this machine's (or what the process may use);
+    on a cluster the study should say it.
+    """
+    first = next(iter(study.factors.values()), None)
+    if first is None:
+        return 0
+    if first.levels is None:  # its levels follow from the slabs, and must not from the machine
+        return min(study.dataset.slabs or USUAL, MOST)
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2**20
+    at_once = min(len(os.sched_getaffinity(0)), memory // MEMORY)
+    return min(study.dataset.slabs or max(1, at_once), first.levels)
+
+
+def settled(study: Study) -> Study:
+    """The study with the number of its slabs: a slab of one machine's count is no slab of another's."""
+    if not study.factors:
+        return study
+    return study.model_copy(update={"dataset": study.dataset.model_copy(update={"slabs": count(study)})})
+
+
+def orphans(study: Study, folder: Path) -> list[Path]:
+    """Files in ``results/<study>`` that the study's data set no longer has: slabs beyond its count, chosen levels."""
+    slabs = {f"slab_{number}.nc" for number in range(count(study))}
+    left = [file for file in sorted((folder / "fields").glob("slab_*.nc")) if file.name not in slabs]
+    return left if study.open else [*left, folder / "levels.nc"]

@@ -1,0 +1,42 @@
+"""The study that a job was planned with: as it was when its run began, whatever has been edited since.
+
+Snakemake reads a study once and records its digests; a job that read the file again would file the answers to one
+study under the digest of another, and the next run would find nothing to be done.
+"""
+
+from pathlib import Path
+
+from workflow.run import lock
+from workflow.study import model as studies
+from workflow.study import partition
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+
+
+def parameter(study: Study, *sections: str) -> str:
+    """A parameter of a rule that changes when these sections of the study change; all of them by default."""
+    names = sections or tuple(Study.model_fields)
+    return f"{' '.join(names)}: {study.digest(*names)}"
+
+
+def study(name: str, parameter: str) -> Study:
+    """The study of a job, by the `parameter` of its rule.
+
+    Raises
+    ------
+    InputError
+        The study has been changed since the job was planned, and the run that planned it has left no copy.
+    """
+    sections, _, digest = parameter.partition(": ")
+    found = begun(name)
+    if found is None or found.digest(*sections.split()) != digest:
+        found = partition.settled(studies.named(name))
+    if found.digest(*sections.split()) == digest:
+        return found
+    raise InputError(f"{found.path}: was changed ({sections}) after this job was planned; run the study again")
+
+
+def begun(name: str, results: str | Path = lock.RESULTS) -> Study | None:
+    """The study as it was when its run began; None where there is no run."""
+    frozen = lock.begun(name, results)
+    return None if frozen is None else studies.thawed(frozen)

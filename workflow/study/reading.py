@@ -1,0 +1,164 @@
+"""What people write: YAML files (safe, with YAML 1.2 numbers, no key twice), numbers, and how it is shown again."""
+
+import re
+import unicodedata
+from collections.abc import Hashable
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from solver import Material, MaterialError
+from solver.material.constants import UNITS
+from storage.files import regular
+from workflow.language.units import in_si
+
+_LARGEST = 1 << 20  # bytes; a study or a material is a few kB
+_DEEPEST = (
+    40  # brackets or indents within each other; a study needs five, and the reader's time grows with their square
+)
+
+_MOST_DIGITS = 40  # of an integer; a number of thousands of digits is no input, and breaks what formats it
+_INTEGER = re.compile(r"[-+]?(?:0|[1-9][0-9]*)")
+_FLOAT = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
+# what a file's name, a figure and a file's attribute bear: no $, which begins a formula in figures
+_MATERIAL_NAME = re.compile(r"[\w(][\w ()+.,:/%-]{0,59}")
+
+
+class InputError(ValueError):
+    """Bad input, in one line that names file, key, value and what is allowed."""
+
+
+def one_line(message: str) -> str:
+    """A message as one line of at most 1000 characters; what came from a hostile file cannot command the terminal."""
+    shown = "".join(one if one.isprintable() else one.encode("unicode_escape").decode("ascii") for one in message)
+    return shown if len(shown) <= 1000 else f"{shown[:600]} ... {shown[-300:]}"
+
+
+def number(text: str) -> float:
+    """A decimal number in plain digits, inf or nan; ValueError for any other text, such as 1_000 or Arabic digits.
+
+    Examples
+    --------
+    >>> number(" 1e5")
+    100000.0
+    """
+    if not text.isascii() or "_" in text:
+        raise ValueError(f"{text!r} is not a number")
+    return float(text)
+
+
+class _Loader(yaml.SafeLoader):
+    def fetch_flow_collection_start(self, kind: type[yaml.Token]) -> None:
+        self._check_depth(self.flow_level)
+        super().fetch_flow_collection_start(kind)
+
+    def fetch_tag(self) -> None:  # `!!int ''`: a text forced to be what it is not
+        raise yaml.scanner.ScannerError(None, None, "tags, as !!int, are not allowed", self.get_mark())
+
+    def add_indent(self, column: int) -> bool:
+        self._check_depth(len(self.indents))
+        return super().add_indent(column)
+
+    def _check_depth(self, depth: int) -> None:
+        if depth > _DEEPEST:
+            raise yaml.scanner.ScannerError(None, None, "nested too deeply", self.get_mark())
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        seen: set[Any] = set()
+        for key_node, _ in node.value:
+            key = self.construct_object(key_node, deep=True)
+            if not isinstance(key, Hashable) or key in seen:
+                raise yaml.constructor.ConstructorError(None, None, f"key {key!r} is given twice", key_node.start_mark)
+            seen.add(key)
+        return super().construct_mapping(node, deep)
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        if self.check_event(yaml.AliasEvent):  # nested aliases grow without bound
+            raise yaml.composer.ComposerError(None, None, "aliases are not allowed", None)
+        return super().compose_node(parent, index)
+
+    def decimal(self, node: yaml.ScalarNode) -> int | float:
+        """A number as people read it: YAML 1.1 takes 010 for 8, 1:30 for 90, 0b11 for 3 and 1_0 for 10."""
+        text = node.value
+        if _INTEGER.fullmatch(text):
+            if len(text) > _MOST_DIGITS:
+                reason = f"a number of {len(text)} digits; at most {_MOST_DIGITS}, or write it as 1e{len(text) - 1}"
+                raise yaml.constructor.ConstructorError(None, None, reason, node.start_mark)
+            return int(text)
+        if not _FLOAT.fullmatch(text) or text.lstrip("+-").isdigit():
+            reason = f"{text[:_MOST_DIGITS]!r} is not a decimal number; in quotes it is a text"
+            raise yaml.constructor.ConstructorError(None, None, reason, node.start_mark)
+        return super().construct_yaml_float(node)
+
+    def text(self, node: yaml.ScalarNode) -> str:
+        """A text that every later file can hold: not half of a surrogate pair, nor what commands a terminal."""
+        text = super().construct_yaml_str(node)
+        bad = next((one for one in text if unicodedata.category(one) in ("Cs", "Cc") and one not in "\n\t"), None)
+        if bad is not None:
+            reason = f"a text must not hold the character {bad!r}"
+            raise yaml.constructor.ConstructorError(None, None, reason, node.start_mark)
+        return str(text)
+
+
+_Loader.add_implicit_resolver("tag:yaml.org,2002:float", re.compile(f"^(?:{_FLOAT.pattern})$"), list("-+.0123456789"))
+for _tag in ("int", "float"):
+    _Loader.add_constructor(f"tag:yaml.org,2002:{_tag}", _Loader.decimal)
+_Loader.add_constructor("tag:yaml.org,2002:str", _Loader.text)
+
+
+def read_yaml(path: Path) -> dict[str, Any]:
+    """The mapping in a YAML file.
+
+    Raises
+    ------
+    InputError
+        Missing, unreadable, oversized or malformed file, or not a mapping.
+    """
+    try:
+        with regular(path).open("rb") as file:
+            raw = file.read(_LARGEST + 1)
+        if len(raw) > _LARGEST:
+            raise InputError(f"{path}: larger than {_LARGEST} bytes")
+        content = _Loader(raw.decode("utf-8")).get_single_data()
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a UTF-8 text") from None
+    except RecursionError:
+        raise InputError(f"{path}: nested too deeply") from None
+    except (yaml.YAMLError, ValueError) as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f" line {mark.line + 1}:" if mark else ""
+        reason = getattr(error, "problem", None) or str(error).splitlines()[0]
+        raise InputError(f"{path}:{where} not valid YAML: {reason}") from None
+    if not isinstance(content, dict) or not all(isinstance(key, str) for key in content):
+        raise InputError(f"{path}: not a mapping of names to values")
+    return content
+
+
+def read_material(path: Path) -> tuple[str, Material]:
+    """Name and constants of a user's material file: numbers in SI, or with a unit, as ``c11: 115 GPa``.
+
+    Raises
+    ------
+    InputError
+        One line that names file, constant, value and what is allowed.
+    """
+    content = {"name": path.stem, **read_yaml(path)}
+    for name, units in UNITS.items():
+        text = content.get(name)
+        if isinstance(text, str):
+            try:
+                content[name] = in_si(text, units)
+            except ValueError as error:
+                raise InputError(f"{path}: {content['name']}: {name}: {error}") from None
+    try:
+        material = Material.from_mapping(content)
+    except MaterialError as error:
+        raise InputError(f"{path}: {error}") from None
+    if not _MATERIAL_NAME.fullmatch(material.name):
+        raise InputError(
+            f"{path}: name: {material.name[:80]!r} must be up to 60 letters, digits, blanks and any of _()+.,:/%-"
+        )
+    return material.name, material

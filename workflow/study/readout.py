@@ -1,0 +1,62 @@
+"""A read-out, as the study's model has it: what is measured how well, and what it shall tell."""
+
+import re
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from workflow.language import units
+from workflow.language.expressions import UNITS
+from workflow.study.categories import Kinds
+from workflow.study.types import FactorName, InputName, Number, QuantityName, Strict
+
+_ERROR = re.compile(r"\s*(?P<value>\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)\s*(?P<unit>.*?)\s*")
+
+
+class Readout(Strict):
+    """From measured quantities back to factors, with 95 % intervals."""
+
+    measured: dict[QuantityName, str] = Field(
+        min_length=1, description="standard deviation of each measurement: '2 V', or '0.5 %' of the value"
+    )
+    infer: Annotated[list[FactorName], Field(min_length=1, max_length=3)] = Field(description="factors to infer")
+    at: dict[InputName, Number | str] = Field(default_factory=dict, description="the other factors")
+    cases: int = Field(500, ge=50, le=100_000, description="random true cases that the intervals are tried on")
+
+    @property
+    def kinds(self) -> Kinds:
+        """Categories held at a name."""
+        return {name: value for name, value in self.at.items() if isinstance(value, str)}
+
+    @property
+    def held(self) -> dict[str, float]:
+        """Factors held at a value."""
+        return {name: value for name, value in self.at.items() if not isinstance(value, str)}
+
+    @model_validator(mode="after")
+    def _readable(self) -> Self:
+        for name, text in self.measured.items():
+            error(name, text)
+        return self
+
+
+def error(quantity: str, text: str) -> tuple[float, float]:
+    """Standard deviation of a measurement: its absolute part in SI, and its share of the value.
+
+    Raises
+    ------
+    ValueError
+        No number, or a unit that is neither the quantity's nor %.
+    """
+    match = _ERROR.fullmatch(text)
+    if match is None or not float(match["value"]) > 0:
+        raise ValueError(f"measured: {quantity}: {text!r} is not a positive number with a unit, as '2 V' or '0.5 %'")
+    try:
+        unit = units.parse(match["unit"])
+    except ValueError as problem:
+        raise ValueError(f"measured: {quantity}: {problem}") from None
+    if match["unit"] == "%":
+        return 0.0, float(match["value"]) * unit.factor
+    if match["unit"] and not unit.fits(units.parse(UNITS[quantity])):
+        raise ValueError(f"measured: {quantity}: unit mismatch: {text!r} for a quantity in {UNITS[quantity]}")
+    return float(match["value"]) * unit.factor, 0.0

@@ -1,0 +1,70 @@
+"""The study's JSON schema and documented default, both written from the model: ``python -m workflow.study.schema``."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from storage.files import write_text
+from workflow.study.model import Study
+
+SCHEMA = Path("config/schema/study.schema.json")
+DEFAULT = Path("config/schema/default.yaml")
+
+
+def schema_text() -> str:
+    """JSON schema of a study."""
+    return json.dumps(Study.model_json_schema(), indent=2) + "\n"
+
+
+def default_text() -> str:
+    """Every key of a study with its meaning and default, as YAML."""
+    head = (
+        "# Every key of a study with its meaning and default. Written from the model by `make schema`; do not edit.\n"
+    )
+    return head + "\n".join(_documented(Study, "")) + "\n"
+
+
+def write() -> None:
+    """Write both files."""
+    SCHEMA.parent.mkdir(parents=True, exist_ok=True)
+    write_text(SCHEMA, schema_text())
+    write_text(DEFAULT, default_text())
+
+
+def _documented(model: type[BaseModel], indent: str) -> Iterator[str]:
+    for name, field in model.model_fields.items():
+        yield f"{indent}# {field.description}"
+        inner = _model_within(field.annotation)
+        if field.annotation is inner and inner is not None:
+            yield f"{indent}{name}:"
+            yield from _documented(inner, indent + "  ")
+            continue
+        yield f"{indent}{name}: {_value(field)}"
+        if inner is not None:  # named entries, or an optional part: what it would hold
+            yield f"{indent}#   {'each entry' if get_origin(field.annotation) is dict else 'its keys'}:"
+            yield from (
+                f"{indent}#     {key}: {_value(one)} - {one.description}" for key, one in inner.model_fields.items()
+            )
+
+
+def _value(field: FieldInfo) -> str:
+    return "(required)" if field.is_required() else json.dumps(_plain(field.get_default(call_default_factory=True)))
+
+
+def _plain(value: object) -> object:
+    return value.model_dump(mode="json") if isinstance(value, BaseModel) else value
+
+
+def _model_within(annotation: object) -> type[BaseModel] | None:
+    """The model that an annotation is, holds as the values of a mapping, or may be."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((inner for part in get_args(annotation) if (inner := _model_within(part)) is not None), None)
+
+
+if __name__ == "__main__":
+    write()

@@ -1,0 +1,159 @@
+"""The parts of a study: axes, data set, surrogate, validation, effects and verification."""
+
+from typing import Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from solver.names import PROFILES
+from workflow.study.types import FieldName, InputName, Number, QuantityName, Strict, Vector
+
+#: Most cases of a factorial.
+MOST_CASES = 20_000_000
+#: Most corners of a factorial's box, over all categories: the check solves every one.
+MOST_CORNERS = 2**18
+#: Most values of one field on disk: cases times positions.
+MOST_VALUES = 2_000_000_000
+#: Most values of one field that are learned, in memory at once: cases times angles.
+MOST_LEARNED = 20_000_000
+#: Most curves of a figure of effects, points of all of its curves, and points of a grid below the punch.
+_MOST_CURVES, _MOST_POINTS, _MOST_GRID = 200, 200_000, 250_000
+
+
+class Axis(Strict):
+    """Range of a factor, sampled at Chebyshev-Gauss levels."""
+
+    low: Number = Field(description="lower end of the range, in the factor's SI unit")
+    high: Number = Field(description="upper end of the range")
+    levels: int | None = Field(
+        None, ge=2, le=1000, description="Chebyshev-Gauss levels; null: what the tolerance needs"
+    )
+    scale: Literal["linear", "log"] = Field("linear", description="coordinate in which the levels are spread")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if not self.low < self.high:
+            raise ValueError(f"low = {self.low:g} must be below high = {self.high:g}")
+        if self.scale == "log" and self.low <= 0:
+            raise ValueError(f"low = {self.low:g} must be positive on a log scale")
+        return self
+
+
+class Positions(Strict):
+    """Surface positions of the stored fields, X = (x - c)/h."""
+
+    inside: int = Field(40, ge=1, le=10_000, description="Chebyshev-Gauss positions under the punch, |X| < 1")
+    outside: int = Field(24, ge=0, le=10_000, description="positions beside it, dense near the edges; even")
+    reach: Number = Field(4.0, gt=1, le=1e3, description="largest |X|")
+
+    @property
+    def count(self) -> int:
+        """Number of the positions."""
+        return self.inside + 2 * (self.outside // 2)
+
+    def values(self) -> Vector:
+        """The positions, ascending; none is -1 or 1."""
+        within = -np.cos(np.pi * (np.arange(self.inside) + 0.5) / self.inside)
+        side = self.outside // 2
+        beyond = 1 + (self.reach - 1) * (np.arange(1, side + 1) / max(side, 1)) ** 2
+        return np.concatenate([-beyond[::-1], within, beyond])
+
+
+class DataSet(Strict):
+    """What is stored of the factorial."""
+
+    positions: Positions = Field(default_factory=Positions, description="positions of the surface fields")
+    slabs: int | None = Field(
+        None, ge=1, le=4096, description="files, and jobs, that the factorial is split into; null: one a core"
+    )
+    precision: Literal["float32", "float64"] = Field("float64", description="stored precision of the surface fields")
+    budget: int = Field(500_000, ge=1, le=MOST_CASES, description="most cases where the pipeline chooses the levels")
+    peaks: bool = Field(
+        False, description="also the largest stresses of the body: milliseconds a case, not microseconds"
+    )
+
+
+class Surrogate(Strict):
+    """The Gaussian process on the factorial."""
+
+    kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
+    outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
+    fields: int = Field(0, ge=0, le=200, description="angles at which the fields under a cylinder are learned; 0: none")
+
+
+class Validation(Strict):
+    """Exact cases that the surrogate never saw."""
+
+    cases: int = Field(2000, ge=20, le=1_000_000, description="random cases in the box, to measure errors")
+    calibration: int = Field(3000, ge=40, le=1_000_000, description="further random cases, to calibrate the intervals")
+    seed: int = Field(1, ge=0, description="seed of both samples")
+    tolerance: Number = Field(1e-6, gt=0, description="largest error over range that every quantity should keep")
+
+
+class Interior(Strict):
+    """Grid below the punch, in half-widths of the contact, and the fields shown on it."""
+
+    reach: Number = Field(2.5, gt=0, le=1e3, description="largest |x - c|/h")
+    depth: Number = Field(2.5, gt=0, le=1e3, description="largest depth over h")
+    across: int = Field(161, ge=2, le=2000, description="points across")
+    down: int = Field(81, ge=2, le=2000, description="points down, dense near the surface")
+    fields: list[FieldName] = Field(
+        default_factory=lambda: ["von_mises", "electric_displacement_y", "magnetic_induction_y"],
+        min_length=1, description="fields shown as contours",
+    )  # fmt: skip
+
+    @model_validator(mode="after")
+    def _bounded(self) -> Self:
+        if self.across * self.down > _MOST_GRID:
+            raise ValueError(f"across x down: {self.across} x {self.down} points are more than {_MOST_GRID}")
+        return self
+
+    def grid(self) -> tuple[Vector, Vector]:
+        """(x - c)/h and y/h < 0."""
+        down = (np.arange(1, self.down + 1) / self.down) ** 1.5
+        return np.linspace(-self.reach, self.reach, self.across), -self.depth * down
+
+
+class Effects(Strict):
+    """One factor at a time about a baseline, on the exact solver."""
+
+    baseline: dict[InputName, Number | str] = Field(description="factors of the reference case")
+    vary: dict[InputName, list[Number] | list[str]] = Field(min_length=1, description="values of each factor in turn")
+    positions: Positions = Field(
+        default_factory=lambda: Positions(inside=200, outside=200), description="positions of the curves"
+    )
+    interior: Interior | None = Field(None, description="grid of contour plots below the punch")
+
+    @model_validator(mode="after")
+    def _bounded(self) -> Self:
+        for name, values in self.vary.items():
+            if not 1 <= len(values) <= _MOST_CURVES:
+                raise ValueError(f"vary: {name}: {len(values)} values; must be 1 to {_MOST_CURVES}, each is a curve")
+            positions = self.positions.count
+            if len(values) * positions > _MOST_POINTS:
+                raise ValueError(
+                    f"vary: {name}: {len(values)} values x {positions} positions are more than {_MOST_POINTS}"
+                )
+        return self
+
+    def case(self, factor: str) -> dict[str, Any]:
+        """Factors of one effect: a material and a composite replace each other, and a profile takes what is its own."""
+        case: dict[str, Any] = {**self.baseline, factor: self.vary[factor]}
+        profiles = case.get("profile", "cylinder")
+        taken = {name for kind in np.atleast_1d(profiles) for names in PROFILES.get(str(kind), ()) for name in names}
+        of_others = {name for names in PROFILES.values() for name in (*names[0], *names[1])} - taken - {factor}
+        other = {
+            "material": ("composite", "volume_fraction"),
+            "composite": ("material",),
+            "volume_fraction": ("material",),
+        }
+        return {name: value for name, value in case.items() if name not in (*other.get(factor, ()), *of_others)}
+
+
+class Verification(Strict):
+    """Checks of the solver against independent methods; they need requirements/dev.txt."""
+
+    cases: int = Field(24, ge=1, le=1000, description="random cases evaluated in 50 digits")
+    elements: int = Field(24, ge=12, le=96, multiple_of=12, description="finest mesh: finite elements under the punch")
+    timed: int = Field(4096, ge=100, le=1_000_000, description="cases of the closed form that are timed at once")
+    seed: int = Field(1, ge=0, description="seed of the random cases")

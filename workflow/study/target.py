@@ -1,0 +1,171 @@
+"""One design question of a study, as its model: what is wanted, over which factors, under which limits."""
+
+from math import prod
+from typing import Annotated, Self
+
+import numpy as np
+import scipy  # scipy.stats, slow to import, when a distribution is asked for
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from solver.names import FACTORS
+from workflow.language import statements
+from workflow.study.types import FactorName, InputName, Interval, Number, Strict
+
+CUT = 3.0  # a normal distribution ends this many standard deviations from its mean
+MOST_CHOICES = 200
+Texts = Annotated[list[str], Field(max_length=4)]
+
+
+class Variable(Strict):
+    """A design variable: the whole range of its factor, a part of it, or one value of a list."""
+
+    low: Number | None = Field(None, description="lower end; default: that of the factor")
+    high: Number | None = Field(None, description="upper end; default: that of the factor")
+    choices: list[Number | str] = Field(
+        default_factory=list, description="instead of a range: the values to choose from; names of a category"
+    )
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if self.choices and (self.low is not None or self.high is not None):
+            raise ValueError("give either low and high, or choices")
+        if self.low is not None and self.high is not None and not self.low < self.high:
+            raise ValueError(f"low = {self.low:g} must be below high = {self.high:g}")
+        return self
+
+
+class Distribution(Strict):
+    """How an uncertain factor is distributed; exactly one of the three."""
+
+    uniform: Interval | None = Field(None, description="[low, high]")
+    normal: Interval | None = Field(None, description="[mean, standard deviation], cut at 3 standard deviations")
+    triangular: list[Number] | None = Field(None, min_length=3, max_length=3, description="[low, mode, high]")
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        given = [name for name in ("uniform", "normal", "triangular") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"give one of uniform, normal, triangular, not {' and '.join(given) or 'none'}")
+        if self.uniform and not self.uniform[0] < self.uniform[1]:
+            raise ValueError(f"uniform: {self.uniform[0]:g} must be below {self.uniform[1]:g}")
+        if self.normal and not self.normal[1] > 0:
+            raise ValueError(f"normal: the standard deviation {self.normal[1]:g} must be positive")
+        if self.triangular:
+            low, mode, high = self.triangular
+            if not (low <= mode <= high and low < high):
+                raise ValueError(f"triangular: {low:g}, {mode:g}, {high:g} must ascend")
+        return self
+
+    @property
+    def support(self) -> tuple[float, float]:
+        """Least and largest value."""
+        if self.normal:
+            mean, std = self.normal
+            return mean - CUT * std, mean + CUT * std
+        ends = self.uniform or self.triangular or [0.0, 0.0]
+        return ends[0], ends[-1]
+
+    def quantile(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values at shares between 0 and 1; any shape."""
+        low, high = self.support
+        if self.normal:
+            mean, std = self.normal
+            return np.asarray(scipy.stats.truncnorm.ppf(share, -CUT, CUT, mean, std))
+        if self.triangular:
+            return np.asarray(scipy.stats.triang.ppf(share, (self.triangular[1] - low) / (high - low), low, high - low))
+        return np.asarray(low + (high - low) * share)
+
+
+class Target(Strict):
+    """One design question: what is wanted, over which factors, under which limits and uncertainties."""
+
+    maximise: str | Texts = Field(default_factory=list, description="expression, or a list of them: a Pareto front")
+    minimise: str | Texts = Field(default_factory=list, description="as maximise")
+    over: Annotated[list[InputName], Field(min_length=1)] | dict[InputName, Variable] = Field(
+        description="design variables, categories among them: names, or names with low and high, or choices"
+    )
+    at: dict[InputName, Number | str] = Field(default_factory=dict, description="factors held at a value")
+    worst_case: dict[FactorName, Interval] = Field(
+        default_factory=dict, description="factors that may take any value of a range [low, high]"
+    )
+    uncertain: dict[FactorName, Distribution] = Field(
+        default_factory=dict, description="factors with a distribution: uniform, normal or triangular"
+    )
+    robust: str = Field("worst case", description="objective counts as 'worst case', 'mean' or 'mean - K std'")
+    subject_to: list[str] = Field(
+        default_factory=list, description='limits "expression <= number [unit] [with probability p]"; deviation(...)'
+    )
+    allow_outside_interval: bool = Field(
+        False, description="go on although an exact value left the interval that the surrogate gave"
+    )
+
+    @property
+    def variables(self) -> dict[str, Variable]:
+        """Design variables by name."""
+        return dict(self.over) if isinstance(self.over, dict) else {name: Variable() for name in self.over}
+
+    @property
+    def continuous(self) -> list[str]:
+        """Those of a range."""
+        return [name for name, one in self.variables.items() if name in FACTORS and not one.choices]
+
+    @property
+    def objectives(self) -> list[statements.Objective]:
+        """What is wanted, parsed; two or more make a Pareto front."""
+        maximise = [self.maximise] if isinstance(self.maximise, str) else self.maximise
+        minimise = [self.minimise] if isinstance(self.minimise, str) else self.minimise
+        return [statements.objective(text) for text in maximise] + [
+            statements.objective(text, maximise=False) for text in minimise
+        ]
+
+    @property
+    def limits(self) -> list[statements.Limit]:
+        """The limits, parsed, in the study's order."""
+        return [statements.limit(text) for text in self.subject_to]
+
+    @property
+    def statistic(self) -> statements.Statistic:
+        """How uncertain cases count in the objective."""
+        return statements.statistic(self.robust)
+
+    @model_validator(mode="after")
+    def _readable(self) -> Self:
+        if not self.objectives:
+            raise ValueError("maximise or minimise: missing; one must be given")
+        if not self.variables:
+            raise ValueError("over: needs at least one factor")
+        texts = [str(one) for one in self.limits]
+        for text in texts:
+            if texts.count(text) > 1:
+                raise ValueError(f"subject_to: {text!r} is given twice")
+        for name, (low, high) in self.worst_case.items():
+            if not low <= high:
+                raise ValueError(f"worst_case: {name}: {low:g} must not be above {high:g}")
+        if self.statistic.deviations is not None and not self.uncertain:
+            raise ValueError(f"robust: {self.robust!r} needs uncertain factors")
+        for limit in self.limits:
+            if limit.probability is not None and not self.uncertain:
+                raise ValueError(f"subject_to: {limit}: a probability needs uncertain factors")
+            if limit.deviation and not (self.uncertain or self.worst_case):
+                raise ValueError(f"subject_to: {limit}: a deviation needs worst_case or uncertain factors")
+        combinations = prod(len(one.choices) or 1 for one in self.variables.values())
+        if combinations > MOST_CHOICES:
+            raise ValueError(f"over: {combinations} combinations of choices are more than {MOST_CHOICES}")
+        return self
+
+    def values(self, name: str) -> list[float | str]:
+        """Every value that the question gives to a factor: its ends, choices, or the one it is held at."""
+        if name in self.at:
+            return [self.at[name]]
+        if name in self.worst_case:
+            return list(self.worst_case[name])
+        if name in self.uncertain:
+            return list(self.uncertain[name].support)
+        variable = self.variables.get(name, Variable())
+        return [*variable.choices, *(end for end in (variable.low, variable.high) if end is not None)]
+
+    def names(self) -> list[str]:
+        """Names in objectives and limits."""
+        parsed = [*(one.expression for one in self.objectives), *(one.expression for one in self.limits)]
+        return list(dict.fromkeys(name for expression in parsed for name in expression.names()))

@@ -1,0 +1,34 @@
+"""What the parts of the study's model are made of: strictness, numbers and the names of the interface."""
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from solver.names import CHOICES, EVERY_QUANTITY, FACTORS, INTERIOR, INTERIOR_ON_REQUEST
+from workflow.language.spelling import nearest
+
+
+class Strict(BaseModel):
+    """No unknown keys, no silent conversions, no changes afterwards."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+def _one_of(names: list[str], kind: str) -> AfterValidator:
+    def check(name: str) -> str:
+        if name not in names:
+            raise ValueError(f"{name!r} is not a {kind}; {nearest(name, names)}")
+        return name
+
+    return AfterValidator(check)
+
+
+Number = Annotated[float, Field(allow_inf_nan=False)]
+CategoryName = Annotated[str, _one_of(["material", *CHOICES], "category")]
+FactorName = Annotated[str, _one_of(list(FACTORS), "factor")]
+InputName = Annotated[str, _one_of(["material", *CHOICES, *FACTORS], "factor")]
+QuantityName = Annotated[str, _one_of(list(EVERY_QUANTITY), "quantity")]
+FieldName = Annotated[str, _one_of([*INTERIOR, *INTERIOR_ON_REQUEST], "field of the interior")]
+Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
+Interval = Annotated[list[Number], Field(min_length=2, max_length=2)]
