@@ -88,7 +88,7 @@ def test_names_and_units_cannot_command_the_terminal(
         f"name: {text}\nnote: {text}\nsource: {text}\nc11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n", encoding="utf-8"
     )
     said = complaint(capsys, "material", own)
-    assert said.isprintable()
+    assert said.strip().isprintable()
 
 
 def test_nothing_is_written_over_inputs_or_devices(
