@@ -131,7 +131,7 @@ def test_what_is_no_value_is_quoted_by_its_beginning() -> None:
     for factors in ({"material": everything}, {"profile": everything}, {"load": everything}, {"width": [everything]}):
         with pytest.raises(solver.FactorError) as caught:
             solver.solve(GOOD | factors)
-        assert str(caught.value).startswith(f"{next(iter(factors))}: \"{str(everything)[:20]}")
+        assert str(caught.value).startswith(f'{next(iter(factors))}: "{str(everything)[:20]}')
         assert len(str(caught.value)) < 200
     refused(GOOD | {"material": everything}, "give the name of one, or a Material")
     refused(MIXED, "phases: ", "give the name of one, or a Material", phases=("steel", 3))
