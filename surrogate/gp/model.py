@@ -2,7 +2,6 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from os import PathLike
 from typing import Any, ClassVar, Literal, Self, overload
 
 import numpy as np
@@ -283,12 +282,6 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
         ]
         self.calibration_ = calibrate(mean - true, parts, t)
         return self
-
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write the model to a netCDF-4 file, whole or not at all; the same model gives the same bytes."""
-        from surrogate.gp.persistence import save
-
-        save(self, path)
 
     def _physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
         """Turn derivatives in scaled coordinates into those in physical inputs, at points (n, d): (d, p, n)."""

@@ -28,7 +28,15 @@ PROBE_TOLERANCE = 1e-7
 
 
 def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
-    """Write a fitted model to a netCDF-4 file, whole or not at all; the same model gives the same bytes."""
+    """Write a fitted model to a netCDF-4 file, whole or not at all; the same model gives the same bytes.
+
+    Raises
+    ------
+    FileNotFoundError
+        The folder does not exist.
+    OSError
+        No room or no permission, in the system's words, with the file.
+    """
     inputs, outputs = model.inputs_, model.outputs_
     points = probe_points(inputs)
     mean, std = model.predict_array(points, return_std=True)
