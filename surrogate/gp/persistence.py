@@ -12,6 +12,7 @@ from storage.netcdf import FAILURES, read_whole, write_whole
 from storage.quarantine import try_to_read
 from storage.sealed import FormatError
 from surrogate.data.inputs import Input
+from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.gp.conformal import Calibration
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.model import GaussianProcess
@@ -61,7 +62,7 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
     if model.calibration_ is not None:
         common = common.assign(model.calibration_.state())
     whole = common.merge(model.state(), combine_attrs="no_conflicts")
-    write_whole(described(whole, f"surrogate of {', '.join(outputs)}"[:200]), path)
+    write_whole(described(whole, f"surrogate of {', '.join(outputs)}"[:200], SOURCE, MEANINGS), path)
 
 
 def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
