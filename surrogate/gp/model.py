@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted
 
+from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.points import Points, Queries, named_points, outside, require_inside
 from surrogate.gp.conformal import HALF_WIDTH, NOMINAL, Calibration, calibrate
-
-Array = NDArray[np.float64]
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048
@@ -301,7 +300,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
     def _weights(self) -> Array:
         return np.ones((self.parts, len(self.outputs_))) if self.calibration_ is None else self.calibration_.weights
 
-    def _checked(self, named: Points, extrapolate: bool) -> NDArray[np.bool_] | None:
+    def _checked(self, named: Points, extrapolate: bool) -> Flags | None:
         if not extrapolate:
             require_inside(named.X, self.inputs_)
             return None

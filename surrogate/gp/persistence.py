@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from storage.described import described
 from storage.netcdf import FAILURES, read_whole, write_whole
 from storage.quarantine import try_to_read
 from storage.sealed import FormatError
+from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.gp.conformal import Calibration
@@ -113,7 +113,7 @@ def _engine(name: str) -> "type[GridGP | ScatterGP]":
     return ScatterGP
 
 
-def probe_points(inputs: tuple[Input, ...]) -> NDArray[np.float64]:
+def probe_points(inputs: tuple[Input, ...]) -> Array:
     """Return a few points spread over the box, (PROBES, d): a Kronecker sequence."""
     steps = np.sqrt(np.arange(2, 2 + len(inputs)) + 0.618)
     share = (np.arange(1, PROBES + 1)[:, None] * steps) % 1
