@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import surrogate
 from workflow.dataset import factorial
 from workflow.learning import training
 from workflow.run.provenance import ROOT
@@ -24,7 +25,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     study = load(ROOT / "config/quickstart.yaml")
     (folder / "results/quickstart").mkdir(parents=True)
     exact = factorial.exact(study, dict(factorial.levels(study)))
-    training.fit(study, exact).save(folder / "results/quickstart/surrogate.nc")
+    surrogate.save(training.fit(study, exact), folder / "results/quickstart/surrogate.nc")
     return folder
 
 

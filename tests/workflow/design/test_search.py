@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver import solve
-from surrogate.search.pareto import hypervolume
+from tests.surrogate.hypervolume import hypervolume
 from workflow.dataset import factorial
 from workflow.design import search
 from workflow.learning import training
