@@ -21,8 +21,7 @@ Arrows = set[tuple[str, str]]
 
 def rulegraph() -> str:
     """What Snakemake says of the rules, as dot."""
-    snakemake = Path(sys.executable).with_name("snakemake")
-    command = [snakemake, "--rulegraph", "dot", "--quiet", "all", "--", *TARGETS]
+    command = [str(Path(sys.executable).with_name("snakemake")), "--rulegraph", "dot", "--quiet", "all", "--", *TARGETS]
     return subprocess.run(command, cwd=FOLDER.parent, capture_output=True, text=True, check=True).stdout
 
 
