@@ -133,7 +133,7 @@ def _collocated(name: str, case: dict[str, Any], terms: int, surface: SurfaceRes
 
 
 def _answers(numerical: collocation.Contact, surface: SurfaceResponse, datum: float) -> dict[str, Array]:
-    """What the collocation says of a case, named as in ``interface.md``."""
+    """What the collocation says of a case, named as in ``solver.names``."""
     tractions, transforms = numerical.tractions(X), numerical.transforms(X)
     t, transform = (np.vstack([numerical.problem.friction * rows[0], rows]) for rows in (tractions, transforms))
     along = surface.along_surface(t, transform)

@@ -10,7 +10,7 @@ import solver
 from solver.names import EVERY_QUANTITY, FIELDS, INTERIOR, INTERIOR_ON_REQUEST
 from tests.solver.cases import CHARGED, SIH_SONG, assert_same
 
-#: Units of interface.md.
+#: Units of ``solver.names``, written out.
 FIELD_UNITS = {
     "contact_pressure": "Pa",
     "shear_traction": "Pa",

@@ -60,7 +60,7 @@ def test_collocation_and_50_digits_agree(friction: float, speed: float, conducte
 
 
 def quantities(found: collocation.Contact, surface: SurfaceResponse) -> dict[str, float]:
-    """What collocation can tell of the quantities of interface.md."""
+    """What collocation can tell of the quantities of ``solver.names``."""
     depth, voltage, magnetic_potential = found.punch_response(0.2)
     alpha, h, near = found.problem.weights()[0][0], found.half_width, np.array([1e-24])
     trailing, leading = (found._tractions(*sides)[:, 0] for sides in ((near, 2 - near), (2 - near, near)))
