@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 import surrogate
-from solver import FactorError, Material, MaterialError, find, limiting_speed, solve, solve_interior
+from solver import FactorError, Material, MaterialError, PrecisionWarning, find, limiting_speed, solve, solve_interior
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
 from solver.names import EVERY_QUANTITY, QUANTITIES
@@ -59,6 +59,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         with warnings.catch_warnings():
+            warnings.simplefilter("always", PrecisionWarning)
             warnings.showwarning = _warned
             return int(options.run(options) or 0)
     except (InputError, FactorError, MaterialError, OutOfBoxError, FormatError) as error:

@@ -64,7 +64,10 @@ def test_a_table_is_answered_with_every_digit(model: Path, tmp_path: Path, capsy
     points = np.random.default_rng(0).uniform([0.01, 0.0], [0.3, 0.5], (5000, 2))
     table.write_text("radius,friction\n" + "".join(f"{r!r},{f!r}\n" for r, f in points.tolist()), encoding="utf-8")
     assert main.main(["query", str(model), str(table), "-o", str(out), "--extrapolate"]) == 0
-    assert capsys.readouterr() == ("", f"wrote {out}: 5000 points, 1 outputs\n")
+    shown = capsys.readouterr()
+    doubt, wrote = shown.err.splitlines()
+    assert (shown.out, wrote) == ("", f"wrote {out}: 5000 points, 1 outputs")
+    assert doubt.startswith("not calibrated: ")
     with out.open(encoding="utf-8", newline="") as file:
         header, *rows = csv.reader(file)
     assert header[:2] == ["radius", "friction"]
@@ -84,11 +87,8 @@ def test_names_and_units_cannot_command_the_terminal(
     own.write_text(
         f"name: {text}\nnote: {text}\nsource: {text}\nc11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n", encoding="utf-8"
     )
-    assert main.main(["material", str(own)]) == 0
-    shown = capsys.readouterr().out
-    assert shown.count("owned") == 3
-    assert all(line.isprintable() for line in shown.split("\n"))
-    assert "\nsteel" not in shown
+    said = complaint(capsys, "material", own)
+    assert said.strip().isprintable()
 
 
 def test_nothing_is_written_over_inputs_or_devices(
