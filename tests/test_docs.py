@@ -1,10 +1,12 @@
 """The documentation: every command and every block of Python in it is run, its pictures are the code's, it builds."""
 
+import io
 import os
 import re
 import shlex
 import subprocess
 import sys
+import tokenize
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -113,6 +115,50 @@ def test_every_module_is_listed_with_the_first_line_of_its_docstring() -> None:
     paths = re.findall(r"`((?:workflow|solver|surrogate|storage)/[\w/]+\.\w+)`", page)
     assert len(paths) >= 8
     assert all((ROOT / path).is_file() for path in paths)
+
+
+NAMED = re.compile(r"(?<![\w./-])((?:solver|surrogate|workflow|storage|verification)(?:\.[a-z]\w*)+)(?![\w-])")
+PATH = re.compile(
+    r"(?<![\w./*-])((?:solver|surrogate|workflow|storage|verification|docs)/[\w/-]+\.(?:py|md|toml|smk|js|j2|svg|rst))\b"
+)
+
+
+def prose(path: Path) -> str:
+    """A page, or the comments and docstrings of a module."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix != ".py":
+        return text
+    parts = [part for part in tokenize.generate_tokens(io.StringIO(text).readline) if part.type == tokenize.COMMENT]
+    return "\n".join([part.string for part in parts] + re.findall(r'"""(.*?)"""', text, re.DOTALL))
+
+
+def stands(name: str) -> bool:
+    """Whether a dotted name is a module, or something that one holds."""
+    folder = ROOT
+    for part in name.split("."):
+        if (folder / f"{part}.py").is_file():
+            return True
+        if not (folder / part).is_dir():
+            return part in ("js", "md", "nc", "py") or f'"{part}"' in (folder / "__init__.py").read_text(encoding="utf-8")
+        folder /= part
+    return True
+
+
+def test_every_module_that_a_text_names_is_there() -> None:
+    pages = [*SHOWN, ROOT / "Makefile", ROOT / "mkdocs.yml", ROOT / ".pre-commit-config.yaml"]
+    modules = [path for room in rooms.COLUMNS for path in (ROOT / room).rglob("*.py")]
+    astray = {
+        (str(path.relative_to(ROOT)), name)
+        for path in [*pages, *modules]
+        for text in [prose(path)]
+        for name in {one for one in NAMED.findall(text) if not stands(one)}
+        | {one for one in PATH.findall(text) if not (ROOT / one).is_file()}
+    }
+    assert not astray
+    assert not stands("solver.labelled")
+    assert not stands("workflow.design.judgement")
+    assert stands("workflow.study.load")
+    assert stands("solver.face.solution.solve")
 
 
 def test_the_documentation_builds_and_needs_no_network(tmp_path: Path) -> None:
