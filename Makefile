@@ -45,8 +45,7 @@ lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without dow
 	  --custom-compile-command "make lock" --extra build --extra slurm --extra docs --extra dev -c requirements/run.txt pyproject.toml -o requirements/dev.txt
 
 docs: .venv/dev.stamp  ## draw the pictures, list the modules and build the documentation into build/docs
-	$(BIN)/python docs/picture.py
-	$(BIN)/python -m docs.rooms
+	$(BIN)/python -m docs
 	$(BIN)/python -m mkdocs build --strict --quiet --site-dir build/docs
 	@echo "documentation: build/docs/index.html"
 

@@ -1,4 +1,4 @@
-"""The picture of the rooms and the list of what is in them: ``python -m docs.rooms`` writes both from the code.
+"""The picture of the rooms and the list of what is in them: `make docs` writes both from the code.
 
 `docs/rooms.svg` is drawn from the imports; `docs/architecture.md` has a line of every module, its docstring's first.
 Rooms stand in rows by the longest way down from them, so that every arrow goes down; a column is a room at the top.
@@ -164,8 +164,3 @@ def _lines(folder: Path, depth: int = 3) -> str:
 def _said(path: Path) -> str:
     """The first line of a module's docstring."""
     return (ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").splitlines()[0]
-
-
-if __name__ == "__main__":
-    PAGE.write_text(listed(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
-    (FOLDER / "rooms.svg").write_text(draw(imports()), encoding="utf-8")
