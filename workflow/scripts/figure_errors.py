@@ -2,15 +2,11 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.netcdf import read_whole
 from workflow.report.figures import decay, intervals, plots
 from workflow.run import joblog
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
+snakemake = joblog.start(globals())
 validation = read_whole(Path(snakemake.input[0]))
 plots.save(decay.figure(validation), Path(snakemake.output.decay))
 plots.save(plots.errors(validation), Path(snakemake.output.errors))
