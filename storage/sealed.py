@@ -63,7 +63,7 @@ def appearing(path: Path, *, sealed: bool = False) -> Iterator[Path]:
 def seal(path: Path) -> None:
     """Mark a file as complete: append its length and digest."""
     length = path.stat().st_size
-    mark = SEAL.pack(MAGIC, length, _digest(path, length))
+    mark = SEAL.pack(MAGIC, length, sha256(path, length))
     with path.open("ab") as file:
         file.write(mark)
 
@@ -85,7 +85,7 @@ def check_seal(path: Path, max_bytes: int, *, digest: bool = True) -> str:
     magic, length, stored = SEAL.unpack(end) if len(end) == SEAL.size else (b"", 0, b"")
     if magic != MAGIC or length != size - SEAL.size:
         raise FormatError(path, "incomplete: it has no seal at its end, so it is truncated or not of this program")
-    if digest and stored != _digest(path, length):
+    if digest and stored != sha256(path, length):
         raise FormatError(path, "altered: its bytes do not match its seal")
     return str(stored.hex())
 
@@ -103,7 +103,8 @@ def _explained(error: OSError | RuntimeError, partial: Path, path: Path) -> OSEr
     return error
 
 
-def _digest(path: Path, length: int) -> bytes:
+def sha256(path: Path, length: int) -> bytes:
+    """Digest of the first bytes of a file."""
     digest = hashlib.sha256()
     with path.open("rb") as file:
         while length > 0 and (part := file.read(min(length, 2**20))):
