@@ -70,7 +70,7 @@ def test_a_path_is_found_again_by_those_that_this_process_starts(folder: Path) -
     assert location.given("far/mine.yaml") == location.given(str(mine)) == "mine"
     with pytest.raises(InputError, match="another study named 'mine' was given before"):
         location.given(str(other))
-    command = "from workflow import location; print(location.location('mine'), end='')"
+    command = "from workflow.study import location; print(location.location('mine'), end='')"
     done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=True)
     assert done.stdout == str(mine)
 
