@@ -15,14 +15,14 @@ def listed() -> str:
     known = materials()
     width = max(map(len, known))
     lines = [
-        f"{name:{width}s} {'*' if one.note else ' '} {_kind(one):23s}  {one.source}" for name, one in known.items()
+        f"{name:{width}s} {'*' if one.note else ' '} {_coupling(one):23s}  {one.source}" for name, one in known.items()
     ]
     lines.append("* repaired, doubtful or disputed: meecontact material NAME says what, with the constants and roots")
     lines.append("own materials: meecontact material FILE.yaml")
     return "\n".join(lines)
 
 
-def _kind(material: Material) -> str:
+def _coupling(material: Material) -> str:
     electric, magnetic = (
         any(np.any(getattr(material, f"{letter}{axes}")) for axes in ("31", "33", "15")) for letter in "ef"
     )

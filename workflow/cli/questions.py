@@ -259,10 +259,10 @@ def _interval(where: str, text: str) -> list[float]:
 
 
 def _distribution(name: str, text: str) -> dict[str, list[float]]:
-    kind, bracket, rest = text.partition("(")
+    family, bracket, rest = text.partition("(")
     if not bracket or not rest.endswith(")"):
         raise InputError(f"--uncertain: {name}: {text!r} is not of the form normal(MEAN,STD) or another distribution")
-    return {kind.strip(): [_number(f"--uncertain: {name}", one) for one in rest[:-1].split(",")]}
+    return {family.strip(): [_number(f"--uncertain: {name}", one) for one in rest[:-1].split(",")]}
 
 
 def _number(where: str, text: str) -> float:

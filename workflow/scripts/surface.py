@@ -9,7 +9,7 @@ from workflow.run import joblog
 from workflow.study import planned
 
 snakemake = joblog.start(globals())
-config = levels.resolved(planned.study(snakemake), snakemake.input.levels)
+config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
 model = surface.fit(config)
 model.save(Path(snakemake.output.model))
 write_whole(surface.validate(config, model), Path(snakemake.output.validation))

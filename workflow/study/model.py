@@ -104,7 +104,7 @@ class Study(Strict):
         return any(axis.levels is None for axis in self.factors.values())
 
     @property
-    def targets(self) -> list[str]:
+    def final_files(self) -> list[str]:
         """Files under ``results/<study>/`` that a run makes last."""
         return ["report.html", "verdict.txt"] if self.verification else ["report.html"]
 
