@@ -11,9 +11,6 @@ from math import isfinite
 
 from workflow.language import grammar, units
 from workflow.language.expressions import Expression
-from workflow.language.spelling import nearest
-
-__all__ = ["Limit", "Objective", "Statistic", "limit", "nearest", "objective", "statistic"]
 
 _LIMIT = re.compile(
     r"(?P<left>.+?)\s*(?P<sign><=|>=|<|>)\s*(?P<value>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\w.])\s*(?P<unit>.*?)"
