@@ -36,8 +36,8 @@ def _log_to(path: str) -> None:
         filename=path, filemode="w", force=True, level=logging.INFO, format="%(levelname)s %(name)s: %(message)s"
     )
 
-    def report(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
-        log.error("failed", exc_info=(kind, error, trace))
-        print(f"{kind.__name__}: {error}", file=sys.stderr)
+    def report(raised: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        log.error("failed", exc_info=(raised, error, trace))
+        print(f"{raised.__name__}: {error}", file=sys.stderr)
 
     sys.excepthook = report

@@ -10,7 +10,7 @@ from workflow.study import planned
 
 snakemake = joblog.start(globals())
 name = snakemake.wildcards.study
-config = levels.resolved(planned.study(snakemake), snakemake.input.levels)
+config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
 slabs = [Path(slab) for slab in snakemake.input.slabs]
 times = [Path(snakemake.log[0]).with_name("slab") / f"{number}.tsv" for number in range(len(slabs))]
 card = datacard.card(config, name, slabs, times)

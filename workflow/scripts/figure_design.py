@@ -11,5 +11,5 @@ snakemake = joblog.start(globals())
 target = planned.study(snakemake).design[snakemake.wildcards.name]
 folder = Path(snakemake.output[0])
 folder.mkdir(exist_ok=True)
-for kind, figure in design.figures_of(read_whole(Path(snakemake.input[0])), target).items():
-    plots.save(figure, folder / f"{kind}_{snakemake.wildcards.name}.svg")
+for name, figure in design.figures_of(read_whole(Path(snakemake.input[0])), target).items():
+    plots.save(figure, folder / f"{name}_{snakemake.wildcards.name}.svg")

@@ -13,6 +13,6 @@ output = Path(snakemake.output[0])
 name = snakemake.wildcards.study
 figures = [Path(figure) for figure in snakemake.input.figures]
 figures += [figure for folder in snakemake.input.folders for figure in sorted(Path(folder).glob("*.svg"))]
-config = levels.resolved(planned.study(snakemake), snakemake.input.levels)
+config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
 page = report.page(config, name, output.parent, figures, Path(snakemake.input.provenance), snakemake.input.levels)
 write_text(output, page)

@@ -7,5 +7,5 @@ from workflow.run import joblog
 from workflow.study import planned
 
 snakemake = joblog.start(globals())
-config = levels.resolved(planned.study(snakemake), snakemake.input.levels)
+config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
 slabs.write_slab(config, int(snakemake.wildcards.slab), Path(snakemake.output[0]))

@@ -10,7 +10,7 @@ from workflow.run import joblog
 from workflow.study import planned
 
 snakemake = joblog.start(globals())
-config = levels.resolved(planned.study(snakemake), snakemake.input.levels)
+config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
 model = surface.fit(config)
 save(model, Path(snakemake.output.model))
 write_whole(surface.validate(config, model), Path(snakemake.output.validation))

@@ -12,7 +12,7 @@ from workflow.run import joblog
 from workflow.study import planned
 
 snakemake = joblog.start(globals())
-config = levels.resolved(planned.study(snakemake), snakemake.input.levels)
+config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
 quantities = read_whole(Path(snakemake.input.quantities))
 model = load(snakemake.input.surrogate)
 cases = read_whole(Path(snakemake.input.cases))

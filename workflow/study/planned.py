@@ -34,7 +34,7 @@ def study(job: "Snakemake") -> Study:
     name, (sections, _, digest) = job.wildcards.study, job.params.study.partition(": ")
     found = begun(name, _results(name, Path(job.output[0])))
     if found is None or found.digest(*sections.split()) != digest:
-        found = partition.settled(studies.named(name))
+        found = partition.with_slabs(studies.named(name))
     if found.digest(*sections.split()) == digest:
         return found
     raise InputError(f"{found.path}: was changed ({sections}) after this job was planned; run the study again")

@@ -32,7 +32,7 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Study]:
     Path("config").mkdir()
     Path("config/mine.yaml").write_text(MATERIAL, encoding="utf-8")
     Path("config/own.yaml").write_text(OWN, encoding="utf-8")
-    yield partition.settled(named("own"))
+    yield partition.with_slabs(named("own"))
     lock.release()
 
 
@@ -88,7 +88,7 @@ def test_what_a_killed_run_has_left_half_written_is_not_believed(own: Study, tex
 
 @pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda path: path.stem)
 def test_every_study_thaws_as_it_was_frozen(path: Path) -> None:
-    study = partition.settled(load(path))
+    study = partition.with_slabs(load(path))
     again = thawed(study.frozen())
     assert again.digest(*Study.model_fields) == study.digest(*Study.model_fields)
     assert again.quantities == study.quantities
@@ -97,17 +97,17 @@ def test_every_study_thaws_as_it_was_frozen(path: Path) -> None:
 def test_the_digest_tells_materials_apart_to_the_last_bit(own: Study) -> None:
     next_one = float(np.nextafter(7.7e10, 1e11))
     edit("config/mine.yaml", "c44: 7.7e+10", f"c44: {next_one!r}")
-    other = partition.settled(named("own"))
+    other = partition.with_slabs(named("own"))
     assert other.digest(*PHYSICS) != own.digest(*PHYSICS)
     assert other.digest("factors") == own.digest("factors")
 
 
 def test_a_slab_is_of_the_count_that_it_was_planned_with(own: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})
-    one = partition.settled(named("own"))
+    one = partition.with_slabs(named("own"))
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1})
     monkeypatch.setattr("os.sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 2**22}.__getitem__)
-    two = partition.settled(named("own"))
+    two = partition.with_slabs(named("own"))
     assert (partition.count(one), partition.count(two)) == (1, 2)
     assert one.digest("dataset") != two.digest("dataset")
     assert partition.count(thawed(one.frozen())) == 1  # on a node with more cores than the login node
@@ -145,7 +145,7 @@ def test_every_script_that_needs_a_study_takes_the_one_it_was_planned_with() -> 
 def test_a_node_of_a_cluster_works_on_the_study_of_the_start(copy: Callable[[str], Project], ran: Project) -> None:
     project, slab = copy("node"), "results/small/fields/slab_0.nc"
     lock.claim(
-        {"small": partition.settled(load(project.folder / "config/small.yaml")).frozen()}, project.folder / "results"
+        {"small": partition.with_slabs(load(project.folder / "config/small.yaml")).frozen()}, project.folder / "results"
     )
     try:
         (project.folder / "config/small.yaml").write_text(SMALL.replace("fibrous", "laminate"), encoding="utf-8")
