@@ -11,7 +11,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from workflow.report.figures.plots import styled
+from workflow.report.figures.style import styled
 
 _ABOUT = ("machine", "processor", "versions")
 

@@ -139,7 +139,9 @@ def stands(name: str) -> bool:
         if (folder / f"{part}.py").is_file():
             return True
         if not (folder / part).is_dir():
-            return part in ("js", "md", "nc", "py") or f'"{part}"' in (folder / "__init__.py").read_text(encoding="utf-8")
+            return part in ("js", "md", "nc", "py") or f'"{part}"' in (folder / "__init__.py").read_text(
+                encoding="utf-8"
+            )
         folder /= part
     return True
 
