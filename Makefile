@@ -7,7 +7,7 @@ BIN    := .venv/bin
 export PYTHONDONTWRITEBYTECODE :=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: run test soak slurm lint docs bench lock schema clean help
+.PHONY: run test coverage soak slurm lint docs bench lock schema clean help
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -20,6 +20,12 @@ run: .venv/$(if $(shell grep -s '^verification:' "config/$(STUDY).yaml"),dev,run
 test: .venv/dev.stamp  ## linters, types, import contract and every test
 	@$(MAKE) --no-print-directory lint
 	$(BIN)/python -m pytest -n auto
+
+coverage: .venv/dev.stamp  ## lines and branches that the tests reach, jobs of their runs included; takes twice as long
+	@rm -rf build/coverage
+	$(BIN)/python -m coverage run -m pytest -n auto
+	$(BIN)/python -m coverage combine -q
+	$(BIN)/python -m coverage report
 
 soak: .venv/dev.stamp  ## a hundred kills and ten thousand hostile files; takes 20 minutes on two cores
 	MEECONTACT_SOAK=1 $(BIN)/python -m pytest -n auto --dist worksteal -m "soak or soakable" tests/faults

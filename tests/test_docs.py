@@ -4,20 +4,19 @@ import io
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tokenize
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 import yaml
 
 from docs import picture, rooms
-from tests.workflow.conftest import Project, copy
+from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
-
-__all__ = ["copy"]
 
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 SHOWN = [ROOT / "README.md", *PAGES]  # the README's Python is run by tests/test_documents.py
@@ -37,18 +36,10 @@ def blocks(kind: str, pages: Sequence[Path] = PAGES) -> list[tuple[str, str]]:
 
 
 @pytest.fixture(scope="module")
-def project(copy: Callable[[str], Project]) -> Project:
-    """A copy in which a quickstart of few cases and no target has run."""
-    project = copy("docs")
-    study = project.folder / "config/quickstart.yaml"
-    content = yaml.safe_load(study.read_text(encoding="utf-8"))
-    for axis in content["factors"].values():
-        axis["levels"] = min(axis["levels"], 4)
-        axis.update({key: float(axis[key]) for key in ("low", "high")})
-    content.pop("design", None)
-    content["validation"] = {"cases": 200, "tolerance": 1.0}
-    study.write_text(yaml.safe_dump(content), encoding="utf-8")
-    project.run("meecontact", "run", "quickstart", "--cores", "2")
+def project(quickstart: Project, tmp_path_factory: pytest.TempPathFactory) -> Project:
+    """A folder of its own, in which the quickstart has run."""
+    project = Project(tmp_path_factory.mktemp("docs") / "project")
+    shutil.copytree(quickstart.folder, project.folder)
     return project
 
 

@@ -5,9 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.workflow.conftest import Project, copy
-
-__all__ = ["copy"]
+from tests.workflow.conftest import Project
 
 TINY = """\
 title: A tiny study

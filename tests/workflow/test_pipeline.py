@@ -166,9 +166,16 @@ def test_results_of_another_checkout_are_not_taken_for_those_of_this_study(
     assert "report:" not in done.stdout
 
 
-def test_edits_rerun_exactly_what_depends_on_them(copy: Callable[[str], Project]) -> None:
-    project = copy("edits")
-    project.snakemake(REPORT)
+@pytest.fixture(scope="module")
+def again(copy: Callable[[str], Project]) -> Project:
+    """Another copy in which the small study has run to its report, by plain Snakemake on one core."""
+    project = copy("again")
+    project.run("snakemake", "--cores", "1", REPORT)
+    return project
+
+
+def test_edits_rerun_exactly_what_depends_on_them(again: Project) -> None:
+    project = again
     everything_after_the_surrogate = {
         "surrogate", "validation", "target", "design", "figure_errors", "sensitivity",
         "figure_sensitivity", "figure_design", "provenance", "report",
@@ -203,9 +210,7 @@ def test_edits_rerun_exactly_what_depends_on_them(copy: Callable[[str], Project]
     assert study.read_text(encoding="utf-8") == original
 
 
-def test_equal_inputs_give_equal_bytes(ran: Project, copy: Callable[[str], Project]) -> None:
-    again = copy("again")
-    again.run("snakemake", "--cores", "1", REPORT)
+def test_equal_inputs_give_equal_bytes(ran: Project, again: Project) -> None:
     results = ran.folder / "results/small"
     compared = sorted(file for file in results.rglob("*") if file.suffix in (".nc", ".csv", ".svg"))
     assert len(compared) > 12

@@ -7,12 +7,12 @@ import sys
 from functools import cache
 
 from workflow.design import unreached
-from workflow.run import provenance, lock
+from workflow.run import lock, provenance
 from workflow.study import location, partition, planned
 from workflow.study import model as studies
 from workflow.study.model import CHECK_GROUPS, CONVERGING, PHYSICS
 
-# jobs look for modules where this process does, before the folder of their script, which has a surrogate.py of its own
+# jobs look for modules where this process does
 sys.path.insert(0, str(provenance.ROOT))
 
 STUDIES = set()  # those that this run needs

@@ -2,15 +2,11 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.netcdf import read_whole
 from workflow.report.figures import coefficients, coverage, style, surrogate_errors
 from workflow.run import joblog
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
+snakemake = joblog.start(globals())
 validation = read_whole(Path(snakemake.input[0]))
 style.save(coefficients.figure(validation), Path(snakemake.output.decay))
 style.save(surrogate_errors.errors(validation), Path(snakemake.output.errors))

@@ -2,15 +2,11 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.netcdf import read_whole
 from workflow.report.figures import sobol, style
 from workflow.run import joblog
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
+snakemake = joblog.start(globals())
 sensitivity = read_whole(Path(snakemake.input[0]))
 style.save(sobol.indices(sensitivity), Path(snakemake.output.indices))
 style.save(sobol.main_effects(sensitivity, snakemake.params.shown), Path(snakemake.output.effects))

@@ -4,32 +4,36 @@ from math import prod
 
 import numpy as np
 import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 
 from workflow.dataset import tiling
 
-LENGTHS = [[5, 6, 4, 7], [4], [3, 8], [2, 10, 20, 40, 5], [2, 13, 4]]
+FACTORIALS = st.lists(st.integers(1, 45), min_size=1, max_size=5).filter(lambda lengths: prod(lengths) <= 4000)
 
 
-@pytest.mark.parametrize("cases", [1, 3, 7, 28, 100, 168, 1000, 16384])
-@pytest.mark.parametrize("lengths", LENGTHS)
-def test_regions_fill_the_factorial_in_order(lengths: list[int], cases: int) -> None:
-    seen = np.arange(prod(lengths)).reshape(lengths)
-    chunk = tiling.chunk_lengths(lengths, max(1, cases // 2))
-    blocks = [seen[region].ravel() for region in tiling.regions(lengths, chunk, cases)]
-    np.testing.assert_array_equal(np.concatenate(blocks), seen.ravel())
-    assert all(block.size <= cases for block in blocks)
-    assert all(block[0] // prod(lengths[1:]) == block[-1] // prod(lengths[1:]) for block in blocks)
-
-
-@pytest.mark.parametrize("cases", [1, 3, 7, 28, 100, 168, 1000, 16384])
-@pytest.mark.parametrize("lengths", LENGTHS)
-def test_no_chunk_lies_in_two_blocks(lengths: list[int], cases: int) -> None:
+@settings(deadline=None, derandomize=True, max_examples=200)
+@given(lengths=FACTORIALS, cases=st.sampled_from([1, 2, 3, 7, 28, 100, 168, 1000, 16384]) | st.integers(1, 5000))
+@example(lengths=[5, 6, 4, 7], cases=28)
+@example(lengths=[2, 13, 4], cases=100)
+@example(lengths=[2, 10, 20, 40, 5], cases=1000)
+@example(lengths=[2, 10, 20, 40, 5], cases=16384)
+def test_blocks_fill_the_factorial_in_order_of_whole_chunks(lengths: list[int], cases: int) -> None:
     chunk = tiling.chunk_lengths(lengths, max(1, cases // 2))
     assert prod(chunk) <= max(1, cases // 2)
+    regions = list(tiling.regions(lengths, chunk, cases))
+
+    case = np.arange(prod(lengths)).reshape(lengths)
+    blocks = [case[region].ravel() for region in regions]
+    np.testing.assert_array_equal(np.concatenate(blocks), case.ravel())
+    assert max(block.size for block in blocks) <= cases
+    level = prod(lengths[1:])
+    assert all(block[0] // level == block[-1] // level for block in blocks)  # of the first factor
+
     places = np.indices(lengths) // np.array(chunk).reshape(-1, *[1] * len(lengths))
     number = np.ravel_multi_index(tuple(places), tuple(lengths))
-    blocks = [set(number[region].ravel().tolist()) for region in tiling.regions(lengths, chunk, cases)]
-    assert sum(map(len, blocks)) == len(set().union(*blocks))
+    held = [set(number[region].ravel().tolist()) for region in regions]
+    assert sum(map(len, held)) == len(set().union(*held))  # no chunk lies in two blocks
 
 
 @pytest.mark.parametrize(

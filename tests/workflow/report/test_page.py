@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 from collections.abc import Callable
+from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -151,10 +152,28 @@ def opened(text: str, folder: Path, width: int, probe: str = PROBE) -> dict[str,
     return seen
 
 
+@pytest.fixture(scope="module")
+def looked(ran: Project, tmp_path_factory: pytest.TempPathFactory) -> Callable[[int], dict[str, Any]]:
+    """What the browser sees of the page at a width: opened once."""
+    return cache(lambda width: opened(page(ran), tmp_path_factory.mktemp("browser"), width))
+
+
+#: Places of the sliders that the tests of the panel look at: the ends of the box, and others within it.
+PLACES = np.round(np.random.default_rng(0).uniform(-1, 1, (12, 4)), 4)
+PLACES[:2] = [[-1] * 4, [1] * 4]
+
+
+@pytest.fixture(scope="module")
+def moved(ran: Project, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """What the panel shows at first, at those places, and on the designs."""
+    probe = SLIDE.replace("PLACES", json.dumps(PLACES.tolist()))
+    return opened(page(ran), tmp_path_factory.mktemp("browser"), 1000, probe)
+
+
 @needs_browser
 @pytest.mark.parametrize("width", [1280, 500])
-def test_every_figure_is_drawn(ran: Project, tmp_path: Path, width: int) -> None:
-    seen = opened(page(ran), tmp_path, width)
+def test_every_figure_is_drawn(looked: Callable[[int], dict[str, Any]], width: int) -> None:
+    seen = looked(width)
     kinds = [figure["name"] for figure in seen["figures"]]
     shown = ("map", "slices", "bars", "contact")
     design = [f"figure-{kind}_{name}" for name in ("sensor", "impossible") for kind in shown]
@@ -182,8 +201,8 @@ def test_every_figure_is_drawn(ran: Project, tmp_path: Path, width: int) -> None
 
 
 @needs_browser
-def test_the_page_says_what_a_reader_needs(ran: Project, tmp_path: Path) -> None:
-    text = str(opened(page(ran), tmp_path, 1280)["text"])
+def test_the_page_says_what_a_reader_needs(ran: Project, looked: Callable[[int], dict[str, Any]]) -> None:
+    text = str(looked(1280)["text"])
     for word in (
         "A small study",
         "640",
@@ -243,14 +262,10 @@ def test_the_page_tells_nothing_of_earlier_states_of_the_study(ran: Project, tmp
 
 
 @needs_browser
-def test_sliders_move_numbers_that_are_those_of_python(ran: Project, tmp_path: Path) -> None:
-    model = surrogate.load(ran.folder / "results/small/surrogate.nc")
-    places = np.round(np.random.default_rng(0).uniform(-1, 1, (12, len(model.box))), 4)
-    places[:2] = [[-1] * len(model.box), [1] * len(model.box)]
-    probe = SLIDE.replace("PLACES", json.dumps(places.tolist()))
-    found = opened(page(ran), tmp_path, 1000, probe)
+def test_sliders_move_numbers_that_are_those_of_python(ran: Project, moved: dict[str, Any]) -> None:
+    model, found = surrogate.load(ran.folder / "results/small/surrogate.nc"), moved
     assert found["complaints"] == []
-    assert len(found["seen"]) == len(places) + 1
+    assert len(found["seen"]) == len(PLACES) + 1
     assert len(found["presets"]) == 2
     spread = read_whole(ran.folder / "results/small/quantities.nc")
     for one in [*found["seen"], *found["presets"]]:
@@ -276,7 +291,7 @@ def test_sliders_move_numbers_that_are_those_of_python(ran: Project, tmp_path: P
             "friction"
         ]
     }
-    for place, one in zip(places, found["seen"][1:], strict=True):
+    for place, one in zip(PLACES, found["seen"][1:], strict=True):
         spread = model.predict({name: float(value) for name, value in one["inputs"].items()} | worst)
         for said, name, limit in zip(one["limits"], ("trailing_tension", "peak_pressure"), (50e6, 500e6), strict=True):
             assert said["value"] == pytest.approx(float(spread[name].max()), rel=1e-9)
@@ -309,8 +324,8 @@ def designs_are_never_called_broken(found: dict[str, Any], folder: Path, targets
 
 
 @needs_browser
-def test_the_panel_agrees_with_every_design(ran: Project, tmp_path: Path) -> None:
-    found = opened(page(ran), tmp_path, 1000, SLIDE.replace("PLACES", "[]"))
+def test_the_panel_agrees_with_every_design(ran: Project, moved: dict[str, Any]) -> None:
+    found = moved
     assert found["complaints"] == []
     assert found["seen"][0]["limits"] == found["presets"][0]["limits"]
     assert len(found["presets"][0]["limits"]) == 2

@@ -1,7 +1,6 @@
 """The verification page as real processes: what a run makes, and that a red check fails it with the page in place."""
 
 import json
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -31,16 +30,13 @@ GROUPS = dict.fromkeys(NAMES, quick)
 def quick_checks(project: Project, error: float) -> None:
     """Put checks of some error in the place of the real ones."""
     text = f"ERROR = {error}\nNAMES = {CHECK_GROUPS}\n{QUICK}"
-    (project.folder / "tests/verification/__init__.py").write_text(text, encoding="utf-8")
+    (project.folder / "verification/__init__.py").write_text(text, encoding="utf-8")
     with (project.folder / "verification/findings.py").open("a", encoding="utf-8") as file:
         file.write(f"# checks of error {error}\n")  # a source that every group reaches
 
 
 def test_a_red_check_fails_the_run_and_the_page_shows_it(copy: Callable[[str], Project]) -> None:
     project = copy("verification")
-    for part in ("tests/verification", "tests/oracles"):
-        shutil.copytree(ROOT / part, project.folder / part, ignore=shutil.ignore_patterns("__pycache__"))
-    (project.folder / "tests/__init__.py").write_text("", encoding="utf-8")
     results = project.folder / "results/verification"
 
     quick_checks(project, 2e-4)

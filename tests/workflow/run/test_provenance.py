@@ -39,7 +39,7 @@ def test_a_design_reaches_solver_and_surrogate() -> None:
 
 def test_models_that_are_imported_when_asked_for_are_reached() -> None:
     assert {"surrogate/gp/gridgp.py", "surrogate/gp/persistence.py"} <= reached("sensitivity.py")
-    assert "surrogate/gp/gridgp.py" in reached("surrogate.py")
+    assert "surrogate/gp/gridgp.py" in reached("training.py")
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from snakemake.iocontainers import InputFiles, Log, OutputFiles, Params, ResourceList, Snakemake, Wildcards
 
 from tests.workflow.conftest import SMALL, Project
 from workflow.run import lock
@@ -35,6 +36,13 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Study]:
     lock.release()
 
 
+def job(parameter: str, prefix: str = "") -> Snakemake:
+    """A job of the study with one output, as its script sees it."""
+    wildcards, params = Wildcards(fromdict={"study": "own"}), Params(fromdict={"study": parameter})
+    files = InputFiles(), OutputFiles(toclone=[f"{prefix}results/own/fields/slab_0.nc"])
+    return Snakemake(*files, params, wildcards, 1, ResourceList(), Log(), {}, "slab", None)
+
+
 def edit(file: str, old: str, new: str) -> None:
     text = Path(file).read_text(encoding="utf-8")
     assert old in text
@@ -42,40 +50,40 @@ def edit(file: str, old: str, new: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("file", "old", "new"),
+    ("file", "old", "new", "prefix"),
     [
-        ("config/own.yaml", "load: 1e5", "load: 2e5"),
-        ("config/mine.yaml", "c44: 7.7e+10", "c44: 7.70000000001e+10"),
-        ("config/own.yaml", "load: 1e5", "load: ["),
+        ("config/own.yaml", "load: 1e5", "load: 2e5", ""),
+        ("config/mine.yaml", "c44: 7.7e+10", "c44: 7.70000000001e+10", "mee/"),
+        ("config/own.yaml", "load: 1e5", "load: [", ""),
     ],
-    ids=["study", "material", "broken"],
+    ids=["study", "material, as a module", "broken"],
 )
-def test_an_edit_while_the_run_lasts_reaches_no_job(own: Study, file: str, old: str, new: str) -> None:
+def test_an_edit_while_the_run_lasts_reaches_no_job(own: Study, file: str, old: str, new: str, prefix: str) -> None:
     parameter = planned.parameter(own, *PHYSICS)
-    lock.claim({"own": own.frozen()})
+    lock.claim({"own": own.frozen()}, f"{prefix}results")
     edit(file, old, new)
-    found = planned.study("own", parameter)
+    found = planned.study(job(parameter, prefix))
     assert found.fixed["load"] == 1e5
     assert found.own_materials["mine"].c44 == 7.7e10
     lock.release()
     with pytest.raises(InputError, match=r"^config/own\.yaml: ") as caught:
-        planned.study("own", parameter)
+        planned.study(job(parameter, prefix))
     assert "\n" not in str(caught.value)
 
 
 def test_without_a_copy_of_the_start_an_edited_study_is_refused(own: Study) -> None:
     parameter = planned.parameter(own, *PHYSICS)
     edit("config/own.yaml", "Own", "My own")
-    assert planned.study("own", parameter).title == "My own material"  # not among what the job was planned with
+    assert planned.study(job(parameter)).title == "My own material"  # not among what the job was planned with
     with pytest.raises(InputError, match=r"own\.yaml: was changed \(.*title.*\) after this job was planned; run"):
-        planned.study("own", planned.parameter(own))
+        planned.study(job(planned.parameter(own)))
 
 
 @pytest.mark.parametrize("text", ["", '{"study": {"title"', "[]"])
 def test_what_a_killed_run_has_left_half_written_is_not_believed(own: Study, text: str) -> None:
     Path("results/own").mkdir(parents=True)
     Path("results/own/.running").write_text(text, encoding="utf-8")
-    assert planned.study("own", planned.parameter(own)).digest(*PHYSICS) == own.digest(*PHYSICS)
+    assert planned.study(job(planned.parameter(own))).digest(*PHYSICS) == own.digest(*PHYSICS)
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda path: path.stem)
@@ -128,8 +136,7 @@ def test_every_script_that_needs_a_study_takes_the_one_it_was_planned_with() -> 
         if "workflow.study.planned" in names:
             calls = [ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.Call)]
             [call] = [call for call in calls if call.startswith("planned.")]
-            assert call.startswith("planned.study("), script
-            assert call.endswith(", snakemake.params.study)"), script
+            assert call == "planned.study(snakemake)", script
             assert re.search(r"^        study=sections\(", text, re.MULTILINE), rule
             checked += 1
     assert checked >= 14
