@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from storage.netcdf import read_whole
-from workflow.report.figures import plots
+from workflow.report.figures import field_panels, style
 from workflow.run import joblog
 
 snakemake = joblog.start(globals())
-plots.save(plots.effect(read_whole(Path(snakemake.input[0]))), Path(snakemake.output[0]))
+style.save(field_panels.effect(read_whole(Path(snakemake.input[0]))), Path(snakemake.output[0]))

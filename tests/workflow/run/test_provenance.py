@@ -25,7 +25,7 @@ def test_slabs_reach_the_solver_and_its_data() -> None:
     assert not files & {
         "workflow/report/page.py",
         "workflow/design/search.py",
-        "workflow/report/figures/plots.py",
+        "workflow/report/figures/style.py",
         "workflow/cli/main.py",
     }
     assert not files & {"surrogate/gp/gridgp.py", "surrogate/search/optimise.py", "surrogate/gp/persistence.py"}

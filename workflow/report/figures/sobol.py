@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from workflow.language.numbers import prefixed
-from workflow.report.figures.plots import BLUE, ORANGE, by_ratio, factor_scale, styled
+from workflow.report.figures.style import BLUE, ORANGE, by_ratio, factor_scale, styled
 
 _WIDTH = 1.959964  # standard deviations of the 95 % interval
 _SHOWN = 4
