@@ -50,8 +50,8 @@ lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without dow
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	  --custom-compile-command "make lock" --extra build --extra slurm --extra docs --extra dev -c requirements/run.txt pyproject.toml -o requirements/dev.txt
 
-docs: .venv/dev.stamp  ## draw the picture of the pipeline and build the documentation into build/docs
-	$(BIN)/python docs/picture.py
+docs: .venv/dev.stamp  ## draw the pictures, list the modules and build the documentation into build/docs
+	$(BIN)/python -m docs
 	$(BIN)/python -m mkdocs build --strict --quiet --site-dir build/docs
 	@echo "documentation: build/docs/index.html"
 

@@ -1,4 +1,4 @@
-"""The picture of the pipeline, drawn from its rules: ``python docs/picture.py`` writes `docs/pipeline.svg`.
+"""The picture of the pipeline, drawn from its rules (`docs/pipeline.svg`).
 
 Snakemake gives the graph (`--rulegraph dot`); rules stand in columns by the longest way to them, in each column by the
 mean height of what they need.
@@ -21,8 +21,7 @@ Arrows = set[tuple[str, str]]
 
 def rulegraph() -> str:
     """What Snakemake says of the rules, as dot."""
-    snakemake = Path(sys.executable).with_name("snakemake")
-    command = [snakemake, "--rulegraph", "dot", "--quiet", "all", "--", *TARGETS]
+    command = [str(Path(sys.executable).with_name("snakemake")), "--rulegraph", "dot", "--quiet", "all", "--", *TARGETS]
     return subprocess.run(command, cwd=FOLDER.parent, capture_output=True, text=True, check=True).stdout
 
 
@@ -93,7 +92,3 @@ def draw(pairs: Arrows) -> str:
         text = f'<text x="{x + _WIDTH / 2:g}" y="{y + 20:g}" text-anchor="middle">{escape(rule)}</text>'
         lines.append(box + text)
     return "\n".join([*lines, "</svg>"]) + "\n"
-
-
-if __name__ == "__main__":
-    (FOLDER / "pipeline.svg").write_text(draw(arrows(rulegraph())), encoding="utf-8")

@@ -39,7 +39,7 @@ Region = tuple[slice, ...]
 
 
 @dataclass
-class Moments:
+class RunningStatistics:
     """Extremes, mean and standard deviation of numbers that come in pieces (Chan, Golub and LeVeque 1979)."""
 
     count: int = 0
@@ -78,7 +78,26 @@ class _Stored:
 
     variable: "netCDF4.Variable[Any]"
     digest: Any
-    moments: Moments = field(default_factory=Moments)
+    statistics: RunningStatistics = field(default_factory=RunningStatistics)
+
+    def put(self, region: Region, values: NDArray[Any]) -> None:
+        """Write the values of the next region; ValueError if one is not finite."""
+        with np.errstate(over="ignore"):  # what is not finite is named below
+            values = np.ascontiguousarray(values, dtype=self.variable.dtype)
+        try:
+            self.statistics.add(values)
+        except ValueError as error:
+            raise ValueError(f"{self.variable.name}: {error}") from None
+        self.variable[region] = values
+        self.digest.update(contents(values))
+
+    def completed(self, attrs: Mapping[Any, Any]) -> str:
+        """Write the statistics of all values; the digest of the variable, which has further attributes."""
+        count, size, own = self.statistics.count, self.variable.size, self.statistics.attrs
+        if count != size:
+            raise ValueError(f"{self.variable.name}: {count} of {size} values given")
+        self.variable.setncatts(own)
+        return finished(self.digest, {**attrs, **own})
 
 
 def write_blocks(
@@ -133,15 +152,9 @@ def _write(
                 file.createDimension(str(dim), size)
         stored = {str(name): _created(file, str(name), frame[name], chunks) for name in frame.data_vars}
         for region, values in blocks:
-            for name, one in stored.items():
-                _put(name, one, region, np.asarray(values[name]))
-        for name, one in stored.items():
-            if one.moments.count != one.variable.size:
-                raise ValueError(f"{name}: {one.moments.count} of {one.variable.size} values given")
-            one.variable.setncatts(one.moments.attrs)
-        digests = {
-            name: finished(one.digest, {**frame[name].attrs, **one.moments.attrs}) for name, one in stored.items()
-        }
+            for name, output in stored.items():
+                output.put(region, np.asarray(values[name]))
+        digests = {name: output.completed(frame[name].attrs) for name, output in stored.items()}
         file.setncattr(CHECKSUM, combined(checksum_parts(skeleton) | digests, frame.attrs))
 
 
@@ -155,14 +168,3 @@ def _created(file: netCDF4.Dataset, name: str, array: xr.DataArray, chunks: Mapp
     variable.set_auto_maskandscale(False)
     variable.setncatts(array.attrs)
     return _Stored(variable, started(array.dims, array.shape, array.dtype))
-
-
-def _put(name: str, one: _Stored, region: Region, values: NDArray[Any]) -> None:
-    with np.errstate(over="ignore"):  # what is not finite is named below
-        values = np.ascontiguousarray(values, dtype=one.variable.dtype)
-    try:
-        one.moments.add(values)
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
-    one.variable[region] = values
-    one.digest.update(contents(values))

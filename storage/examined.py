@@ -54,12 +54,12 @@ class Hdf5:
         self._check_attributes(file, "the file")
         for name in self._names(file):
             # anywhere but in this file there is nothing to be opened: the process may open no other
-            one = self._call("H5Oopen", file, name, 0)
+            opened = self._call("H5Oopen", file, name, 0)
             what = name.decode("utf-8", "replace")
-            if one < 0 or self._call("H5Iget_type", one) != _DATASET:
+            if opened < 0 or self._call("H5Iget_type", opened) != _DATASET:
                 raise NotPlainError(f"{what!r} is not a variable but a group, a type or a link")
-            self._check_variable(one, what)
-            self._check_attributes(one, what)
+            self._check_variable(opened, what)
+            self._check_attributes(opened, what)
         self._call("H5Fclose", file)
 
     def _names(self, file: int) -> list[bytes]:
@@ -70,8 +70,8 @@ class Hdf5:
                 raise NotPlainError(f"more than {MANY} variables and dimensions")
         return names
 
-    def _check_variable(self, one: int, what: str) -> None:
-        creation, kind = self._call("H5Dget_create_plist", one), self._call("H5Dget_type", one)
+    def _check_variable(self, variable: int, what: str) -> None:
+        creation, kind = self._call("H5Dget_create_plist", variable), self._call("H5Dget_type", variable)
         if self._call("H5Pget_layout", creation) == _VIRTUAL or self._call("H5Pget_external_count", creation):
             raise NotPlainError(f"the values of variable {what!r} are stored elsewhere")
         if not self._is_number(kind) and self._call("H5Tis_variable_str", kind) <= 0:
@@ -80,15 +80,15 @@ class Hdf5:
     def _check_attributes(self, owner: int, what: str) -> None:
         space = ctypes.create_string_buffer(1024)
         for number in range(MANY + 1):
-            one = self._call("H5Aopen_by_idx", owner, b".", 0, 0, number, 0, 0)
-            if one < 0:
+            attribute = self._call("H5Aopen_by_idx", owner, b".", 0, 0, number, 0, 0)
+            if attribute < 0:
                 return
-            self._call("H5Aget_name", one, 1024, space)
+            self._call("H5Aget_name", attribute, 1024, space)
             name = space.value.decode("utf-8", "replace")
-            if self._call("H5Aget_storage_size", one) > TEXT:
+            if self._call("H5Aget_storage_size", attribute) > TEXT:
                 raise NotPlainError(f"attribute {name!r} of {what} takes more than {TEXT} bytes")
-            kind = self._call("H5Aget_type", one)
-            count = self._call("H5Sget_simple_extent_npoints", self._call("H5Aget_space", one))
+            kind = self._call("H5Aget_type", attribute)
+            count = self._call("H5Sget_simple_extent_npoints", self._call("H5Aget_space", attribute))
             text = self._call("H5Tget_class", kind) == _STRING and count <= 1
             if name not in OWN and not text and not self._is_number(kind):
                 raise NotPlainError(f"attribute {name!r} of {what} is neither one text nor numbers")
@@ -101,7 +101,7 @@ class Hdf5:
         """Call a function with handles, numbers, texts or buffers; negative is a failure."""
         function = getattr(self.library, name)
         function.restype = ctypes.c_int if name in _INT else ctypes.c_int64
-        return int(function(*(ctypes.c_int64(one) if isinstance(one, int) else one for one in arguments)))
+        return int(function(*(ctypes.c_int64(value) if isinstance(value, int) else value for value in arguments)))
 
     def _constant(self, name: str) -> int:
         return ctypes.c_int64.in_dll(self.library, name).value

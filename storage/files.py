@@ -40,8 +40,8 @@ def output(path: Path, *inputs: Path) -> Path:
     if target.exists():
         if not target.is_file():
             raise OSError(errno.EINVAL, "not a regular file, so it is not replaced", str(path))
-        for one in inputs:
-            if one.exists() and target.samefile(one):
+        for file in inputs:
+            if file.exists() and target.samefile(file):
                 raise OSError(errno.EINVAL, "is an input of this command, so it is not replaced", str(path))
     return target
 

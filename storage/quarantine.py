@@ -1,4 +1,4 @@
-"""Let a process of its own, with limits, read a netCDF file of unknown origin first (`storage.examined`)."""
+"""Refuses a netCDF file of unknown origin unless a child with limits has read all of it (`storage.examined`)."""
 
 import contextlib
 import faulthandler

@@ -55,7 +55,9 @@ def appearing(path: Path, *, sealed: bool = False) -> Iterator[Path]:
         partial.replace(path)
         _flush(path.parent)
     except (OSError, RuntimeError) as error:
-        raise _explained(error, partial, path) from error
+        if explained := _explained(error, partial, path):
+            raise explained from error
+        raise
     finally:
         partial.unlink(missing_ok=True)
 
@@ -63,7 +65,7 @@ def appearing(path: Path, *, sealed: bool = False) -> Iterator[Path]:
 def seal(path: Path) -> None:
     """Mark a file as complete: append its length and digest."""
     length = path.stat().st_size
-    mark = SEAL.pack(MAGIC, length, _digest(path, length))
+    mark = SEAL.pack(MAGIC, length, sha256(path, length))
     with path.open("ab") as file:
         file.write(mark)
 
@@ -85,31 +87,33 @@ def check_seal(path: Path, max_bytes: int, *, digest: bool = True) -> str:
     magic, length, stored = SEAL.unpack(end) if len(end) == SEAL.size else (b"", 0, b"")
     if magic != MAGIC or length != size - SEAL.size:
         raise FormatError(path, "incomplete: it has no seal at its end, so it is truncated or not of this program")
-    if digest and stored != _digest(path, length):
+    if digest and stored != sha256(path, length):
         raise FormatError(path, "altered: its bytes do not match its seal")
     return str(stored.hex())
 
 
-def _explained(error: OSError | RuntimeError, partial: Path, path: Path) -> OSError | RuntimeError:
-    """The system's reason (disk full, quota, permission) where the netCDF library only says that it failed."""
+def sha256(path: Path, length: int | None = None) -> bytes:
+    """SHA-256 of a file's first ``length`` bytes, by default of all."""
+    digest, left = hashlib.sha256(), path.stat().st_size if length is None else length
+    with path.open("rb") as file:
+        while left > 0 and (part := file.read(min(left, 2**20))):
+            digest.update(part)
+            left -= len(part)
+    return digest.digest()
+
+
+def _explained(error: OSError | RuntimeError, partial: Path, path: Path) -> OSError | None:
+    """The system's reason (disk full, quota, permission) with the final name; None where another file is to blame."""
     if isinstance(error, OSError) and (error.errno or 0) > 0:
-        return OSError(error.errno, error.strerror, os.fspath(path))
-    try:
+        other = error.filename is not None and partial.name not in str(error.filename)
+        return None if other else OSError(error.errno, error.strerror, os.fspath(path))
+    try:  # the netCDF library only says that it failed
         with partial.open("ab") as file:
             file.write(bytes(2**20))
             _flush(partial)
     except OSError as cause:
         return OSError(cause.errno, cause.strerror, os.fspath(path))
-    return error
-
-
-def _digest(path: Path, length: int) -> bytes:
-    digest = hashlib.sha256()
-    with path.open("rb") as file:
-        while length > 0 and (part := file.read(min(length, 2**20))):
-            digest.update(part)
-            length -= len(part)
-    return digest.digest()
+    return None
 
 
 def _flush(path: Path) -> None:

@@ -10,7 +10,7 @@ from surrogate.data.points import OutOfBoxError
 if TYPE_CHECKING:
     from surrogate.gp.gridgp import GridGP
     from surrogate.gp.model import GaussianProcess
-    from surrogate.gp.persistence import load
+    from surrogate.gp.persistence import load, save
     from surrogate.gp.scattergp import ScatterGP
 
 __all__ = [
@@ -22,10 +22,17 @@ __all__ = [
     "ScatterGP",
     "chebyshev_levels",
     "load",
+    "save",
 ]
 
 # imported when asked for: scikit-learn, on which they stand, takes longer to import than most jobs take for their work
-_MODELS = {"GaussianProcess": "gp.model", "GridGP": "gp.gridgp", "ScatterGP": "gp.scattergp", "load": "gp.persistence"}
+_MODELS = {
+    "GaussianProcess": "gp.model",
+    "GridGP": "gp.gridgp",
+    "ScatterGP": "gp.scattergp",
+    "load": "gp.persistence",
+    "save": "gp.persistence",
+}
 
 
 def __getattr__(name: str) -> object:

@@ -1,19 +1,20 @@
-"""The documentation: every command and every block of Python in it is run, its picture is the code's, it builds."""
+"""The documentation: every command and every block of Python in it is run, its pictures are the code's, it builds."""
 
-import importlib.util
+import io
 import os
 import re
 import shlex
 import shutil
 import subprocess
 import sys
+import tokenize
 from collections.abc import Sequence
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 import yaml
 
+from docs import picture, rooms
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
 
@@ -79,25 +80,78 @@ def test_there_are_commands_and_python_to_run() -> None:
     assert other <= {"sh", "python"}
 
 
-def test_the_picture_is_the_code_s() -> None:
-    picture = picture_module()
+def test_the_picture_of_the_pipeline_is_the_code_s() -> None:
     assert (ROOT / "docs/pipeline.svg").read_text(encoding="utf-8") == picture.draw(picture.arrows(picture.rulegraph()))
 
 
-def test_the_picture_leaves_out_what_a_longer_way_implies() -> None:
-    picture = picture_module()
+def test_a_picture_leaves_out_what_a_longer_way_implies() -> None:
     assert picture.shortened({("a", "b"), ("b", "c"), ("a", "c"), ("a", "d")}) == {("a", "b"), ("b", "c"), ("a", "d")}
     at = picture.places({("a", "b"), ("b", "c"), ("a", "c"), ("a", "d")})
     assert [at[rule][0] for rule in "abcd"] == [0, 1, 2, 1]
 
 
-def picture_module() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("picture", ROOT / "docs/picture.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def test_the_picture_of_the_rooms_is_that_of_the_imports() -> None:
+    pairs = rooms.imports()
+    assert (ROOT / "docs/rooms.svg").read_text(encoding="utf-8") == rooms.draw(pairs), "make docs draws it anew"
+    row = {name: row for name, (_, row) in rooms.places(pairs).items()}
+    assert all(row[above] > row[below] for above, below in pairs)
+    assert {("workflow.report", "solver.names"), ("surrogate.gp", "storage")} <= pairs
+    assert not {below for above, below in pairs if above.startswith("solver")} & {"storage", "workflow", "surrogate"}
+
+
+def test_every_module_is_listed_with_the_first_line_of_its_docstring() -> None:
+    page = rooms.PAGE.read_text(encoding="utf-8")
+    assert rooms.listed(page) == page, "make docs writes the list anew"
+    assert all(f"- `{path.name}`: " in page for path in (ROOT / "workflow").rglob("[a-z]*.py"))
+    paths = re.findall(r"`((?:workflow|solver|surrogate|storage)/[\w/]+\.\w+)`", page)
+    assert len(paths) >= 8
+    assert all((ROOT / path).is_file() for path in paths)
+
+
+NAMED = re.compile(r"(?<![\w./-])((?:solver|surrogate|workflow|storage|verification)(?:\.[a-z]\w*)+)(?![\w-])")
+PATH = re.compile(
+    r"(?<![\w./*-])((?:solver|surrogate|workflow|storage|verification|docs)/[\w/-]+\.(?:py|md|toml|smk|js|j2|svg|rst))\b"
+)
+
+
+def prose(path: Path) -> str:
+    """A page, or the comments and docstrings of a module."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix != ".py":
+        return text
+    parts = [part for part in tokenize.generate_tokens(io.StringIO(text).readline) if part.type == tokenize.COMMENT]
+    return "\n".join([part.string for part in parts] + re.findall(r'"""(.*?)"""', text, re.DOTALL))
+
+
+def stands(name: str) -> bool:
+    """Whether a dotted name is a module, or something that one holds."""
+    folder = ROOT
+    for part in name.split("."):
+        if (folder / f"{part}.py").is_file():
+            return True
+        if not (folder / part).is_dir():
+            return part in ("js", "md", "nc", "py") or f'"{part}"' in (folder / "__init__.py").read_text(
+                encoding="utf-8"
+            )
+        folder /= part
+    return True
+
+
+def test_every_module_that_a_text_names_is_there() -> None:
+    pages = [*SHOWN, ROOT / "Makefile", ROOT / "mkdocs.yml", ROOT / ".pre-commit-config.yaml"]
+    modules = [path for room in rooms.COLUMNS for path in (ROOT / room).rglob("*.py")]
+    astray = {
+        (str(path.relative_to(ROOT)), name)
+        for path in [*pages, *modules]
+        for text in [prose(path)]
+        for name in {one for one in NAMED.findall(text) if not stands(one)}
+        | {one for one in PATH.findall(text) if not (ROOT / one).is_file()}
+    }
+    assert not astray
+    assert not stands("solver.labelled")
+    assert not stands("workflow.design.judgement")
+    assert stands("workflow.study.load")
+    assert stands("solver.face.solution.solve")
 
 
 def test_the_documentation_builds_and_needs_no_network(tmp_path: Path) -> None:

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from docs import drawing, formulas, limits
+from docs import formulas, limits
+from workflow.report import problem
 from workflow.run.provenance import ROOT
 
 PAGE = (ROOT / "docs/theory.md").read_text(encoding="utf-8")
@@ -54,7 +55,7 @@ def test_formulas_become_mathml_and_code_stays() -> None:
 
 
 def test_the_drawing_is_the_code_s() -> None:
-    assert (ROOT / "docs/problem.svg").read_text(encoding="utf-8") == drawing.draw()
+    assert (ROOT / "docs/problem.svg").read_text(encoding="utf-8") == problem.draw()
 
 
 SAID = {

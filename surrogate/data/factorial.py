@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input, Scale, gauss_points
 
 # How far a level may lie from its Chebyshev-Gauss position, as a share of the half-range.
@@ -30,8 +31,8 @@ class Factorial:
     """
 
     inputs: tuple[Input, ...]
-    levels: tuple[NDArray[np.float64], ...]
-    outputs: dict[str, NDArray[np.float64]]
+    levels: tuple[Array, ...]
+    outputs: dict[str, Array]
     attrs: dict[str, dict[str, str]]
 
 
@@ -103,7 +104,7 @@ def _factors(dataset: xr.Dataset, names: Sequence[str]) -> list[str]:
     return [str(dim) for dim in dataset.dims if dim in used]
 
 
-def _levels(dataset: xr.Dataset, factor: str) -> NDArray[np.float64]:
+def _levels(dataset: xr.Dataset, factor: str) -> Array:
     if factor not in dataset.dims:
         raise ValueError(
             f"input {factor!r} is no dimension of the data set; it has {', '.join(map(str, dataset.dims))}"
@@ -118,7 +119,7 @@ def _levels(dataset: xr.Dataset, factor: str) -> NDArray[np.float64]:
     return np.asarray(values, dtype=np.float64)
 
 
-def _inferred(dataset: xr.Dataset, factor: str, levels: NDArray[np.float64], chebyshev: bool) -> Input:
+def _inferred(dataset: xr.Dataset, factor: str, levels: Array, chebyshev: bool) -> Input:
     attrs = text_attrs(dataset[factor])
     if len(levels) < 2:
         raise ValueError(f"input {factor!r} has {len(levels)} level; a factor needs at least 2")
@@ -139,13 +140,13 @@ def _inferred(dataset: xr.Dataset, factor: str, levels: NDArray[np.float64], che
     )
 
 
-def check_levels(inputs: Sequence[Input], levels: Sequence[NDArray[np.float64]], chebyshev: bool) -> None:
+def check_levels(inputs: Sequence[Input], levels: Sequence[Array], chebyshev: bool) -> None:
     """Raise ValueError, naming input and level, unless ascending levels suit their inputs."""
     for one, values in zip(inputs, levels, strict=True):
         _check_levels(one, values, chebyshev)
 
 
-def _check_levels(one: Input, levels: NDArray[np.float64], chebyshev: bool) -> None:
+def _check_levels(one: Input, levels: Array, chebyshev: bool) -> None:
     if len(levels) < 2:
         raise ValueError(f"input {one.name!r} has {len(levels)} level; a factor needs at least 2")
     if one.scale == "log" and levels[0] <= 0:
@@ -167,7 +168,7 @@ def _check_levels(one: Input, levels: NDArray[np.float64], chebyshev: bool) -> N
 
 def _full(
     array: xr.DataArray, factors: Sequence[str], shape: tuple[int, ...], order: Mapping[str, NDArray[np.intp]]
-) -> NDArray[np.float64]:
+) -> Array:
     present = [factor for factor in factors if factor in array.dims]
     values = np.asarray(array.transpose(*present).values, dtype=np.float64)
     for axis, factor in enumerate(present):

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from surrogate.data.arrays import Array
 
 Scale = Literal["linear", "log"]
 SCALES: tuple[str, ...] = get_args(Scale)
@@ -51,14 +53,14 @@ class Input:
         if self.scale == "log" and self.low <= 0:
             raise ValueError(f"input {self.name!r}: a log scale needs low > 0, got {self.low}")
 
-    def to_unit(self, value: ArrayLike) -> NDArray[np.float64]:
+    def to_unit(self, value: ArrayLike) -> Array:
         """Map physical values to the scaled coordinate, -1 at `low` and 1 at `high`; any shape."""
         value = np.asarray(value, dtype=np.float64)
         if self.scale == "log":
             return np.asarray(2 * np.log(value / self.low) / np.log(self.high / self.low) - 1)
         return 2 * (value - self.low) / (self.high - self.low) - 1
 
-    def from_unit(self, unit: ArrayLike) -> NDArray[np.float64]:
+    def from_unit(self, unit: ArrayLike) -> Array:
         """Map scaled coordinates to physical values; any shape. The ends are met exactly."""
         unit = np.asarray(unit, dtype=np.float64)
         share = (unit + 1) / 2
@@ -68,14 +70,14 @@ class Input:
             value = self.low + share * (self.high - self.low)
         return np.asarray(np.where(unit == -1, self.low, np.where(unit == 1, self.high, value)))
 
-    def unit_slope(self, value: ArrayLike) -> NDArray[np.float64]:
+    def unit_slope(self, value: ArrayLike) -> Array:
         """Return d(scaled coordinate)/d(value) at physical values, any shape, in 1/`units`."""
         value = np.asarray(value, dtype=np.float64)
         if self.scale == "log":
             return np.asarray(2 / (np.log(self.high / self.low) * value))
         return np.full_like(value, 2 / (self.high - self.low))
 
-    def levels(self, count: int) -> NDArray[np.float64]:
+    def levels(self, count: int) -> Array:
         """Return the `count` Chebyshev-Gauss levels of the range, ascending, shape (count,)."""
         return self.from_unit(gauss_points(count))
 
@@ -84,7 +86,7 @@ class Input:
         return f"[{self.low:g}, {self.high:g}]" + (f" {self.units}" if self.units else "")
 
 
-def gauss_points(count: int) -> NDArray[np.float64]:
+def gauss_points(count: int) -> Array:
     """Return the zeros of the Chebyshev polynomial T_count, ascending, shape (count,)."""
     if count != int(count) or count < 1:
         raise ValueError(f"a level count must be a whole number >= 1, got {count!r}")
@@ -92,7 +94,7 @@ def gauss_points(count: int) -> NDArray[np.float64]:
     return np.sin(np.pi * np.arange(1 - count, count, 2) / (2 * count))
 
 
-def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear") -> NDArray[np.float64]:
+def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear") -> Array:
     """Return the Chebyshev-Gauss levels of a range, ascending.
 
     The levels are the zeros of T_count mapped from [-1, 1] to [low, high], linearly in the value or in its
@@ -120,6 +122,6 @@ def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear
     return Input("level", low, high, scale).levels(count)
 
 
-def unit_coordinates(inputs: Sequence[Input], X: NDArray[np.float64]) -> NDArray[np.float64]:
+def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
     """Map physical points to scaled coordinates: (n, d) -> (d, n), one contiguous row per input."""
     return np.stack([one.to_unit(X[:, k]) for k, one in enumerate(inputs)]) if len(inputs) else np.empty((0, len(X)))

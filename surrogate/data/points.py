@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import Input
 
 # Room for rounding at the ends of the box, as a share of its width on the input's own scale.
@@ -48,7 +49,7 @@ class Points:
         Coordinates that the labelled inputs brought along.
     """
 
-    X: NDArray[np.float64]
+    X: Array
     dims: tuple[Hashable, ...]
     shape: tuple[int, ...]
     coords: Mapping[Hashable, Any]
@@ -57,7 +58,7 @@ class Points:
         """Label one value per point: shape (n,) -> the shape of the broadcast."""
         return xr.DataArray(values.reshape(self.shape), coords=self.coords, dims=self.dims, attrs=dict(attrs))
 
-    def flat(self, array: xr.DataArray, like: xr.DataArray) -> NDArray[np.float64]:
+    def flat(self, array: xr.DataArray, like: xr.DataArray) -> Array:
         """Broadcast an array to the points, labelled `like` one of their answers: shape (n,)."""
         return np.asarray(array.broadcast_like(like).transpose(*like.dims).values, dtype=np.float64).ravel()
 
@@ -103,7 +104,7 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
     return Points(X, aligned[0].dims, aligned[0].shape, dict(aligned[0].coords))
 
 
-def outside(X: NDArray[np.float64], inputs: Sequence[Input]) -> NDArray[np.bool_]:
+def outside(X: Array, inputs: Sequence[Input]) -> Flags:
     """Return, for points (n, d), which entries lie outside the box (NaN counts as outside), shape (n, d)."""
     margins = [_margin(one) for one in inputs]
     low = np.array([lower for lower, _ in margins])
@@ -111,7 +112,7 @@ def outside(X: NDArray[np.float64], inputs: Sequence[Input]) -> NDArray[np.bool_
     return np.asarray(~((low <= X) & (high >= X)))
 
 
-def require_inside(X: NDArray[np.float64], inputs: Sequence[Input]) -> None:
+def require_inside(X: Array, inputs: Sequence[Input]) -> None:
     """Raise OutOfBoxError, naming input, value and allowed range, unless all points (n, d) lie in the box."""
     wrong = outside(X, inputs)
     if wrong.any():

@@ -10,7 +10,7 @@ Three steps, each from the errors on cases that the model was not trained on:
 
 Sources: J. Lei et al., J. Am. Stat. Assoc. 113 (2018) 1094 (locally weighted split conformal prediction); V. Vovk, Ann.
 Math. Artif. Intell. 74 (2015) 9 (cross-conformal); V. Vovk, Proc. Mach. Learn. Res. 25 (2012) 475 (coverage by class).
-The cross-fitting and the guard make the guarantee approximate; `metrics.validate` measures it on fresh cases.
+The cross-fitting and the guard make the guarantee approximate; `use.validation.validate` measures it on fresh cases.
 """
 
 from collections.abc import Sequence
@@ -23,9 +23,8 @@ from numpy.polynomial.chebyshev import chebder, chebval, chebvander
 from numpy.typing import NDArray
 from scipy.stats import norm
 
+from surrogate.data.arrays import Array
 from surrogate.gp.quantile import quantile_regression
-
-Array = NDArray[np.float64]
 
 NOMINAL = 0.95
 # Calibrated standard deviations from the mean to the ends of the nominal interval.

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from surrogate.data.arrays import Array
 from surrogate.data.inputs import gauss_points
-
-Array = NDArray[np.float64]
 
 # Mean features drop contributions of the kernel's tail below rounding.
 NEGLIGIBLE = 1e-17

@@ -6,18 +6,17 @@ from typing import Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from surrogate.data.factorial import check_levels, complete_factorial
+from surrogate.data.arrays import Array
+from surrogate.data.factorial import Factorial, check_levels, complete_factorial
 from surrogate.data.inputs import Input
 from surrogate.gp.factors import ChebyshevFactor, Factor, Features, StationaryFactor, cosine_basis, polynomial_basis
-from surrogate.gp.hyperparameters import amplitudes, choose, length_bounds, rho_bounds
+from surrogate.gp.hyperparameters import amplitudes, length_bounds, most_predictive, rho_bounds
 from surrogate.gp.model import GaussianProcess
 from surrogate.gp.tensortrain import TensorTrain, compress
 
 Kernel = Literal["chebyshev", "rbf", "matern32", "matern52"]
 KERNELS: tuple[str, ...] = get_args(Kernel)
-Array = NDArray[np.float64]
 
 
 class GridGP(GaussianProcess):
@@ -91,45 +90,64 @@ class GridGP(GaussianProcess):
         ValueError
             An unknown kernel, or a data set that is no complete factorial (the message names what is wrong).
         """
+        data = self._factorial(X)
+        self.inputs_, self.levels_ = data.inputs, data.levels
+        self.outputs_, self.attrs_ = tuple(data.outputs), data.attrs
+        self.calibration_ = None
+        points = [one.to_unit(levels) for one, levels in zip(data.inputs, data.levels, strict=True)]
+        coefficients, grams = self._coefficients(data, points)
+        self.factors_ = tuple(self._factor(k, t, grams[k]) for k, t in enumerate(points))
+        self.hyperparameters_ = {one.name: f.parameter for one, f in zip(data.inputs, self.factors_, strict=True)}
+        self.amplitude_, self.variance_ = amplitudes(self.factors_, grams)
+        self._compress(coefficients)
+        return self
+
+    def _factorial(self, X: xr.Dataset) -> Factorial:
+        """The checked training data; ValueError as for `fit`."""
         if self.kernel not in KERNELS:
             raise ValueError(f"kernel {self.kernel!r} is none of {', '.join(KERNELS)}")
         data = complete_factorial(X, self.inputs, self.outputs, self.kernel == "chebyshev")
         for name in self.hyperparameters or {}:
             if name not in [one.name for one in data.inputs]:
                 raise ValueError(f"hyperparameters name {name!r}, which is no input")
-        self.inputs_, self.levels_ = data.inputs, data.levels
-        self.calibration_ = None
-        self.outputs_, self.attrs_ = tuple(data.outputs), data.attrs
-        points = [one.to_unit(levels) for one, levels in zip(data.inputs, data.levels, strict=True)]
+        return data
+
+    def _coefficients(self, data: Factorial, points: Sequence[Array]) -> tuple[list[Array], list[Array]]:
+        """Standardise every output and take it to the factors' bases.
+
+        Returns the significant coefficients of every output, and for every factor the Gram matrices of the
+        coefficients along it, (p, n, n), a case at a level.
+        """
         bases = [cosine_basis(len(t))[0] if self.kernel == "chebyshev" else polynomial_basis(t) for t in points]
-        shape = tuple(map(len, points))
-        cases = int(np.prod(shape))
-
         self.offset_, self.scale_ = np.empty(len(data.outputs)), np.empty(len(data.outputs))
-        grams = [np.empty((len(data.outputs), n, n)) for n in shape]
+        grams = [np.empty((len(data.outputs), len(t), len(t))) for t in points]
         kept = []
-        # half of the squared error goes to dropping high modes, half to the tensor train
-        allowed = self.compression**2 * cases / 2
         for p, values in enumerate(data.outputs.values()):
-            coefficients, self.offset_[p], self.scale_[p] = _transform(values, bases, [gram[p] for gram in grams])
-            kept.append(_chop(coefficients, [gram[p] for gram in grams], allowed / len(shape)))
-        for gram, n in zip(grams, shape, strict=True):
-            gram /= cases / n
+            own = [gram[p] for gram in grams]
+            coefficients, self.offset_[p], self.scale_[p] = _transform(values, bases, own)
+            kept.append(_chop(coefficients, own, self._allowed() / len(points)))
+        for gram, t in zip(grams, points, strict=True):
+            gram /= self._cases() / len(t)
+        return kept, grams
 
-        self.factors_ = tuple(self._factor(k, t, grams[k]) for k, t in enumerate(points))
-        self.hyperparameters_ = {one.name: f.parameter for one, f in zip(data.inputs, self.factors_, strict=True)}
-        self.amplitude_, self.variance_ = amplitudes(self.factors_, grams)
-
-        modes = tuple(max(sizes) for sizes in zip(*(one.shape for one in kept), strict=True))
+    def _compress(self, coefficients: Sequence[Array]) -> None:
+        """Join the outputs' coefficients to one tensor train."""
+        modes = tuple(max(sizes) for sizes in zip(*(own.shape for own in coefficients), strict=True))
         # contracting the largest factors first keeps the ranks, hence the cost of a query, small
         self.order_ = tuple(int(k) for k in np.argsort([-m for m in modes], kind="stable"))
-        tensor = np.zeros((*modes, len(kept)))
-        for p, one in enumerate(kept):
-            tensor[..., p][tuple(map(slice, one.shape))] = one
-        ordered = tensor.transpose(*self.order_, len(shape))
+        tensor = np.zeros((*modes, len(coefficients)))
+        for p, own in enumerate(coefficients):
+            tensor[..., p][tuple(map(slice, own.shape))] = own
+        ordered = tensor.transpose(*self.order_, len(modes))
         weights = [self.factors_[k].weights[: modes[k]] for k in self.order_]
-        self.train_ = compress(ordered, float(np.sqrt(allowed))).scaled(weights)
-        return self
+        self.train_ = compress(ordered, float(np.sqrt(self._allowed()))).scaled(weights)
+
+    def _cases(self) -> int:
+        return int(np.prod([len(levels) for levels in self.levels_]))
+
+    def _allowed(self) -> float:
+        """Squared error allowed to dropping high modes, and as much again to the tensor train."""
+        return self.compression**2 * self._cases() / 2
 
     def _factor(self, k: int, t: Array, grams: Array) -> Factor:
         fixed = (self.hyperparameters or {}).get(self.inputs_[k].name)
@@ -138,7 +156,7 @@ class GridGP(GaussianProcess):
         if fixed is not None:
             return self.make_factor(t, fixed)
         bounds = rho_bounds(len(t)) if self.kernel == "chebyshev" else length_bounds(t)
-        return choose(lambda parameter: self.make_factor(t, parameter), grams, bounds)
+        return most_predictive(lambda parameter: self.make_factor(t, parameter), grams, bounds)
 
     def make_factor(self, t: Array, parameter: float) -> Factor:
         """Return the kernel of one factor with scaled levels t, shape (n,), and the given hyper-parameter."""
@@ -205,7 +223,7 @@ class GridGP(GaussianProcess):
         part.calibration_ = None if self.calibration_ is None else self.calibration_.only(columns)
         weights = [self.factors_[k].weights[:size] for k, size in zip(self.order_, self.train_.modes, strict=True)]
         plain = self.train_.scaled([1 / one for one in weights])
-        error = self.compression * float(np.sqrt(np.prod([len(one) for one in self.levels_])))
+        error = self.compression * float(np.sqrt(self._cases()))
         part.train_ = plain.only(columns, error).scaled(weights)
         return part
 

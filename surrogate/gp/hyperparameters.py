@@ -9,12 +9,10 @@ G = C C^T of the data's coefficients C along the factor.
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from surrogate.data.arrays import Array
 from surrogate.gp.factors import Factor
-
-Array = NDArray[np.float64]
 
 # Largest share of the variation along a factor that its amplitude may claim, and the steps of the first, coarse search.
 SHARE_LIMIT = 0.9
@@ -45,7 +43,7 @@ def level_errors(factor: Factor, grams: Array) -> tuple[Array, Array]:
     return np.maximum(squares, 0) / diagonal**2 + np.finfo(float).eps ** 2 * energy + np.finfo(float).tiny, 1 / diagonal
 
 
-def choose(make: Callable[[float], Factor], grams: Array, bounds: tuple[float, float]) -> Factor:
+def most_predictive(make: Callable[[float], Factor], grams: Array, bounds: tuple[float, float]) -> Factor:
     """Return the factor whose parameter maximises the leave-one-level-out predictive density, summed over outputs.
 
     The parameter is searched for within `bounds` on a log scale. A kernel with a constant has unit variance averaged
@@ -62,7 +60,7 @@ def choose(make: Callable[[float], Factor], grams: Array, bounds: tuple[float, f
         return float(np.mean(np.log((errors / variances).mean(axis=1))) + np.mean(np.log(variances)))
 
     grid = np.linspace(float(np.log(bounds[0])), float(np.log(bounds[1])), COARSE)
-    best = int(np.argmin([cost(one) for one in grid]))
+    best = int(np.argmin([cost(logarithm) for logarithm in grid]))
     around = (grid[max(best - 1, 0)], grid[min(best + 1, COARSE - 1)])
     found = minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 1e-3})
     return make(float(np.exp(found.x)))

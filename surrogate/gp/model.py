@@ -2,7 +2,6 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from os import PathLike
 from typing import Any, ClassVar, Literal, Self, overload
 
 import numpy as np
@@ -11,11 +10,10 @@ from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted
 
+from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.points import Points, Queries, named_points, outside, require_inside
 from surrogate.gp.conformal import HALF_WIDTH, NOMINAL, Calibration, calibrate
-
-Array = NDArray[np.float64]
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048
@@ -284,12 +282,6 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
         self.calibration_ = calibrate(mean - true, parts, t)
         return self
 
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write the model to a netCDF-4 file, whole or not at all; the same model gives the same bytes."""
-        from surrogate.gp.persistence import save
-
-        save(self, path)
-
     def _physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
         """Turn derivatives in scaled coordinates into those in physical inputs, at points (n, d): (d, p, n)."""
         slopes = np.empty((len(self.inputs_), len(self.outputs_), len(X)))
@@ -308,7 +300,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
     def _weights(self) -> Array:
         return np.ones((self.parts, len(self.outputs_))) if self.calibration_ is None else self.calibration_.weights
 
-    def _checked(self, named: Points, extrapolate: bool) -> NDArray[np.bool_] | None:
+    def _checked(self, named: Points, extrapolate: bool) -> Flags | None:
         if not extrapolate:
             require_inside(named.X, self.inputs_)
             return None

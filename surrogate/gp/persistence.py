@@ -5,13 +5,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from storage.described import described
 from storage.netcdf import FAILURES, read_whole, write_whole
 from storage.quarantine import try_to_read
 from storage.sealed import FormatError
+from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
+from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.gp.conformal import Calibration
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.model import GaussianProcess
@@ -28,7 +29,15 @@ PROBE_TOLERANCE = 1e-7
 
 
 def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
-    """Write a fitted model to a netCDF-4 file, whole or not at all; the same model gives the same bytes."""
+    """Write a fitted model to a netCDF-4 file, whole or not at all; the same model gives the same bytes.
+
+    Raises
+    ------
+    FileNotFoundError
+        The folder does not exist.
+    OSError
+        No room or no permission, in the system's words, with the file.
+    """
     inputs, outputs = model.inputs_, model.outputs_
     points = probe_points(inputs)
     mean, std = model.predict_array(points, return_std=True)
@@ -53,7 +62,7 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
     if model.calibration_ is not None:
         common = common.assign(model.calibration_.state())
     whole = common.merge(model.state(), combine_attrs="no_conflicts")
-    write_whole(described(whole, f"surrogate of {', '.join(outputs)}"[:200]), path)
+    write_whole(described(whole, f"surrogate of {', '.join(outputs)}"[:200], SOURCE, MEANINGS), path)
 
 
 def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
@@ -104,7 +113,7 @@ def _engine(name: str) -> "type[GridGP | ScatterGP]":
     return ScatterGP
 
 
-def probe_points(inputs: tuple[Input, ...]) -> NDArray[np.float64]:
+def probe_points(inputs: tuple[Input, ...]) -> Array:
     """Return a few points spread over the box, (PROBES, d): a Kronecker sequence."""
     steps = np.sqrt(np.arange(2, 2 + len(inputs)) + 0.618)
     share = (np.arange(1, PROBES + 1)[:, None] * steps) % 1

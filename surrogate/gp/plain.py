@@ -4,8 +4,8 @@ import base64
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from surrogate.data.arrays import Array
 from surrogate.gp.factors import ChebyshevFactor
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.model import GaussianProcess
@@ -65,6 +65,6 @@ def plain(model: GaussianProcess) -> dict[str, Any] | None:
     }
 
 
-def _array(values: NDArray[np.float64]) -> dict[str, Any]:
+def _array(values: Array) -> dict[str, Any]:
     little = np.ascontiguousarray(values, dtype="<f8")
     return {"shape": list(little.shape), "data": base64.b64encode(little.tobytes()).decode("ascii")}

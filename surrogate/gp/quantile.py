@@ -1,10 +1,9 @@
 """Linear quantile regression, with the check function smoothed so that Newton's method applies."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr
 
-Array = NDArray[np.float64]
+from surrogate.data.arrays import Array
 
 # The smoothing ends at this share of the residuals' upper spread, where its bias no longer matters.
 BANDWIDTH = 0.1

@@ -6,19 +6,18 @@ from typing import ClassVar, Literal, Self, get_args
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.linalg import cho_solve
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Kernel, Matern
 
+from surrogate.data.arrays import Array
 from surrogate.data.factorial import output_names, text_attrs
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.gp.model import GaussianProcess
 
 KernelName = Literal["rbf", "matern32", "matern52"]
 KERNELS: tuple[str, ...] = get_args(KernelName)
-Array = NDArray[np.float64]
 
 LENGTHS = (1e-2, 1e3)
 VARIANCES = (1e-4, 1e5)

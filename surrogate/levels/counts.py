@@ -9,18 +9,17 @@ algebraically instead: then no count is claimed to reach a tolerance.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
+from operator import itemgetter
 from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from surrogate.data.arrays import Array
 from surrogate.data.factorial import complete_factorial
 from surrogate.data.inputs import Input
 from surrogate.gp.factors import cosine_basis
 from surrogate.levels.decay import Decay, decay_of
-
-Array = NDArray[np.float64]
 
 MOST_LEVELS = 256
 
@@ -117,7 +116,7 @@ def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | N
 
 def kinks(found: Decays) -> dict[str, tuple[str, ...]]:
     """Return outputs whose coefficients do not decay geometrically, and the inputs along which."""
-    every = {output: tuple(name for name, one in each.items() if one.algebraic) for output, each in found.items()}
+    every = {output: tuple(name for name in along if along[name].algebraic) for output, along in found.items()}
     return {output: where for output, where in every.items() if where}
 
 
@@ -128,24 +127,24 @@ def choose(
     if not tolerance > 0 or budget < 1:
         raise ValueError(f"tolerance {tolerance} and budget {budget} must be positive")
     kinked = kinks(found)
-    claimed = {name: each for name, each in found.items() if name not in kinked}
+    claimed = {output: along for output, along in found.items() if output not in kinked}
     if not claimed:
         raise ValueError(f"no output decays geometrically, so no tolerance can be met: {', '.join(kinked)}")
     names = list(next(iter(found.values())))
     counts = _smallest(claimed, tolerance, given)
     if counts is None or prod(counts.values()) > budget:
         raise UnreachableError(_unreachable(claimed, counts, tolerance, budget, given))
-    error = {output: _sum(each, counts) for output, each in claimed.items()}
+    error = {output: _error(along, counts) for output, along in claimed.items()}
     return LevelChoice(
         counts=counts,
         cases=prod(counts.values()),
         tolerance=tolerance,
-        error={name: error.get(name, float("nan")) for name in found},
-        affine=tuple(name for name in names if all(each[name].affine for each in found.values())),
+        error={output: error.get(output, float("nan")) for output in found},
+        affine=tuple(name for name in names if all(along[name].affine for along in found.values())),
         extrapolated=tuple(
             name
             for name in names
-            if name not in given and counts[name] > max(len(each[name].coefficients) for each in found.values())
+            if name not in given and counts[name] > max(len(along[name].coefficients) for along in found.values())
         ),
         kinked=kinked,
         decay=evidence(found, counts),
@@ -155,23 +154,23 @@ def choose(
 def evidence(found: Decays, counts: Mapping[str, int]) -> xr.Dataset:
     """Return decays as a data set: `LevelChoice.decay`, with `kinked` over (`output`, `input`), 1 at a kink."""
     names = list(next(iter(found.values())))
-    table = [[each[name] for name in names] for each in found.values()]
-    modes = max(len(one.coefficients) for row in table for one in row)
+    table = [[along[name] for name in names] for along in found.values()]
+    modes = max(len(decay.coefficients) for row in table for decay in row)
     coefficients = np.full((len(table), len(names), modes), np.nan)
     for p, row in enumerate(table):
-        for k, one in enumerate(row):
-            coefficients[p, k, : len(one.coefficients)] = one.coefficients
+        for k, decay in enumerate(row):
+            coefficients[p, k, : len(decay.coefficients)] = decay.coefficients
     over = ("output", "input")
-    errors = [[one.error(counts[name]) for name, one in zip(names, row, strict=True)] for row in table]
+    errors = [[decay.error(counts[name]) for name, decay in zip(names, row, strict=True)] for row in table]
     return xr.Dataset(
         {
             "coefficient": ((*over, "mode"), coefficients, {"long_name": "largest coefficient over range"}),
             "rate": (
-                over, np.array([[one.rate for one in row] for row in table]),
+                over, np.array([[decay.rate for decay in row] for row in table]),
                 {"long_name": "factor from one coefficient to the next"},
             ),
             "interpolation_error": (over, np.array(errors), {"long_name": "predicted error over range"}),
-            "kinked": (over, np.array([[int(one.algebraic) for one in row] for row in table])),
+            "kinked": (over, np.array([[int(decay.algebraic) for decay in row] for row in table])),
         },
         coords={"output": list(found), "input": names, "mode": np.arange(modes)},
     )  # fmt: skip
@@ -189,35 +188,48 @@ def _lines(values: Array) -> list[Array]:
     return largest
 
 
-def _smallest(decays: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int] | None:
+def _smallest(found: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int] | None:
     """Level counts of few cases with every output's summed error within the tolerance, None where there are none."""
-    names = list(next(iter(decays.values())))
-    free = [name for name in names if name not in given]
-    taken = max(sum(each[name].error(given[name]) for name in names if name in given) for each in decays.values())
+    counts = _equally_shared(found, tolerance, given)
+    return None if counts is None else _trimmed(counts, found, tolerance, given)
+
+
+def _equally_shared(found: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int] | None:
+    """Level counts that split what the given counts leave of the tolerance equally between the other inputs."""
+    names = list(next(iter(found.values())))
+    taken = max(sum(along[name].error(given[name]) for name in names if name in given) for along in found.values())
     if taken > tolerance:
         return None
-    active = max(1, sum(any(not each[name].affine for each in decays.values()) for name in free))
-    counts = {name: given.get(name, 0) for name in names}
-    for name in free:
-        along = [each[name] for each in decays.values()]
-        share = (tolerance - taken) / active
-        enough = (n for n in range(2, MOST_LEVELS) if max(one.error(n) for one in along) <= share)
-        counts[name] = next(enough, 0)
-        if not counts[name]:
+    curved = sum(any(not along[name].affine for along in found.values()) for name in names if name not in given)
+    share, counts = (tolerance - taken) / max(1, curved), dict[str, int]()
+    for name in names:
+        fewest = given[name] if name in given else _fewest([along[name] for along in found.values()], share)
+        if fewest is None:
             return None
-    # equal shares are wasteful: take levels away where that saves most, while the sum of the errors allows
+        counts[name] = fewest
+    return counts
+
+
+def _fewest(decays: Sequence[Decay], error: float) -> int | None:
+    """Fewest levels along one input at which no output errs by more, None where the most allowed are too few."""
+    return next((count for count in range(2, MOST_LEVELS) if max(one.error(count) for one in decays) <= error), None)
+
+
+def _trimmed(counts: dict[str, int], found: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int]:
+    """Take levels away, where that saves most first, while the sum of the errors allows: equal shares are wasteful."""
     while True:
-        for name in sorted(free, key=lambda name: counts[name]):
-            fewer = {**counts, name: counts[name] - 1}
-            if fewer[name] >= 2 and max(_sum(each, fewer) for each in decays.values()) <= tolerance:
-                counts = fewer
-                break
-        else:
+        free = sorted((name for name in counts if name not in given and counts[name] > 2), key=counts.__getitem__)
+        fewer = ({**counts, name: counts[name] - 1} for name in free)
+        allowed = (tried for tried in fewer if max(_error(along, tried) for along in found.values()) <= tolerance)
+        best = next(allowed, None)
+        if best is None:
             return counts
+        counts = best
 
 
-def _sum(along: Mapping[str, Decay], counts: Mapping[str, int]) -> float:
-    return sum(one.error(counts[name]) for name, one in along.items())
+def _error(along: Mapping[str, Decay], counts: Mapping[str, int]) -> float:
+    """Predicted error of one output: the sum of those along its inputs."""
+    return sum(decay.error(counts[name]) for name, decay in along.items())
 
 
 def _unreachable(
@@ -237,11 +249,11 @@ def _unreachable(
         needed = f"{prod(counts.values()):,} cases ({_text(counts)})"
         return f"tolerance {tolerance:g} needs {needed}, the budget is {budget:,}; {offer}"
     for name, count in given.items():
-        output, worst = max(((key, each[name].error(count)) for key, each in claimed.items()), key=lambda pair: pair[1])
+        output, worst = max(((key, along[name].error(count)) for key, along in claimed.items()), key=itemgetter(1))
         if worst > tolerance:
             too_few = f"{count} levels of {name!r}: output {output!r} errs by {worst:.1e} there"
             return f"tolerance {tolerance:g} is out of reach with {too_few}"
-    output = max(claimed, key=lambda key: sum(one.error(MOST_LEVELS) for one in claimed[key].values()))
+    output = max(claimed, key=lambda key: sum(decay.error(MOST_LEVELS) for decay in claimed[key].values()))
     return f"tolerance {tolerance:g} is out of reach for output {output!r}, which is too noisy or rough; {offer}"
 
 

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from surrogate.data.arrays import Array
 
 # Coefficients below this share of the largest are rounding of the data.
 NOISE = 1e-13

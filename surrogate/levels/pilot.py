@@ -6,8 +6,8 @@ from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.levels.counts import LevelChoice, choose, decays
 from surrogate.levels.decay import Decay
@@ -17,7 +17,7 @@ LEVELS = (9, 17, 33, 65)
 #: Levels of all other inputs, the most that the share of the budget allows.
 OTHERS = (5, 4, 3, 2)
 
-Solve = Callable[[dict[str, NDArray[np.float64]]], xr.Dataset]
+Solve = Callable[[dict[str, Array]], xr.Dataset]
 
 
 @dataclass(frozen=True)
@@ -74,12 +74,11 @@ def explore(
             spent += int(np.prod([len(axis) for axis in axes.values()]))
             for output, along in decays(solve(axes), inputs, outputs).items():
                 found.setdefault(output, {})[name] = along[name]
-        unsettled = _unsettled(found, tolerance, given)
         waiting = []
-        for name in unsettled:
+        for name in _unsettled(found, tolerance, given):
             finer = fineness[name] + 1
-            cost = LEVELS[min(finer, len(LEVELS) - 1)] * _others(len(inputs), budget) ** (len(inputs) - 1)
-            if finer < len(LEVELS) and spent + cost <= budget:
+            lines = _others(len(inputs), budget) ** (len(inputs) - 1)
+            if finer < len(LEVELS) and spent + LEVELS[finer] * lines <= budget:
                 fineness[name] = finer
                 waiting.append(name)
     ordered = {output: {one.name: along[one.name] for one in inputs} for output, along in found.items()}
@@ -87,7 +86,7 @@ def explore(
     return Pilot(choice, {name: LEVELS[fine] for name, fine in fineness.items()}, spent)
 
 
-def _levels(inputs: Sequence[Input], along: str, count: int, budget: int) -> dict[str, NDArray[np.float64]]:
+def _levels(inputs: Sequence[Input], along: str, count: int, budget: int) -> dict[str, Array]:
     others = _others(len(inputs), budget)
     return {one.name: one.levels(count if one.name == along else others) for one in inputs}
 
@@ -103,9 +102,9 @@ def _unsettled(found: Mapping[str, Mapping[str, Decay]], tolerance: float, given
     names = list(next(iter(found.values())))
     unsettled = []
     for name in names:
-        along = [each[name] for each in found.values()]
-        seen = max(len(one.coefficients) for one in along)
-        unclear = name not in given and max(one.error(seen) for one in along) > tolerance / len(names)
-        if unclear or any(one.algebraic for one in along):
+        decays_along = [along[name] for along in found.values()]
+        seen = max(len(decay.coefficients) for decay in decays_along)
+        unclear = name not in given and max(decay.error(seen) for decay in decays_along) > tolerance / len(names)
+        if unclear or any(decay.algebraic for decay in decays_along):
             unsettled.append(name)
     return unsettled

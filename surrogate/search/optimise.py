@@ -4,11 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import NonlinearConstraint, minimize
 from scipy.stats import qmc
 
-Array = NDArray[np.float64]
+from surrogate.data.arrays import Array
 
 _FEASIBLE = 1e-9  # largest excess, in units of the limits, that counts as none: SLSQP's own accuracy
 _TIE = 1e-9  # share of the objective's range over the box that counts as none
@@ -83,7 +82,7 @@ def maximise(problem: Problem, *, scan: int = 4096, starts: int = 6, seed: int =
         feasible = local.relax(start)
         candidates += [feasible, local.climb(feasible)]
     best = _best(problem, candidates)
-    return _settled(local, best)
+    return _with_widest_margins(local, best)
 
 
 def improve(problem: Problem, x: Array, scale: float) -> Optimum:
@@ -104,13 +103,13 @@ def improve(problem: Problem, x: Array, scale: float) -> Optimum:
         # the least excess may be far from the best design, and a climb from there may fail: not the first thing to try
         start = local.relax(best.x)
         best = _best(problem, [best.x, start, local.climb(start)])
-    return _settled(local, best)
+    return _with_widest_margins(local, best)
 
 
-def _settled(local: "_Local", best: Optimum) -> Optimum:
+def _with_widest_margins(local: "_Local", best: Optimum) -> Optimum:
     """Take the largest margins where the objective leaves a choice."""
     if best.feasible and best.excess.size:
-        best = _best(local.problem, [best.x, local.settle(best)], tie=_TIE * local.scale)
+        best = _best(local.problem, [best.x, local.widen_margins(best)], tie=_TIE * local.scale)
     return best
 
 
@@ -162,7 +161,7 @@ class _Local:
         level = float(self.problem.value(start[None])[0].min()) / self.scale
         return self._search(start, level, rise=True, floor=None)
 
-    def settle(self, best: Optimum) -> Array:
+    def widen_margins(self, best: Optimum) -> Array:
         """The largest margins that the best objective leaves."""
         return self._search(best.x, float(best.excess.max()), rise=False, floor=best.objective / self.scale - _TIE)
 

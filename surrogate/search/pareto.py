@@ -9,12 +9,10 @@ are reached as well. References on the segment between two anchors are those of 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from surrogate.data.arrays import Array, Flags
 from surrogate.search.optimise import Problem, improve, maximise
-
-Array = NDArray[np.float64]
 
 _ON = 1e-9  # excess that counts as none
 
@@ -101,7 +99,7 @@ def scalarised(problem: Problem, objectives: int, reference: Array, weights: Arr
     return Problem(problem.dimension, value, slope)
 
 
-def non_dominated(values: Array) -> NDArray[np.bool_]:
+def non_dominated(values: Array) -> Flags:
     """Which rows of values (m, k), larger is better, no other row equals or exceeds in all; ties keep the first."""
     kept = np.ones(len(values), dtype=bool)
     order = np.lexsort(-values.T[::-1])
@@ -114,15 +112,6 @@ def non_dominated(values: Array) -> NDArray[np.bool_]:
         better = order[:position][kept[order[:position]]]
         kept[i] = not np.any(np.all(values[better] >= values[i], axis=1))
     return kept
-
-
-def hypervolume(values: Array, reference: Array) -> float:
-    """Area that a front of two objectives (m, 2) dominates beyond a reference (2,)."""
-    inside = values[np.all(values > reference, axis=1)]
-    inside = inside[non_dominated(inside)]
-    inside = inside[np.argsort(-inside[:, 0])]
-    seconds = np.concatenate([[reference[1]], inside[:, 1]])
-    return float(np.sum((inside[:, 0] - reference[0]) * np.diff(seconds)))
 
 
 def _references(values: Array, ends: Array, points: int) -> Array:

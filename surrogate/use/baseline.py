@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.polynomial.chebyshev import chebvander
-from numpy.typing import NDArray
 from scipy.fft import dct
 
+from surrogate.data.arrays import Array
 from surrogate.data.factorial import complete_factorial
 from surrogate.data.inputs import Input
 from surrogate.data.points import named_points
@@ -53,7 +53,7 @@ def chebyshev_interpolation(
     return xr.Dataset(answer)
 
 
-def _coefficients(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _coefficients(values: Array) -> Array:
     coefficients: Any = values
     for axis, size in enumerate(values.shape):
         # the transform counts points from the right end, levels ascend
@@ -64,7 +64,7 @@ def _coefficients(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(coefficients)
 
 
-def _evaluate(coefficients: NDArray[np.float64], t: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+def _evaluate(coefficients: Array, t: Sequence[Array]) -> Array:
     first, *rest = coefficients.shape
     answer = np.empty(len(t[0]))
     block = max(1, ELEMENTS // int(np.prod(rest)))

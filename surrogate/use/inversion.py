@@ -13,10 +13,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import Input
+from surrogate.gp.conformal import NOMINAL
 from surrogate.gp.model import GaussianProcess
-
-Array = NDArray[np.float64]
 
 _FIRST = {1: 256, 2: 48, 3: 16}  # cells an input at first, by the number of inputs
 _FINE = 0.12  # half of what outputs may change within a cell, in standard deviations
@@ -87,7 +87,7 @@ class Inversion:
         self._inputs: list[Input] = [model.box[name] for name in infer]
         self._columns = [list(model.outputs_).index(name) for name in measured]
 
-    def estimate(self, values: Array, errors: Array, level: float = 0.95) -> Estimate:
+    def estimate(self, values: Array, errors: Array, level: float = NOMINAL) -> Estimate:
         """Return the posterior of the inputs.
 
         Parameters
@@ -111,12 +111,12 @@ class Inversion:
             density, far = _log_density(cells, values, errors**2 + cells.std**2 + cells.change.sum(1) ** 2)
             if far > _HOPELESS:  # all cells would be halved without end
                 return self._nowhere(far)
-            cells = cells.some(density >= density.max() - _NEGLIGIBLE)
+            cells = cells.only(density >= density.max() - _NEGLIGIBLE)
             changes = (cells.change / np.hypot(errors, cells.std)[:, None]).max(-1)
             coarse = changes.sum(-1) > _FINE
             if not coarse.any() or len(cells.centre) > _MOST:
                 break
-            cells = cells.some(~coarse).joined(self._halved(cells.some(coarse), changes[coarse].argmax(-1)))
+            cells = cells.only(~coarse).joined(self._halved(cells.only(coarse), changes[coarse].argmax(-1)))
         density, misfit = _log_density(cells, values, errors**2 + cells.std**2)
         weights = np.exp(density - density.max()) * np.prod(cells.half, axis=-1)
         return self._summary(cells, weights / weights.sum(), misfit, level)
@@ -180,7 +180,7 @@ class _Cells:
     std: Array
     change: Array
 
-    def some(self, chosen: NDArray[np.bool_]) -> "_Cells":
+    def only(self, chosen: Flags) -> "_Cells":
         """A part of them."""
         return _Cells(*(one[chosen] for one in (self.centre, self.half, self.mean, self.std, self.change)))
 

@@ -11,13 +11,11 @@ from itertools import combinations
 import numpy as np
 import xarray as xr
 from numpy.polynomial.legendre import leggauss
-from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from surrogate.data.arrays import Array
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.model import GaussianProcess
-
-Array = NDArray[np.float64]
 
 # Gauss-Legendre nodes a mode: exact for the Chebyshev kernel, whose features have twice as many modes.
 NODES_A_LEVEL = 2

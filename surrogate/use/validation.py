@@ -5,14 +5,13 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.stats import norm
 
+from surrogate.data.arrays import Array, Flags
+from surrogate.gp.conformal import HALF_WIDTH, NOMINAL
 from surrogate.gp.model import GaussianProcess
 from surrogate.use.baseline import chebyshev_interpolation
 
-Array = NDArray[np.float64]
-NOMINAL = 0.95
 DECILES = 10
 
 
@@ -57,7 +56,7 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
     spread = np.ptp(true, axis=1)
     over = np.where(spread > 0, spread, 1.0)[:, None]
     error = (mean - true) / over
-    inside = np.abs(mean - true) <= norm.ppf((1 + NOMINAL) / 2) * std
+    inside = np.abs(mean - true) <= HALF_WIDTH * std
     columns = xr.broadcast(*[points[name] for name in model.box], predicted[names[0]])[:-1]
     by_decile = np.stack([_by_decile(column.values.ravel(), inside) for column in columns], axis=1)
     table: dict[str, Any] = {
@@ -136,7 +135,7 @@ def _r2(true: Array, mean: Array) -> Array:
     return np.asarray(np.where(spread > 0, 1 - error / np.where(spread > 0, spread, 1), error == 0), dtype=np.float64)
 
 
-def _by_decile(column: Array, inside: NDArray[np.bool_]) -> Array:
+def _by_decile(column: Array, inside: Flags) -> Array:
     """Coverage in every decile of the cases sorted by a column: (p, n) -> (p, 10)."""
     parts = np.array_split(np.argsort(column, kind="stable"), DECILES)
     return np.stack([inside[:, part].mean(axis=1) if part.size else np.ones(len(inside)) for part in parts], axis=1)

@@ -39,7 +39,8 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     folder = tmp_path_factory.mktemp("model")
     (folder / "tiny.yaml").write_text(TINY, encoding="utf-8")
     study = studies.load(folder / "tiny.yaml")
-    training.fit(study, factorial.exact(study, dict(factorial.levels(study)))).save(folder / "surrogate.nc")
+    fitted = training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
+    surrogate.save(fitted, folder / "surrogate.nc")
     return (folder / "surrogate.nc").read_bytes()
 
 
@@ -270,7 +271,7 @@ def child(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> st
 _SPOILT_SCRIPT = """\
 import os, sys
 sys.path.insert(0, {root!r})
-from surrogate import examined
+from storage import examined
 from tests.faults import hostilefiles
 examined.SECONDS, examined.examine = 1, hostilefiles.{what}
 os._exit(examined.outcome(sys.argv[1], 0)[0])

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 
-from storage.blocks import Moments, Region, write_blocks
+from storage.blocks import Region, RunningStatistics, write_blocks
 from storage.netcdf import checksum, read_whole, write_whole
 
 RANDOM = np.random.default_rng(7)
@@ -54,13 +54,13 @@ def test_blocks_make_the_file_that_one_write_would_hold(chunks: dict[str, int], 
     assert found.attrs["checksum"] == checksum(found)
 
 
-def test_moments_of_pieces_are_those_of_the_whole() -> None:
+def test_statistics_of_pieces_are_those_of_the_whole() -> None:
     values = RANDOM.normal(1e3, 1e-3, 10_000)  # a mean that a sum of squares would drown in
-    moments = Moments()
+    statistics = RunningStatistics()
     for part in np.array_split(values, [1, 17, 6000]):
-        moments.add(part)
-    assert moments.attrs["mean"] == pytest.approx(np.mean(values), rel=1e-14)
-    assert moments.attrs["standard_deviation"] == pytest.approx(np.std(values), rel=1e-9)
+        statistics.add(part)
+    assert statistics.attrs["mean"] == pytest.approx(np.mean(values), rel=1e-14)
+    assert statistics.attrs["standard_deviation"] == pytest.approx(np.std(values), rel=1e-9)
 
 
 def test_what_is_missing_or_not_finite_leaves_no_file(tmp_path: Path) -> None:

@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from storage.described import MEANINGS, described
+from storage.described import described
 from storage.netcdf import read_whole
+from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.levels.pilot import explore
 from workflow.dataset import factorial
 from workflow.run.joblog import log
@@ -72,7 +73,7 @@ def choose(study: Study) -> xr.Dataset:
         predicted_error=("output", list(choice.error.values())),
     )
     title = "numbers of levels chosen for a tolerance"
-    return described(chosen, title, meanings=MEANINGS | _MEANINGS).assign_attrs(
+    return described(chosen, title, SOURCE, MEANINGS | _MEANINGS).assign_attrs(
         tolerance=tolerance, budget=budget, pilot_cases=pilot.cases
     )
 

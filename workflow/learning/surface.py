@@ -15,6 +15,7 @@ from solver import solve
 from solver.names import FIELDS
 from storage.described import described
 from surrogate import GaussianProcess, GridGP, Input
+from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.use import validation
 from workflow.dataset import factorial
 from workflow.learning import training
@@ -67,7 +68,12 @@ def validate(study: Study, model: GridGP) -> xr.Dataset:
     fresh = cases(study, study.validation.cases, 5)
     table = validation.validate(model, fresh, None)
     units = xr.DataArray([FIELDS[name].units for name in NAMES], dims="output")
-    table = described(table.assign_coords(units=units), "errors of the surrogate of the surface fields on exact cases")
+    table = described(
+        table.assign_coords(units=units),
+        "errors of the surrogate of the surface fields on exact cases",
+        SOURCE,
+        MEANINGS,
+    )
     return table.assign_attrs(tolerance=study.validation.tolerance)
 
 

@@ -4,6 +4,7 @@ import xarray as xr
 
 from storage.described import described
 from surrogate import GaussianProcess, GridGP
+from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.levels import counts
 from surrogate.use import validation
 from workflow.dataset import factorial
@@ -58,4 +59,5 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     decays = counts.decays(quantities, factorial.inputs(study), names)
     out = out.assign(counts.evidence(decays, {name: axis.levels or 0 for name, axis in study.factors.items()}))
     out = out.assign_coords(units=("output", [cases[name].attrs["units"] for name in names]))
-    return described(out, "errors of the surrogate on exact cases").assign_attrs(tolerance=study.validation.tolerance)
+    table = described(out, "errors of the surrogate on exact cases", SOURCE, MEANINGS)
+    return table.assign_attrs(tolerance=study.validation.tolerance)

@@ -17,9 +17,9 @@ from workflow.dataset.slabs import CARD
 from workflow.design import answers, assessment
 from workflow.language.numbers import number, raised, shown
 from workflow.learning.timing import by_quantity
-from workflow.report import datum_effect, whatif
+from workflow.report import datum_effect, problem, whatif
 from workflow.report.figures import listing
-from workflow.report.svg import inlined
+from workflow.report.svg import element, inlined
 from workflow.report.verdict import findings
 from workflow.study.datum import HANGING, length
 from workflow.study.model import CHECK_GROUPS, Study
@@ -71,6 +71,7 @@ def page(
     content: dict[str, Any] = {
         "study": study,
         "name": name,
+        "problem": element(problem.draw(), "problem", problem.TITLE),
         "figures": {path.stem: _figure(path) for path in figures},
         "provenance": json.loads(provenance.read_text(encoding="utf-8")),
         "factors": FACTORS,

@@ -5,10 +5,22 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-#: What the style of figures draws in, and the page's variables for it.
-INK, PAPER = "#1c2430", "#fbfbf9"
-_VARIABLES = {INK: "var(--ink)", PAPER: "var(--card)", "#2166ac": "var(--accent)"}
+#: What figures are drawn in, and what the page puts in its place.
+INK, PAPER, ACCENT = "#1c2430", "#fbfbf9", "#2166ac"
+SOFT, GOOD, BAD = "#5b6675", "#1b7f4d", "#b3261e"
+BODY, PUNCH = "#eaf1f9", "#e4e5e7"
+_VARIABLES = {
+    INK: "var(--ink)",
+    PAPER: "var(--card)",
+    ACCENT: "var(--accent)",
+    SOFT: "var(--soft)",
+    GOOD: "var(--good)",
+    BAD: "var(--bad)",
+    BODY: "color-mix(in srgb, var(--accent) 10%, var(--card))",
+    PUNCH: "color-mix(in srgb, var(--ink) 12%, var(--card))",
+}
 _IDS = re.compile(r'(\bid=")([^"]+)(")|(url\(#)([^)]+)(\))|(href="#)([^"]+)(")')
+_SIZE = re.compile(r'<svg\b([^>]*?)\s(?:width|height)="[^"]*"')
 _STROKE = re.compile(r"stroke: (#[0-9a-f]{6})")
 
 
@@ -22,14 +34,17 @@ def inlined(path: Path, alt: str) -> Markup:
     alt
         What it shows, for those who do not see it.
     """
-    text = path.read_text(encoding="utf-8")
+    return element(path.read_text(encoding="utf-8"), path.stem, alt, 1.9)
+
+
+def element(text: str, name: str, alt: str, enlarged: float = 1.0) -> Markup:
+    """An SVG of our own making as an element of the page, at most so many times as wide as it is drawn."""
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, count=1, flags=re.DOTALL)  # of matplotlib
-    prefix = path.stem
 
     def renamed(match: re.Match[str]) -> str:
-        before, name, after = (part for part in match.groups() if part is not None)
-        return f"{before}{prefix}-{name}{after}"
+        before, own, after = (part for part in match.groups() if part is not None)
+        return f"{before}{name}-{own}{after}"
 
     text = _IDS.sub(renamed, text)
     for colour, variable in _VARIABLES.items():
@@ -37,8 +52,7 @@ def inlined(path: Path, alt: str) -> Markup:
     # curves take some of the ink: dark ones are seen on dark paper, and light ones on light paper
     text = _STROKE.sub(r"stroke: color-mix(in srgb, \1 72%, var(--ink))", text)
     size = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', text)
-    width = float(size[1]) if size else 0.0
-    head = Markup('<svg role="img" aria-label="{}" class="figure" style="max-width: {:.0f}px"').format(alt, 1.9 * width)
-    text = re.sub(r'<svg\b([^>]*?)\s(?:width|height)="[^"]*"', r"<svg\1", text, count=1)
-    text = re.sub(r'<svg\b([^>]*?)\s(?:width|height)="[^"]*"', r"<svg\1", text, count=1)
+    width = enlarged * float(size[1]) if size else 0.0
+    head = Markup('<svg role="img" aria-label="{}" class="figure" style="max-width: {:.0f}px"').format(alt, width)
+    text = _SIZE.sub(r"<svg\1", _SIZE.sub(r"<svg\1", text, count=1), count=1)
     return head + Markup(text.removeprefix("<svg"))

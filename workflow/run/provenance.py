@@ -10,6 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from storage.files import write_text
+from storage.sealed import sha256
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("storage", "solver", "surrogate", "workflow", "verification")
@@ -55,11 +56,6 @@ def _hash(files: list[Path]) -> str:
     return digest.hexdigest()[:16]
 
 
-def _file_hash(file: Path) -> str:
-    with file.open("rb") as content:
-        return hashlib.file_digest(content, "sha256").hexdigest()
-
-
 def versions() -> dict[str, str]:
     """Versions of Python and of the named packages."""
     return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
@@ -77,7 +73,7 @@ def write(path: Path, study: str, study_digest: str, seed: int, results: list[Pa
         "sources_sha256": _hash([file for room in ROOMS for file in _room(room)]),
         "versions": versions(),
         "platform": platform.platform(),
-        "results_sha256": {file.name: _file_hash(file) for file in results},
+        "results_sha256": {file.name: sha256(file).hex() for file in results},
     }
     write_text(path, json.dumps(content, indent=2) + "\n")
 

@@ -7,6 +7,7 @@ from snakemake.iocontainers import Snakemake
 from storage.described import described
 from storage.netcdf import write_whole
 from surrogate import load
+from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.use.sensitivity import sobol
 from workflow.run import joblog
 
@@ -16,4 +17,6 @@ joblog.start(snakemake.log[0])
 model = load(snakemake.input[0])
 units = [model.attrs_[name].get("units", "") for name in model.outputs_]
 found = sobol(model).assign_coords(units=("output", units))
-write_whole(described(found, "Sobol' indices and main effects of the surrogate"), Path(snakemake.output[0]))
+write_whole(
+    described(found, "Sobol' indices and main effects of the surrogate", SOURCE, MEANINGS), Path(snakemake.output[0])
+)

@@ -5,6 +5,7 @@ from pathlib import Path
 from snakemake.iocontainers import Snakemake
 
 from storage.netcdf import write_whole
+from surrogate import save
 from workflow.dataset import levels
 from workflow.learning import surface
 from workflow.run import joblog
@@ -15,5 +16,5 @@ snakemake: Snakemake
 joblog.start(snakemake.log[0])
 config = levels.resolved(planned.study(snakemake.wildcards.study, snakemake.params.study), snakemake.input.levels)
 model = surface.fit(config)
-model.save(Path(snakemake.output.model))
+save(model, Path(snakemake.output.model))
 write_whole(surface.validate(config, model), Path(snakemake.output.validation))

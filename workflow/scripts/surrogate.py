@@ -5,6 +5,7 @@ from pathlib import Path
 from snakemake.iocontainers import Snakemake
 
 from storage.netcdf import read_whole
+from surrogate import save
 from workflow.dataset import factorial
 from workflow.learning import training
 from workflow.run import joblog
@@ -16,4 +17,4 @@ joblog.start(snakemake.log[0])
 config = planned.study(snakemake.wildcards.study, snakemake.params.study)
 model = training.fit(config, read_whole(Path(snakemake.input.quantities)))
 model.calibrate(factorial.learned(config, read_whole(Path(snakemake.input.calibration))))
-model.save(Path(snakemake.output[0]))
+save(model, Path(snakemake.output[0]))

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from numpy.polynomial.chebyshev import chebval
 from numpy.typing import NDArray
 
-from surrogate import GridGP, Input, load
+from surrogate import GridGP, Input, load, save
 
 Array = NDArray[np.float64]
 NAMES = ("x", "y", "z")
@@ -132,7 +132,7 @@ def test_a_file_gives_the_same_bits_back(made: tuple[list[Input], xr.Dataset], k
     model = GridGP(kernel, inputs).fit(data)  # type: ignore[arg-type]  # plain strings
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "model.nc"
-        model.save(path)
+        save(model, path)
         again = load(path)
     points = unit(inputs, 30)
     xr.testing.assert_identical(again.predict(points), model.predict(points))

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from surrogate.search.optimise import Problem
-from surrogate.search.pareto import front, hypervolume, non_dominated
+from surrogate.search.pareto import front, non_dominated
+from tests.surrogate.hypervolume import hypervolume
 
 Array = NDArray[np.float64]
 

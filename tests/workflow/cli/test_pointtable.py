@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from surrogate import GridGP, Input
+from surrogate import GridGP, Input, save
 from tests.workflow.cli.test_main import complaint
 from workflow.cli import main
 
@@ -25,7 +25,7 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     attrs = {"units": f"Pa{ESCAPE}"}
     data = xr.Dataset({f"depth{ESCAPE}": (("radius", "friction"), values, attrs)}, coords=axes)
     path = tmp_path_factory.mktemp("points") / "surrogate.nc"
-    GridGP(inputs=inputs, outputs=[f"depth{ESCAPE}"]).fit(data).save(path)
+    save(GridGP(inputs=inputs, outputs=[f"depth{ESCAPE}"]).fit(data), path)
     return path
 
 

@@ -27,6 +27,6 @@ def test_an_interval_is_shown_with_the_figures_that_it_has(numbers: tuple[float,
 def test_query_says_that_a_surrogate_is_not_calibrated(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     levels = surrogate.chebyshev_levels(0.0, 1.0, 5)
     path = tmp_path / "raw.nc"
-    surrogate.GridGP().fit(xr.Dataset({"f": ("x", np.exp(levels))}, coords={"x": levels})).save(path)
+    surrogate.save(surrogate.GridGP().fit(xr.Dataset({"f": ("x", np.exp(levels))}, coords={"x": levels})), path)
     assert main.main(["query", str(path), "--at", "x=0.3"]) == 0
     assert "not calibrated" in capsys.readouterr().err

@@ -13,8 +13,8 @@ from scipy.optimize import brentq
 from solver import find, solve
 from storage.netcdf import read_whole
 from surrogate import GaussianProcess
-from surrogate.search.pareto import hypervolume
 from tests.solver import micromechanics
+from tests.surrogate.hypervolume import hypervolume
 from tests.workflow.conftest import Project
 from verification.oracles import interior
 from verification.oracles.half_plane import CONSTANTS

@@ -8,7 +8,7 @@ import xarray as xr
 
 from solver import solve
 from surrogate import GaussianProcess
-from surrogate.search.pareto import hypervolume
+from tests.surrogate.hypervolume import hypervolume
 from workflow.dataset import factorial
 from workflow.design import search
 from workflow.learning import training

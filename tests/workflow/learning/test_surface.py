@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from solver import solve
-from surrogate import GridGP, OutOfBoxError, load
+from surrogate import GridGP, OutOfBoxError, load, save
 from workflow.dataset import factorial
 from workflow.learning import surface, training
 from workflow.study import model as studies
@@ -38,7 +38,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
 @pytest.fixture(scope="module")
 def models(study: Study, tmp_path_factory: pytest.TempPathFactory) -> tuple[GridGP, GridGP]:
     path = tmp_path_factory.mktemp("model") / "surface.nc"
-    surface.fit(study).save(path)
+    save(surface.fit(study), path)
     fields = load(path)
     assert isinstance(fields, GridGP)
     return fields, training.fit(study, factorial.exact(study, dict(factorial.levels(study))))

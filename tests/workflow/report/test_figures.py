@@ -1,5 +1,6 @@
 """Figures: the same however the data set is cut into slabs; no text is cut, no power of ten stands apart."""
 
+import re
 import warnings
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from matplotlib.text import Text
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
 from workflow.dataset import slabs as dataset
+from workflow.report import problem, svg
 from workflow.report.figures import design, plots, sensitivity
 from workflow.study import partition
 from workflow.study.model import load
@@ -36,6 +38,13 @@ def test_the_number_of_slabs_does_not_change_the_figure_of_fields(factors: str, 
             plots.save(plots.fields(parts), tmp_path / "fields.svg")
         drawn.add((tmp_path / "fields.svg").read_bytes())
     assert len(drawn) == 1
+
+
+def test_the_drawing_of_the_problem_follows_light_and_dark() -> None:
+    drawn = str(svg.element(problem.draw(), "problem", problem.TITLE))
+    assert not re.findall(r"#[0-9a-f]{3,6}\b", drawn)
+    assert {"var(--ink)", "var(--card)", "var(--accent)", "var(--soft)"} <= set(re.findall(r"var\(--\w+\)", drawn))
+    assert set(re.findall(r'id="([^"]+)"|url\(#([^)]+)\)', drawn)) == {("problem-tip", ""), ("", "problem-tip")}
 
 
 def test_no_text_is_cut_and_no_power_of_ten_stands_apart_from_its_ticks(ran: Project) -> None:

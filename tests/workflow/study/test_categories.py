@@ -9,7 +9,7 @@ import pytest
 
 from solver import solve
 from surrogate import GridGP
-from surrogate.search.pareto import hypervolume
+from tests.surrogate.hypervolume import hypervolume
 from workflow.cli import questions
 from workflow.dataset import factorial
 from workflow.design import answers, search

@@ -1,0 +1,11 @@
+"""The arrays of this room."""
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: Real numbers, in double precision.
+Array: TypeAlias = NDArray[np.float64]
+#: One flag a place.
+Flags: TypeAlias = NDArray[np.bool_]

@@ -1,0 +1,88 @@
+"""The drawing of the problem, for the page and for the documentation (`docs/problem.svg`).
+
+Not to scale: the contact is some hundredths of the radius wide in truth.
+"""
+
+from workflow.report.svg import ACCENT, BAD, BODY, GOOD, INK, PAPER, PUNCH, SOFT
+
+TITLE = "A conducting punch slides on a magneto-electro-elastic half-plane"
+_WIDTH, _HEIGHT, _SURFACE = 760, 430, 250  # the surface y = 0 lies at this height of the picture
+_RADIUS, _LEADING, _TRAILING, _LOW = 150, 300, 440, 380  # contact from x to x; x of the punch's lowest point
+_DATUM = 690
+
+
+def _line(x0: float, y0: float, x1: float, y1: float, colour: str = INK, more: str = "") -> str:
+    return f'<line x1="{x0}" y1="{y0}" x2="{x1}" y2="{y1}" stroke="{colour}" stroke-width="1.6" {more}/>'
+
+
+def _arrow(x0: float, y0: float, x1: float, y1: float, colour: str = INK, both: bool = False) -> str:
+    start = 'marker-start="url(#tip)" ' if both else ""
+    return _line(x0, y0, x1, y1, colour, f'{start}marker-end="url(#tip)"')
+
+
+def _text(x: float, y: float, text: str, colour: str = INK, anchor: str = "middle", style: str = "italic") -> str:
+    return f'<text x="{x}" y="{y}" fill="{colour}" text-anchor="{anchor}" font-style="{style}">{text}</text>'
+
+
+def _words(x: float, y: float, text: str, anchor: str = "middle") -> str:
+    return _text(x, y, text, SOFT, anchor, "normal")
+
+
+def _span(x0: float, x1: float, y: float, text: str) -> list[str]:
+    """A dimension line with its letter."""
+    return [_arrow(x0, y, x1, y, both=True), _text((x0 + x1) / 2, y - 6, text)]
+
+
+def draw() -> str:
+    """The drawing as SVG."""
+    centre = (_LEADING + _TRAILING) / 2
+    top = _SURFACE - _RADIUS * 2 + 30
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-family="serif" font-size="17">',
+        f"<title>{TITLE}</title>",
+        f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="{PAPER}"/>',
+        '<marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" '
+        'orient="auto-start-reverse"><path d="M0 0 8 4 0 8z" fill="context-stroke"/></marker>',
+        # body and punch
+        f'<rect x="20" y="{_SURFACE}" width="{_WIDTH - 40}" height="{_HEIGHT - _SURFACE - 12}" fill="{BODY}"/>',
+        f'<path d="M{_LOW - 138} {top + 90} A {_RADIUS} {_RADIUS} 0 0 0 {_LOW + 138} {top + 90} Z" fill="{PUNCH}" '
+        f'stroke="{INK}" stroke-width="1.6" transform="translate(0 {_SURFACE - top - 182})"/>',
+        _line(20, _SURFACE, _WIDTH - 20, _SURFACE),
+        f'<line x1="{_LEADING}" y1="{_SURFACE}" x2="{_TRAILING}" y2="{_SURFACE}" stroke="{BAD}" stroke-width="4"/>',
+        # loads
+        _arrow(_LOW, 20, _LOW, 120, BAD),
+        _text(_LOW + 18, 48, "P", BAD),
+        _arrow(_LOW - 30, 128, _LOW - 115, 128, BAD),
+        _text(_LOW - 124, 134, "Q = \u03b7P", BAD, "end"),
+        _words(_LOW - 190, 96, "the punch slides to \u2212x", "middle"),
+        _text(_LOW + 52, 128, "T, J", ACCENT),
+        _words(_LOW + 80, 128, "charges; \u03c6, \u03c8 constant", "start"),
+        _line(_LOW, _SURFACE - 4, _LOW - 84, _SURFACE - 88, SOFT),
+        _text(_LOW - 60, _SURFACE - 40, "R"),
+        # contact
+        *_span(_LEADING, _LOW, _SURFACE + 34, "b"),
+        *_span(_LOW, _TRAILING, _SURFACE + 34, "a"),
+        *_span(centre, _TRAILING, _SURFACE + 76, "h"),
+        _line(centre, _SURFACE, centre, _SURFACE + 80, SOFT, 'stroke-dasharray="3 3"'),
+        _line(_LEADING, _SURFACE, _LEADING, _SURFACE + 42, SOFT),
+        _line(_TRAILING, _SURFACE, _TRAILING, _SURFACE + 80, SOFT),
+        _line(_LOW, _SURFACE, _LOW, _SURFACE + 42, SOFT, 'stroke-dasharray="3 3"'),
+        _words(_LEADING - 8, _SURFACE + 24, "leading edge X = \u22121", "end"),
+        _words(_TRAILING + 8, _SURFACE + 24, "trailing edge X = 1", "start"),
+        _text(centre - 18, _SURFACE + 98, "X = (x \u2212 c)/h,  c = (a \u2212 b)/2", INK, "end"),
+        # axes, poling, datum
+        _arrow(60, _SURFACE, 112, _SURFACE, GOOD),
+        _text(108, _SURFACE - 8, "x", GOOD),
+        _arrow(60, _SURFACE, 60, _SURFACE - 52, GOOD),
+        _text(46, _SURFACE - 40, "y", GOOD),
+        _arrow(60, _HEIGHT - 40, 60, _HEIGHT - 104, ACCENT),
+        _words(74, _HEIGHT - 36, "poling", "start"),
+        _words(_WIDTH - 40, _HEIGHT - 30, "magneto-electro-elastic half-plane", "end"),
+        f'<circle cx="{_DATUM}" cy="{_SURFACE}" r="5" fill="{GOOD}"/>',
+        _words(_WIDTH - 24, _SURFACE - 14, "datum: u, \u03c6, \u03c8 = 0", "end"),
+        *_span(_TRAILING, _DATUM, _SURFACE + 112, "L"),
+        _line(_DATUM, _SURFACE, _DATUM, _SURFACE + 118, SOFT, 'stroke-dasharray="3 3"'),
+        _line(_TRAILING, _SURFACE + 80, _TRAILING, _SURFACE + 118, SOFT, 'stroke-dasharray="3 3"'),
+        "</svg>",
+    ]
+    return "\n".join(parts) + "\n"
