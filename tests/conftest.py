@@ -1,11 +1,13 @@
 """How the tests share a machine: one thread a process, and what takes long is made once, by one worker.
 
-Under `--dist loadgroup` a worker takes a whole group at a time, in the order of collection: the tests of a costly
-session fixture, else those of a file, so that module fixtures are made once too. The longest groups begin first.
+A worker takes a whole file at a time, so that module fixtures are made once, and all the files that look at the same
+run of a pipeline: `--dist loadgroup` would say so in marks, but pytest-xdist 3.8 loses them under pytest 9.2, whose
+node ids cannot be written to.
 """
 
 import os
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -13,40 +15,67 @@ import pytest
 # small products (an inversion's) take four times as long on two threads as on one
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+from xdist.scheduler import LoadScopeScheduling
+
 from tests.workflow.conftest import Project, copy
 
 __all__ = ["copy"]
 
-#: Fixtures that run a whole pipeline, and the group of the tests that use them.
-RUNS = {"ran": "ran", "again": "ran", "undisturbed": "undisturbed", "quickstart": "quickstart"}
+#: Files that look at a run of a pipeline, by the session fixture that makes it.
+FILES = {
+    "ran": (
+        "tests/workflow/test_pipeline.py",
+        "tests/workflow/cli/test_main.py",
+        "tests/workflow/cli/test_questions.py",
+        "tests/workflow/design/test_unreached.py",
+        "tests/workflow/report/test_datum_effect.py",
+        "tests/workflow/report/test_figures.py",
+        "tests/workflow/report/test_page.py",
+        "tests/workflow/study/test_planned.py",
+    ),
+    "undisturbed": ("tests/faults/test_disk.py", "tests/faults/test_tampered.py", "tests/faults/test_together.py"),
+    "quickstart": ("tests/faults/test_killed.py", "tests/test_docs.py", "tests/test_documents.py"),
+}
 
-#: The groups that take longest, those of the runs among them, the longest first.
+#: What takes longest begins first, so that the last groups to end are short.
 LONGEST = (
-    "ran",
-    "undisturbed",
-    "quickstart",
+    *FILES,
     "tests/workflow/design/test_budget.py",
     "tests/surrogate/use/test_inversion.py",
-    "tests/workflow/report/test_page.py",
-    "tests/workflow/test_pipeline.py",
+    "tests/workflow/design/test_question.py",
+    "tests/workflow/design/test_search.py",
     "tests/faults/test_hostile.py",
 )
 
 
-@pytest.hookimpl(tryfirst=True)  # before xdist reads the groups
+def group(file: str) -> str:
+    """The run that a file looks at, else the file itself."""
+    return next((run for run, files in FILES.items() if file in files), file)
+
+
+class ByGroup(LoadScopeScheduling):
+    """Hands out whole groups of tests, in the order of collection."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        return group(nodeid.partition("::")[0])
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeScheduling | None:
+    """Put groups in the place of xdist's files; another `--dist` stays what it is."""
+    return ByGroup(config, log) if config.getvalue("dist") == "loadfile" else None
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Name the group of every test, and bring the longest groups to the front."""
+    """Bring the longest groups to the front; refuse a test that would make a run once more, in another group."""
     for item in items:
-        fixtures = getattr(item, "fixturenames", ())
-        group = next((group for name, group in RUNS.items() if name in fixtures), item.location[0])
-        item.add_marker(pytest.mark.xdist_group(group))
-    items.sort(key=_rank)
+        for run in FILES.keys() & set(getattr(item, "fixturenames", ())):
+            if group(item.location[0]) != run:
+                raise pytest.UsageError(f"{item.location[0]} uses {run!r} and is not among its FILES in {__file__}")
+    items.sort(key=lambda item: _rank(group(item.location[0])))
 
 
-def _rank(item: pytest.Item) -> int:
-    marker = item.get_closest_marker("xdist_group")
-    group = marker.args[0] if marker else ""
-    return LONGEST.index(group) if group in LONGEST else len(LONGEST)
+def _rank(name: str) -> int:
+    return LONGEST.index(name) if name in LONGEST else len(LONGEST)
 
 
 @pytest.fixture(scope="session")

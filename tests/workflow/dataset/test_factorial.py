@@ -22,8 +22,9 @@ from workflow.study.model import Study, load
 
 CODE = """
 from pathlib import Path
-from workflow import dataset, study
-dataset.write_slab(study.load('config/quickstart.yaml'), 0, Path({path!r}))
+from workflow.dataset import slabs
+from workflow.study import model
+slabs.write_slab(model.load('config/quickstart.yaml'), 0, Path({path!r}))
 """
 
 
