@@ -39,7 +39,7 @@ def _point(problem: Problem, objectives: int) -> Front | None:
     return Front(x, values, values[0], np.ones(objectives)) if excess.max(initial=-np.inf) <= 0 else None
 
 
-def measure(traced: Sequence[Front]) -> tuple[Array, Array]:
+def normalisation(traced: Sequence[Front]) -> tuple[Array, Array]:
     """Least value of every objective over some fronts together, and its range: what a compromise is measured by."""
     values = np.concatenate([part.values for part in traced])
     values = values[non_dominated(values)]

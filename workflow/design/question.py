@@ -192,24 +192,31 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
         values = question.values(source, variables, corner, [term])[0]
         for divisor in _divisors(term.expression):
             passed = question.values(source, variables, corner, [replace(term, expression=divisor)])[0]
-            if passed.min() <= 0 <= passed.max():
-                named = " and ".join(divisor.names())
-                raise InputError(f"{what} is unbounded: {named} in a divisor passes 0 in the ranges")
-        if not np.all(np.isfinite(values)):
-            raise InputError(f"{what} is not defined everywhere within the ranges of {', '.join(question.inputs)}")
-        if not term.limited and np.ptp(values, 0).max() <= _CONSTANT * np.abs(values).max():
-            raise InputError(f"{what} is constant: it does not depend on {', '.join(question.inputs)}")
+            _check_pole(what, divisor, passed)
+        _check_values(what, question, term, values)
         if place == 0:
             spread = float(np.ptp(values))
         if term.bound == 0:
             scales[term.label] = float(np.abs(values).max()) or 1.0
-        known = question.known(source, factors, [term.expression])
-        split = kinks.pieces(term.expression, -term.sign if term.limited else term.sign, known)
-        if len(split) > 1 and isinstance(term.measure, WorstCase):
-            pieces[place] = split
+        if isinstance(term.measure, WorstCase):
+            known = question.known(source, factors, [term.expression])
+            split = kinks.pieces(term.expression, -term.sign if term.limited else term.sign, known)
+            pieces |= {place: split} if len(split) > 1 else {}
         if term.unitless:
             notes += misread.notes(what, term, values)
     return replace(question, scales=scales, pieces=pieces, spread=spread, notes=tuple(notes))
+
+
+def _check_pole(what: str, divisor: Expression, values: Array) -> None:
+    if values.min() <= 0 <= values.max():
+        raise InputError(f"{what} is unbounded: {' and '.join(divisor.names())} in a divisor passes 0 in the ranges")
+
+
+def _check_values(what: str, question: Question, term: Term, values: Array) -> None:
+    if not np.all(np.isfinite(values)):
+        raise InputError(f"{what} is not defined everywhere within the ranges of {', '.join(question.inputs)}")
+    if not term.limited and np.ptp(values, 0).max() <= _CONSTANT * np.abs(values).max():
+        raise InputError(f"{what} is constant: it does not depend on {', '.join(question.inputs)}")
 
 
 def _pilot(d: int) -> Array:
