@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.special import beta, eval_chebyu, eval_jacobi, roots_jacobi
+from scipy.special import beta, roots_jacobi
 
-from solver.arrays import Array
+from solver.arrays import Array, Points
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,11 +28,14 @@ class Basis:
         Whether the trailing and the leading edge are smooth.
     terms
         M: number of collocation nodes.
+    samples
+        N: number of nodes of the rules that integrate kernels against the basis.
     """
 
     delta: float
     smooth: tuple[bool, bool]
     terms: int
+    samples: int
 
     @property
     def exponents(self) -> tuple[float, float]:
@@ -82,38 +85,38 @@ class Basis:
     @cached_property
     def pressure_rule(self) -> tuple[Array, Array]:
         """Nodes S of weight w, and weights times P_j(S); (N,) and (N, pressures)."""
-        S, weights = _gauss_jacobi(self.terms + 2, *self.exponents)
+        S, weights = _gauss_jacobi(self.samples, *self.exponents)
         return S, weights[:, None] * self.pressure_factor(S)
 
     @cached_property
     def charge_rule(self) -> tuple[Array, Array]:
         """Nodes S of weight 1/sqrt(1 - S^2), and weights times T_n(S); (N,) and (N, M + 1)."""
-        count = self.terms + 2
-        angle = np.pi * (np.arange(count) + 0.5) / count
-        return np.cos(angle), np.pi / count * np.cos(angle[:, None] * np.arange(self.terms + 1))
+        angle = np.pi * (np.arange(self.samples) + 0.5) / self.samples
+        return np.cos(angle), np.pi / self.samples * np.cos(angle[:, None] * np.arange(self.terms + 1))
 
     @cached_property
-    def average_rule(self) -> tuple[Array, Array]:
-        """Nodes and weights of the mean over the contact with weight (1 - X^2)^(3/2); (node,) each."""
-        count = self.terms // 2 + 8
-        X = np.cos(np.pi * np.arange(1, count + 1) / (count + 1))  # of weight sqrt(1 - X^2)
-        return X, 8 / 3 * (1 - X**2) ** 2 / (count + 1)
+    def mean(self) -> Array:
+        """Weights, at the nodes, of the mean over the contact with weight (1 - X^2)^(3/2); (M,)."""
+        angle = np.pi * np.arange(1, self.terms + 1) / (self.terms + 1)
+        weights = 8 / 3 * np.sin(angle) ** 4 / (self.terms + 1)  # Gauss's of weight sqrt(1 - X^2)
+        return np.asarray(weights @ self.dual(np.cos(angle), self.terms).T @ self.projection)
 
     def pressure_factor(self, X: Array) -> Array:
         """P_j^(A,B); (X, pressures)."""
-        return np.asarray(eval_jacobi(np.arange(self.pressures), *self.exponents, np.asarray(X)[..., None]))
+        return jacobi(self.pressures, *self.exponents, X)
 
     def dual(self, X: Array, count: int) -> Array:
         """P_j^(-A,-B), j < count; (count, X)."""
         A, B = self.exponents
-        return np.asarray(eval_jacobi(np.arange(count)[:, None], -A, -B, X))
+        return jacobi(count, -A, -B, X).T
 
     def local(self, X: Array) -> Array:
         """The right side (2^k0 / sin pi A) P_(j+k0)^(-A,-B), P_(-1) = 0; (X, pressures)."""
         A, B = self.exponents
-        orders = np.arange(self.pressures) + self.order
-        values = eval_jacobi(np.maximum(orders, 0), -A, -B, np.asarray(X)[..., None])
-        return np.asarray(self.gain * np.where(orders >= 0, values, 0.0))
+        dual = jacobi(self.terms, -A, -B, X)
+        if self.order == 1:
+            return self.gain * dual[..., 1:]
+        return self.gain * (dual if self.order == 0 else np.concatenate([0 * dual[..., :1], dual], -1))
 
     def weight(self, X: Array) -> Array:
         """w at |X| < 1."""
@@ -135,9 +138,10 @@ class Basis:
     @cached_property
     def sign_moments(self) -> Array:
         """Integrals of w P_j times the mean of sgn(X - S) / 2 over X; (pressures,): by a double exponential rule."""
-        steps = np.linspace(-3.2, 3.2, 241 + 8 * self.terms)
-        share = 1 / (1 + np.exp(-np.pi * np.sinh(steps)))
         A, B = self.exponents
+        end = np.arcsinh(40 / (np.pi * min(A + 1, B + 1)))  # e^-40 of the integrand is left out
+        steps = np.linspace(-end, end, 241 + 8 * self.terms)
+        share = 1 / (1 + np.exp(-np.pi * np.sinh(steps)))
         S, one, other = 2 * share - 1, 2 / (1 + np.exp(np.pi * np.sinh(steps))), 2 * share  # 1 - S, 1 + S
         weight = (steps[1] - steps[0]) * np.pi / 2 * np.cosh(steps) * one ** (A + 1) * other ** (B + 1)
         angle = np.arctan2(S, np.sqrt(one * other))
@@ -157,6 +161,14 @@ def log_mean(S: Array) -> Array:
     return np.asarray(-np.log(2) + 2 / 3 * (2 * S**2 - 1) - (8 * S**4 - 8 * S**2 + 1) / 12)
 
 
-def second_kind(X: Array, count: int) -> Array:
-    """U_n, n < count; (X, count)."""
-    return np.asarray(eval_chebyu(np.arange(count), np.asarray(X)[..., None]))
+def jacobi(count: int, a: float, b: float, X: Points) -> Points:
+    """Jacobi polynomials P_j^(a,b), j < count, at real or complex points, by their recurrence; (..., count)."""
+    values = np.ones((count, *X.shape), X.dtype)
+    if count > 1:
+        values[1] = (a + 1) + (a + b + 2) * (X - 1) / 2
+    for j in range(1, count - 1):
+        t = 2 * j + a + b
+        above = 2 * (j + 1) * (j + a + b + 1) * t
+        slope, shift = t * (t + 1) * (t + 2) / above, (t + 1) * (a * a - b * b) / above
+        values[j + 1] = (slope * X + shift) * values[j] - 2 * (j + a) * (j + b) * (t + 2) / above * values[j - 1]
+    return np.moveaxis(values, 0, -1)

@@ -3,7 +3,7 @@
 A wave ``f(y) exp(i k x)``, k > 0, of generalised displacement u and traction t = (sigma_xy, sigma_yy, D_y, B_y), its
 x-components multiplied by i, obeys the real system
 
-    d/dy [k u; t] = k [[W^T, T^-1], [Q_s, -W]] [k u; t],    W = S R T^-1,   Q_s = Q - R T^-1 R^T,   S = diag(-1, 1, 1, 1).
+    d/dy [k u; t] = k [[W^T, T^-1], [Q_s, -W]] [k u; t],   W = S R T^-1,  Q_s = Q - R T^-1 R^T,  S = diag(-1, 1, 1, 1).
 
 What decays downwards in the half-plane y < 0 has ``k u = Y t`` and ``t(y) = exp(k G y) t(0)``, ``G = Q_s Y - W``. The
 body turned upside down has S Y S and S G S.
@@ -62,8 +62,9 @@ class Medium:
         """W, Q_s and T^-1; (..., 4, 4) each."""
         both = self.scale[..., :, None] * self.scale[..., None, :]
         Q, R, T = (block * both for block in self.material.generalised_stiffness())
-        T_inv = np.linalg.inv(T)
-        return MIRROR @ R @ T_inv, Q - R @ T_inv @ np.swapaxes(R, -1, -2), T_inv
+        T_inv: Array = np.asarray(np.linalg.inv(T), dtype=np.float64)
+        W: Array = MIRROR @ R @ T_inv
+        return W, Q - R @ T_inv @ np.swapaxes(R, -1, -2), T_inv
 
     @property
     def system(self) -> Array:

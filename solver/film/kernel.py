@@ -11,6 +11,7 @@ where U' = K gives displacements. They are analytic in the strip |Im x| < b = 2 
 
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -25,13 +26,16 @@ CHANNEL = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 #: Channels of (o, x), and of (x, x).
 SHEAR = np.array([6, 7, 8])
 TANGENTIAL = 9
+#: Channels of U: those of the pairs, and of (o, x).
+POTENTIAL = CHANNEL + 10
+POTENTIAL_SHEAR = SHEAR + 10
 
-_ODD = np.array([True] * 6 + [False] * 3 + [True])  # parity of K; U has the other one
+_ODD = np.array([True] * 6 + [False] * 3 + [True] + [False] * 6 + [True] * 3)  # parity of K, then of U
 _DECAYED = 34.0  # exponent at the largest wavenumber: e^-34 is below rounding
 _GROWTH = 2.5  # of the panels in k
 _NODES = 16  # a panel in k, beside those that the phase needs
 _PHASE = 150.0  # the most of a panel: small rules are cheap to find
-_DEGREE = 23  # of the Chebyshev panels in x: 4.6^-24 is below rounding
+_DEGREE = 16  # of the Chebyshev panels in x, the first half as long as the strip is wide: 8.3^-17 is below rounding
 _TAIL = 1e-11  # of the largest coefficient: what the last ones of a resolved kernel fall below
 _MOST = 40_000_000  # entries of one block of the transform: bounded memory
 
@@ -62,29 +66,43 @@ class Kernel:
         """Largest distance that the table knows [m]."""
         return float(self.edges[-1])
 
-    def gradients(self, x: Array) -> Array:
-        """K at distances x [m]; (..., 10)."""
-        return self._at(x, slice(0, 10), _ODD)
+    def at(self, x: Array, mixing: Array | None = None) -> Array:
+        """Channels, or sums of them, at distances x [m].
 
-    def displacements(self, x: Array) -> Array:
-        """U at distances x [m], with the datum L = b; (..., 9)."""
-        return self._at(x, slice(10, 19), ~_ODD[:9])
+        Parameters
+        ----------
+        x
+            Distances, any shape (...).
+        mixing
+            From the channels, K (ten) and U (nine, with the datum L = b), to what is asked for; (19, c).
 
-    def _at(self, x: Array, channels: slice, odd: Array) -> Array:
-        flat = np.abs(x).ravel()
-        if flat.size and np.max(flat) > self.reach * (1 + 1e-12):
-            raise StackError(f"kernel: distance {np.max(flat):g} m is beyond the resolved range of {self.reach:g} m")
-        out = np.empty((flat.size, odd.size))
-        panel = np.clip(np.searchsorted(self.edges, flat, side="right") - 1, 0, len(self.edges) - 2)
-        for p in range(len(self.edges) - 1):
-            inside = np.flatnonzero(panel == p)
-            if inside.size:
-                low_end, high_end = self.edges[p], self.edges[p + 1]
-                local = (2 * flat[inside] - low_end - high_end) / (high_end - low_end)
-                out[inside] = _chebyshev(local) @ self.coefficients[p][:, channels]
-        values = out.reshape(*x.shape, odd.size)
-        values[..., odd] *= np.sign(x)[..., None]
-        return values
+        Returns
+        -------
+        ndarray
+            (..., c).
+
+        Raises
+        ------
+        StackError
+            A distance beyond the reach of the table.
+        """
+        flat = x.ravel()
+        distance = np.abs(flat)
+        if flat.size and np.max(distance) > self.reach * (1 + 1e-12):
+            raise StackError(f"kernel: distance {np.max(distance):g} m is beyond the resolved {self.reach:g} m")
+        asked = np.eye(_ODD.size) if mixing is None else mixing
+        out = np.empty((flat.size, asked.shape[-1]))
+        count = len(self.coefficients)
+        panel = np.minimum(np.searchsorted(self.edges[1:-1], distance, side="right"), count - 1)
+        panel[flat < 0] += count
+        for sign, parity in enumerate((np.ones(_ODD.size), np.where(_ODD, -1.0, 1.0))):
+            mixed = self.coefficients @ (parity[:, None] * asked)
+            for p in range(count):
+                inside = np.flatnonzero(panel == p + sign * count)
+                if inside.size:
+                    middle, half = (self.edges[p + 1] + self.edges[p]) / 2, (self.edges[p + 1] - self.edges[p]) / 2
+                    out[inside] = _chebyshev((distance[inside] - middle) / half) @ mixed[p]
+        return out.reshape(*x.shape, -1)
 
 
 def kernel(stack: Stack, reach: float) -> Kernel:
@@ -96,10 +114,10 @@ def kernel(stack: Stack, reach: float) -> Kernel:
         A stack whose kernels the table does not resolve.
     """
     width = strip(stack)
-    edges = [0.0, width]
+    edges = [0.0, width / 2]
     while edges[-1] < reach:
-        edges.append(1.7 * edges[-1] + width)
-    edges[-1] = max(reach, (edges[-2] + edges[-1]) / 2) if len(edges) > 2 else width
+        edges.append(1.35 * edges[-1] + width / 2)
+    edges[-1] = max(reach, (edges[-2] + edges[-1]) / 2)
     ends = np.array(edges)
     nodes = np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
     x = (ends[:-1, None] + ends[1:, None] + (ends[1:] - ends[:-1])[:, None] * nodes) / 2
@@ -132,7 +150,7 @@ def wavenumbers(stack: Stack, reach: float) -> tuple[Array, Array]:
         ends.append(ends[-1] * _GROWTH)
     ends[-1] = _DECAYED / width
     nodes, weights = [], []
-    for start, end in zip(ends[:-1], ends[1:], strict=True):
+    for start, end in pairwise(ends):
         parts = int(np.ceil((end - start) * reach / _PHASE))
         half = (end - start) / max(parts, 1) / 2
         x, w = _gauss(_NODES + int(2 * half * reach / 3.2))
@@ -178,4 +196,4 @@ def _transforms(stack: Stack, width: float, x: Array) -> Array:
 
 def _chebyshev(x: Array) -> Array:
     """T_0 .. T_degree at points; (point, degree + 1)."""
-    return np.polynomial.chebyshev.chebvander(x, _DEGREE)
+    return np.asarray(np.polynomial.chebyshev.chebvander(x, _DEGREE), dtype=np.float64)

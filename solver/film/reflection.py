@@ -42,7 +42,7 @@ class LayerWaves:
     @property
     def amplitude(self) -> Array:
         """(I + F)^-1: the downward wave at the top, per traction there; (k, 4, 4)."""
-        return np.linalg.inv(np.eye(4) + self.round_trip)
+        return np.asarray(np.linalg.inv(np.eye(4) + self.round_trip), dtype=np.float64)
 
     @property
     def difference(self) -> Array:
@@ -68,7 +68,7 @@ def waves(stack: Stack, k: Array) -> list[LayerWaves]:
         A, B = FLIP * own + Y, own - Y
         if stack.insulated and number == len(stack.layers) - 1:
             A[:, 3], B[:, 3] = np.eye(4)[3], -np.eye(4)[3]
-        reflection = np.linalg.solve(A, B)
+        reflection: Array = np.asarray(np.linalg.solve(A, B), dtype=np.float64)
         E = falling(medium.decay, k * thickness)
         layer = LayerWaves(medium, thickness, before, reflection, (FLIP * E) @ reflection @ E)
         Y = own + layer.difference

@@ -15,12 +15,13 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.basis import Basis
-from solver.film.kernel import CHANNEL, SHEAR, TANGENTIAL, Kernel
+from solver.film.kernel import Kernel
 from solver.sliding import Sliding
 
 #: Positions at which the pressure over its weight is sampled, edges included: tension shows there.
-SAMPLES: Array = np.cos(np.pi * np.arange(17) / 16)
+SAMPLES: Array = np.cos(np.pi * np.arange(33) / 32)
 
+_SAMPLES = 15.0  # half the logarithm of the error of the rules that integrate the kernels
 _NO_COUPLING = 1e-6  # of lam: a friction coupling kap below this is replaced by it (films, section 4)
 
 
@@ -136,7 +137,9 @@ class System:
 
     def basis(self, half_length: float) -> Basis:
         """Basis whose terms resolve contacts up to a half-length [m]."""
-        return Basis(self.coefficients.delta, self.smooth, self.terms(half_length))
+        terms = self.terms(half_length)
+        samples = terms // 2 + 6 + int(_SAMPLES / np.arcsinh(self.kernel.width / half_length))
+        return Basis(self.coefficients.delta, self.smooth, terms, samples)
 
     def terms(self, half_length: float) -> int:
         """M for 1e-8 or better, by the ratio of half-length and reach of the kernel; even."""
@@ -145,10 +148,17 @@ class System:
         count = self.accuracy * 0.8 * (14 + 7 * np.sqrt(ratio) + 0.2 * ratio) + self.degree
         return max(2 * int(np.ceil(count / 2)), 8)
 
-    def solve(self, basis: Basis, half_lengths: Array) -> Array:
-        """Unknowns for every right side; (half, unknown, cause)."""
-        h = half_lengths
-        matrix = self._matrix(basis, h)
+    def solve(self, basis: Basis, gradients: Array) -> Array:
+        """Unknowns for every right side; (half, unknown, cause).
+
+        Parameters
+        ----------
+        basis
+            Basis of the tractions.
+        gradients
+            What the smooth kernels make of each unknown at the nodes: du/dx of (y, phi, psi); (half, 3, node, unknown).
+        """
+        matrix = self._matrix(basis, gradients)
         right = np.zeros((matrix.shape[-1], self.causes))
         slopes = basis.nodes[:, None] ** np.array(self.powers)
         projected = basis.projection @ slopes
@@ -160,13 +170,14 @@ class System:
         if basis.order == 1:
             right[-1, :count] = projected[0]
         if basis.order == -1:
-            right[0, -1] = -1.0
+            right[0, -1] = 1.0
         c = self.coefficients
         for f in self.fields:
             rows = slice(start[f] + 1, start[f] + 1 + basis.terms)
             right[rows, :count] = -c.friction_screening[f] / c.kap * (basis.charge_projection @ slopes)
             right[start[f], count + f] = -1.0
-        return np.linalg.solve(matrix, np.broadcast_to(right, (*matrix.shape[:-1], self.causes)))
+        whole = np.broadcast_to(right, (*matrix.shape[:-1], self.causes))
+        return np.asarray(np.linalg.solve(matrix, whole), dtype=np.float64)
 
     def starts(self, basis: Basis) -> dict[int, int]:
         """First unknown of each conducted field."""
@@ -183,49 +194,12 @@ class System:
             charges[..., f, :] = unknowns[..., start : start + basis.terms + 1]
         return unknowns[..., : basis.pressures], charges
 
-    def applied(self, basis: Basis, points: Array, h: Array, kind: str) -> Array:
-        """What the smooth kernels make of each unknown at points X; (half, component, point, unknown).
-
-        Parameters
-        ----------
-        points
-            X, (point,).
-        h
-            Half-lengths [m]; (half,).
-        kind
-            ``gradients``: du/dx of (y, phi, psi, x). ``displacements``: u / h of (y, phi, psi).
-        """
-        values = getattr(self.kernel, kind)
-        c, (S, pressed), (X, charged) = self.coefficients, basis.pressure_rule, basis.charge_rule
-        size = 4 if kind == "gradients" else 3
-        out = np.zeros((h.size, size, points.size, self.unknowns(basis)))
-        over = values(h[:, None, None] * (points[:, None] - S))  # (half, point, node, channel)
-        mixed = over[..., CHANNEL[:, 0]] + c.friction * over[..., SHEAR]
-        for f in self.fields:
-            mixed = mixed + c.follower[f] * over[..., CHANNEL[:, 1 + f]]
-        if size == 4:
-            along = c.friction * over[..., TANGENTIAL] - over[..., SHEAR[0]]
-            for f in self.fields:
-                along = along - c.follower[f] * over[..., SHEAR[1 + f]]
-            mixed = np.concatenate([mixed, along[..., None]], -1)
-        scale = h[:, None, None, None] if size == 4 else np.ones((1, 1, 1, 1))
-        out[..., : basis.pressures] = scale * (np.moveaxis(mixed, -1, 1) @ pressed)
-        if self.fields:
-            over = values(h[:, None, None] * (points[:, None] - X))
-        for f, start in self.starts(basis).items():
-            mixed = over[..., CHANNEL[:, 1 + f]]
-            if size == 4:
-                mixed = np.concatenate([mixed, -over[..., SHEAR[1 + f], None]], -1)
-            out[..., start : start + basis.terms + 1] = scale * (np.moveaxis(mixed, -1, 1) @ charged)
-        return out
-
-    def _matrix(self, basis: Basis, h: Array) -> Array:
-        c, start = self.coefficients, self.starts(basis)
-        smooth = self.applied(basis, basis.nodes, h, "gradients")
+    def _matrix(self, basis: Basis, smooth: Array) -> Array:
+        c, start, h = self.coefficients, self.starts(basis), smooth.shape[0]
         flux = smooth[:, [1 + f for f in self.fields]]
         pressed = smooth[:, 0] - np.einsum("f,hfmz->hmz", c.screening[list(self.fields)], flux)
         charged = np.einsum("fg,hgmz->hfmz", c.inverse, flux)
-        matrix = np.zeros((h.size, self.unknowns(basis), self.unknowns(basis)))
+        matrix = np.zeros((h, self.unknowns(basis), self.unknowns(basis)))
         first, offset = max(-basis.order, 0), max(basis.order, 0)
         projected = basis.projection @ pressed
         matrix[:, first : basis.pressures] = projected[:, offset:]
