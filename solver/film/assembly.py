@@ -1,6 +1,6 @@
 """The smooth kernels applied to the basis of the tractions, at many half-lengths at once (films, section 4)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -25,11 +25,14 @@ class Assembly:
         Basis of its tractions.
     half_lengths
         h [m]; (half,).
+    points
+        X beside the collocation nodes, at which gradients are asked for; (point,).
     """
 
     system: System
     basis: Basis
     half_lengths: Array
+    points: Array = field(default_factory=lambda: EDGES)
 
     @cached_property
     def unknowns(self) -> Array:
@@ -38,7 +41,7 @@ class Assembly:
 
     @property
     def gradients(self) -> Array:
-        """du/dx of (y, phi, psi, x) at the nodes and the two edges; (half, 4, M + 2, unknown)."""
+        """du/dx of (y, phi, psi, x) at the nodes, then at the points; (half, 4, M + point, unknown)."""
         return self._integrals[0]
 
     @property
@@ -48,7 +51,7 @@ class Assembly:
 
     @cached_property
     def _integrals(self) -> tuple[Array, Array]:
-        points = np.concatenate([self.basis.nodes, EDGES])
+        points = np.concatenate([self.basis.nodes, self.points])
         size = self.half_lengths.size
         gradients = np.zeros((size, 4, points.size, self.system.unknowns(self.basis)))
         displacements = np.zeros((size, 3, self.system.unknowns(self.basis)))
@@ -57,7 +60,7 @@ class Assembly:
             kernels = self.system.kernel.at(distances, mixing(self.system.coefficients.friction, carried))
             slopes = np.moveaxis(kernels[..., :4], -1, 1)  # (half, 4, point, node)
             gradients[..., columns] = self.half_lengths[:, None, None, None] * (slopes @ rule)
-            mean = np.einsum("p,hpnc->hcn", self.basis.mean, kernels[:, :-2, :, 4:])
+            mean = np.einsum("p,hpnc->hcn", self.basis.mean, kernels[:, : self.basis.terms, :, 4:])
             displacements[..., columns] = mean @ rule
         return gradients, displacements
 

@@ -15,6 +15,8 @@ from scipy.special import beta, roots_jacobi
 
 from solver.arrays import Array, Points
 
+_CANCELS = 1e3  # of the closed transforms: beyond, a Gauss rule is exact to rounding
+
 
 @dataclass(frozen=True, eq=False)
 class Basis:
@@ -122,6 +124,33 @@ class Basis:
         """w at |X| < 1."""
         A, B = self.exponents
         return np.asarray((1 - X) ** A * (1 + X) ** B)
+
+    def transforms(self, z: Points) -> tuple[Points, Points]:
+        """H[w P_j] and H[T_n / sqrt(1 - X^2)] off the contact; (..., pressures) and (..., M + 1).
+
+        Parameters
+        ----------
+        z
+            Points, real with |z| > 1, or complex with Im z >= 0.
+        """
+        root = np.sqrt(z - 1) * np.sqrt(z + 1) if np.iscomplexobj(z) else np.sign(z) * np.sqrt(z * z - 1)
+        beyond = np.abs(z + root)  # > 1: the ellipse through z
+        A, B = self.exponents
+        pressed = np.empty((*z.shape, self.pressures), z.dtype)
+        near = beyond ** (2 * self.terms) < _CANCELS
+        one = z[near]
+        product = (one - 1) ** A * (one + 1) ** B if np.iscomplexobj(z) else self._outside(one)
+        pressed[near] = self.gain / 2.0**self.order * product[..., None] * self.pressure_factor(one) - self.local(one)
+        S, weights = _gauss_jacobi(5 * self.terms, A, B)
+        rule = weights[:, None] * self.pressure_factor(S) / np.pi
+        pressed[~near] = (1 / (S - z[~near][..., None])) @ rule
+        charged = -(((z + root)[..., None] + 0 * z[..., None]) ** -np.arange(self.terms + 1.0)) / root[..., None]
+        return pressed, charged
+
+    def _outside(self, X: Array) -> Array:
+        """(z - 1)^A (z + 1)^B on the real axis, |X| > 1."""
+        A, B = self.exponents
+        return np.asarray(np.where(X > 1, 1.0, (-1.0) ** self.order) * np.abs(X - 1) ** A * np.abs(X + 1) ** B)
 
     @property
     def total(self) -> float:

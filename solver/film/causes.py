@@ -1,4 +1,4 @@
-"""What the outputs of a contact are linear in: powers of X in the slope of the punch, and charges (films, section 4)."""
+"""What the outputs of a contact are linear in: powers of X in the punch's slope, and charges (films, section 4)."""
 
 from dataclasses import dataclass
 from math import comb

@@ -37,7 +37,8 @@ _NODES = 16  # a panel in k, beside those that the phase needs
 _PHASE = 150.0  # the most of a panel: small rules are cheap to find
 _DEGREE = 16  # of the Chebyshev panels in x, the first half as long as the strip is wide: 8.3^-17 is below rounding
 _TAIL = 1e-11  # of the largest coefficient: what the last ones of a resolved kernel fall below
-_MOST = 40_000_000  # entries of one block of the transform: bounded memory
+_MOST = 20_000_000  # entries of one block of the transform: bounded memory
+_FARTHEST = 1e5  # reach over the width of the strip: bounded time
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +115,10 @@ def kernel(stack: Stack, reach: float) -> Kernel:
         A stack whose kernels the table does not resolve.
     """
     width = strip(stack)
+    if not reach < _FARTHEST * width:
+        raise StackError(
+            f"kernel: distance {reach:g} m is beyond the range that can be resolved, {_FARTHEST * width:g} m"
+        )
     edges = [0.0, width / 2]
     while edges[-1] < reach:
         edges.append(1.35 * edges[-1] + width / 2)

@@ -145,7 +145,7 @@ class System:
         """M for 1e-8 or better, by the ratio of half-length and reach of the kernel; even."""
         stack = self.kernel.stack
         ratio = half_length / (stack.top.thickness * min(float(stack.media[0].slowest), 1.0))
-        count = self.accuracy * 0.8 * (14 + 7 * np.sqrt(ratio) + 0.2 * ratio) + self.degree
+        count = self.accuracy * 0.8 * (16 + 7 * np.sqrt(ratio) + 0.2 * ratio) + self.degree
         return max(2 * int(np.ceil(count / 2)), 8)
 
     def solve(self, basis: Basis, gradients: Array) -> Array:

@@ -82,10 +82,14 @@ class Table:
     @cached_property
     def series(self) -> Array:
         """Chebyshev coefficients of the outputs in log h; (node, output, cause)."""
+        return self.in_series(self.at_nodes)
+
+    def in_series(self, values: Array) -> Array:
+        """Chebyshev coefficients in log h of values at the half-lengths; (node, ...)."""
         local = (np.log(self.half_lengths) - self._middle) / self._half
         to_series = 2 / self.nodes * self._polynomials(local).T
         to_series[0] /= 2
-        return np.asarray(np.einsum("kn,noc->koc", to_series, self.at_nodes))
+        return np.asarray(np.tensordot(to_series, values, 1))
 
     @cached_property
     def rates(self) -> Array:
@@ -129,15 +133,25 @@ def at(system: System, half_lengths: Array) -> Array:
     return found
 
 
-def batches(system: System, half_lengths: Array) -> list[tuple[Basis, NDArray[np.intp]]]:
-    """Half-lengths whose numbers of terms are alike, with a basis for the largest of each; a few groups."""
+def batches(system: System, half_lengths: Array, points: int = 2) -> list[tuple[Basis, NDArray[np.intp]]]:
+    """Half-lengths whose numbers of terms are alike, with a basis for the largest of each; a few groups.
+
+    Parameters
+    ----------
+    system
+        The contact.
+    half_lengths
+        h [m]; (half,).
+    points
+        Number of points at which fields are asked for, beside the nodes: memory is bounded.
+    """
     order = np.argsort(half_lengths)
     terms = np.array([system.terms(h) for h in half_lengths[order]])
     groups = []
     end = len(order)
     while end > 0:
         basis = system.basis(float(half_lengths[order[end - 1]]))
-        room = max(_BATCH // (8 * 19 * basis.samples * (basis.terms + 2)), 1)
+        room = max(_BATCH // (8 * 19 * basis.samples * (basis.terms + points)), 1)
         alike = int(np.searchsorted(terms, _ALIKE * basis.terms))
         start = min(max(alike, end - room), end - 1)
         groups.append((basis, order[start:end]))

@@ -30,8 +30,13 @@ def contact(
 
 
 def cylinder(
-    stack: Stack, friction: float = 0.0, load: float = 1e5, charges: ArrayLike = (0.0, 0.0), datum: float = 1.0
+    stack: Stack,
+    friction: float = 0.0,
+    load: float = 1e5,
+    charges: ArrayLike = (0.0, 0.0),
+    datum: float = 1.0,
+    accuracy: float = 1.0,
 ) -> FilmContact:
     """A cylinder of radius 50 mm that conducts both fields."""
-    of = table(stack, friction, least=0.05, most=12.0, nodes=24)
+    of = table(stack, friction, least=0.05, most=12.0, nodes=24, accuracy=accuracy)
     return contact(of, Profile.cylinder(np.array(0.05)), load, charges, datum)
