@@ -144,9 +144,11 @@ def strip(stack: Stack) -> float:
     return 2 * stack.top.thickness * float(stack.media[0].slowest)
 
 
-def wavenumbers(stack: Stack, reach: float) -> tuple[Array, Array]:
-    """Nodes and weights in k of panels that grow from the smallest structure to where Delta has decayed; (k,) each."""
-    width = strip(stack)
+def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
+    """Nodes and weights in k for what decays like exp(-width k), at distances up to reach [m]; (k,) each.
+
+    Panels grow from the smallest structure in k, which layers of unlike stiffness or permittivity shift to k H << 1.
+    """
     bodies = [np.diagonal(medium.compliance) for medium in (*stack.media, *filter(None, [stack.base_medium]))]
     size = np.abs(bodies)
     least = float(np.min(np.min(size, 0) / np.max(size, 0)))
@@ -172,7 +174,7 @@ def _gauss(count: int) -> tuple[Array, Array]:
 
 def _transforms(stack: Stack, width: float, x: Array) -> Array:
     """K and U at distances x >= 0; (x, 19)."""
-    k, weights = wavenumbers(stack, float(np.max(x)))
+    k, weights = wavenumbers(stack, float(np.max(x)), width)
     difference = waves(stack, k)[0].difference
     regular = stack.media[0].compliance - low(stack)
     spread = sideways(stack)

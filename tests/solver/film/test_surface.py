@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from solver.arrays import Array
 from solver.contact import Contact
 from solver.fields import surface_fields as exact_fields
 from solver.film.contact import FilmContact
@@ -61,10 +62,13 @@ FIGURES = [
 def test_published_figures_are_hit(case: tuple[tuple[object, ...], ...]) -> None:
     arguments, pressure, electric, magnetic, stretch = case
     found = surface_fields(cylinder(*arguments), np.array([-0.5, 0.0, 0.5, 1.2, -1.2]))  # type: ignore[arg-type]
-    np.testing.assert_allclose(found.contact_pressure[0, :3], pressure, rtol=2e-9)
-    np.testing.assert_allclose(found.electric_displacement_y[0, :3], electric, rtol=2e-9)
-    np.testing.assert_allclose(found.magnetic_induction_y[0, :3], magnetic, rtol=2e-9)
-    np.testing.assert_allclose(found.stress_xx[0, 3:], stretch, rtol=2e-9)
+    for values, printed in (
+        (found.contact_pressure[0, :3], pressure),
+        (found.electric_displacement_y[0, :3], electric),
+        (found.magnetic_induction_y[0, :3], magnetic),
+        (found.stress_xx[0, 3:], stretch),
+    ):
+        np.testing.assert_allclose(values, np.array(printed, dtype=np.float64), rtol=2e-9)
 
 
 CASES = {
@@ -102,7 +106,7 @@ def test_integral_equations_hold_by_another_quadrature(state: tuple[FilmContact,
     half, scale = film.table.system.sliding.halfplane, film.scale
     nodes = rule()
 
-    def tractions(of: FilmFields) -> np.ndarray:  # type: ignore[type-arg]
+    def tractions(of: FilmFields) -> Array:
         rows = (of.shear_traction, -of.contact_pressure, of.electric_displacement_y, of.magnetic_induction_y)
         return np.array([row[0] for row in rows]) * scale[:, None]
 
