@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import solver
+from solver.arrays import Array
 from solver.contact import Contact
 from solver.film.contact import FilmContact
 from solver.film.interior import interior_fields
@@ -18,7 +19,7 @@ from tests.solver.film.films import BTO, FIBROUS, ON_STEEL, STEEL, cases, cylind
 
 LAYERED = Stack((Layer(STEEL, 0.1e-3, "grounded"), Layer(FIBROUS, 0.1e-3), Layer(BTO, 0.1e-3, "bonded")), STEEL)
 
-#: Theory of films, section 9, at (0, h1/2): sigma_xx, sigma_yy, D_y, von Mises; at the interface: (sxy, syy) at X = 0, 1.
+#: Theory of films, section 9: sigma_xx, sigma_yy, D_y, von Mises at (0, h1/2); sigma_xy, sigma_yy below X = 0 and 1.
 FIGURES = [
     ((Stack((Layer(BTO, 0.5e-3),)), 0.0), 0.5e-3,
      (-6.545137408e05, -2.051132126e08, -1.330565069e-02, 1.829406836e08, 0.0, -1.446113727e08, 3.299573303e07,
@@ -89,7 +90,7 @@ def test_stresses_and_fluxes_are_in_equilibrium() -> None:
     h, step = float(film.half_width[0]), 1e-3
     names = ("stress_xx", "stress_xy", "stress_yy", "electric_displacement_x", "electric_displacement_y",
              "magnetic_induction_x", "magnetic_induction_y")  # fmt: skip
-    offsets = np.arange(-3, 4) * step
+    offsets: Array = np.asarray(np.arange(-3, 4) * step, dtype=np.float64)
     stencil = np.array([-1, 9, -45, 0, 45, -9, 1]) / (60 * step)
     for depth in (0.5e-4, 1.5e-4, 2.5e-4, 5e-4):
         v = interior_fields(film, 0.4 + offsets, -depth / h + offsets, names)[0]
@@ -101,5 +102,5 @@ def test_stresses_and_fluxes_are_in_equilibrium() -> None:
 
 def test_points_inside_a_rigid_base_are_refused() -> None:
     film = cylinder(Stack((Layer(BTO, 0.5e-3),)))
-    with pytest.raises(StackError, match="lies inside the rigid base; at most 0.0005 m"):
+    with pytest.raises(StackError, match=r"lies inside the rigid base; at most 0\.0005 m"):
         interior_fields(film, np.zeros(1), np.array([-3.0]), ("stress_xx",))
