@@ -30,7 +30,7 @@ def one(film: FilmContact, case: int) -> FilmContact:
 
 def zoomed(film: FilmContact, name: str, sign: float, X: float, depths: Array) -> float:
     """Largest value of a field near X at depths over h."""
-    near: Array = np.asarray(X + np.linspace(-0.03, 0.03, 241), dtype=np.float64)
+    near: Array = np.asarray(X + max(1.0, X * X) * np.linspace(-0.03, 0.03, 241), dtype=np.float64)
     return float(np.max(sign * interior_fields(film, near, -depths, (name,))[0, 0]))
 
 
