@@ -180,7 +180,9 @@ class Basis:
 
 def _gauss_jacobi(count: int, one: float, other: float) -> tuple[Array, Array]:
     """Gauss's rule of weight (1 - X)^one (1 + X)^other."""
-    with np.errstate(invalid="ignore"):  # SciPy divides 0 by 0 where one + other = -1, in a place that it then replaces
+    with np.errstate(
+        invalid="ignore", divide="ignore"
+    ):  # SciPy divides by 0 where one + other = -1, in a place that it then replaces
         X, weights = roots_jacobi(count, one, other)
     return X, weights
 

@@ -24,7 +24,7 @@ from solver.sliding import Sliding
 #: Half-lengths over the thickness of the top layer that a table may hold.
 LEAST, MOST = 1e-4, 60.0
 
-_PER_DECADE = 9.5  # nodes: 1e-8 for the stiffest contrasts
+_PER_DECADE = 15.0  # nodes: 1e-8 between them, up to 30 thicknesses
 _BATCH = 50_000_000  # bytes of kernels held at once
 _ALIKE = 0.75  # of the number of terms: half-lengths that share one basis
 
@@ -52,7 +52,7 @@ class Table:
     >>> from solver.film.stack import Layer, Stack
     >>> film = table(Stack((Layer(solver.find("BaTiO3"), 0.5e-3),)), friction=0.3)
     >>> film.nodes
-    34
+    48
     """
 
     system: System
@@ -188,7 +188,7 @@ def table(
     least, most
         Range of hc/h1 [1].
     nodes
-        Number of half-lengths; by default 9.5 a decade and 10 more.
+        Number of half-lengths; by default 15 a decade and 10 more.
     accuracy
         Factor on the number of terms of the tractions.
 
