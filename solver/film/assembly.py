@@ -1,16 +1,23 @@
 """The smooth kernels applied to the basis of the tractions, at many half-lengths at once (films, section 4)."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.special import exp1, jv
 
 from solver.arrays import Array
 from solver.film.basis import Basis
-from solver.film.kernel import CHANNEL, POTENTIAL, POTENTIAL_SHEAR, SHEAR, TANGENTIAL
+from solver.film.grading import GradedResponse
+from solver.film.kernel import CHANNEL, POTENTIAL, POTENTIAL_SHEAR, SHEAR, TANGENTIAL, wavenumbers
+from solver.film.reflection import low
+from solver.film.rough import Rough, weights
+from solver.film.stack import StackError
 from solver.film.system import System
 
 EDGES = np.array([1.0, -1.0])
+
+_FAR = 300.0  # k h at which the means of a graded layer end: they decay like (k h)^-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,17 +44,20 @@ class Assembly:
     @cached_property
     def unknowns(self) -> Array:
         """Unknowns for every cause; (half, unknown, cause)."""
-        return self.system.solve(self.basis, self.gradients[:, :3, : self.basis.terms])
+        rough = None if self._rough is None else self._rough[:2]
+        return self.system.solve(self.basis, self._integrals[0][:, :3, : self.basis.terms], rough)
 
     @property
     def gradients(self) -> Array:
-        """du/dx of (y, phi, psi, x) at the nodes, then at the points; (half, 4, M + point, unknown)."""
-        return self._integrals[0]
+        """du/dx of (y, phi, psi, x) at the points; (half, 4, point, unknown)."""
+        at_points = self._integrals[0][:, :, self.basis.terms :]
+        return at_points if self._rough is None else at_points + self._rough[2]
 
     @property
     def displacements(self) -> Array:
         """Means of u / h of (y, phi, psi) with weight (1 - X^2)^(3/2); (half, 3, unknown)."""
-        return self._integrals[1]
+        graded = self.system.kernel.graded
+        return self._integrals[1] if graded is None else self._means(graded)
 
     @cached_property
     def _integrals(self) -> tuple[Array, Array]:
@@ -63,6 +73,44 @@ class Assembly:
             mean = np.einsum("p,hpnc->hcn", self.basis.mean, kernels[:, : self.basis.terms, :, 4:])
             displacements[..., columns] = mean @ rule
         return gradients, displacements
+
+    @cached_property
+    def _rough(self) -> tuple[Array, Array, Array] | None:
+        """What the rough kernels make of each unknown: projected onto P^(-A,-B), onto U, and at the edges."""
+        graded, h, system = self.system.kernel.graded, self.half_lengths, self.system
+        if graded is None:
+            return None
+        if self.points is not EDGES:
+            raise StackError("layers: surface fields need layers that are not graded")
+        rough = Rough(self.basis)
+        size = (h.size, 4, self.basis.terms, system.unknowns(self.basis))
+        out = np.zeros(size), np.zeros(size), np.zeros((*size[:2], 2, size[3]))
+        for columns, _, _, carried in self.sources():
+            share = weights(graded.tails, system.coefficients.friction, carried, h)
+            which = 0 if columns.start == 0 else 1
+            for whole, own in zip(out, (*rough.projected[which], rough.at_edges[which]), strict=True):
+                whole[..., columns] = np.tensordot(share, own, 1)
+        return out[0][:, :3], out[1][:, :3], out[2]
+
+    def _means(self, graded: GradedResponse) -> Array:
+        """Displacements under a graded layer in Fourier space (films, section 5); (half, 3, unknown)."""
+        system, width = self.system, self.system.kernel.width
+        stack, friction = system.kernel.stack, system.coefficients.friction
+        regular = (stack.media[0].compliance - low(stack))[1:, 1:]
+        out = np.zeros((self.half_lengths.size, 3, system.unknowns(self.basis)))
+        for number, h in enumerate(self.half_lengths):
+            k, weight = wavenumbers(stack, 2 * h, 34 * h / _FAR)
+            fine = replace(self.basis, samples=max(self.basis.samples, self.basis.terms + int(_FAR / 2) + 20))
+            difference = (weight / k)[:, None, None] * graded.difference(k)
+            averaged = difference * (8 * jv(2, k * h) / (k * h) ** 2)[:, None, None]
+            datum = float(weight / k @ np.exp(-k * width)) + float(exp1(_FAR / h * width))
+            for columns, nodes, rule, carried in replace(self, basis=fine).sources():
+                phase = k[:, None] * h * nodes
+                own = np.einsum("koj,j,kz->oz", averaged[:, 1:, 1:], carried, np.cos(phase) @ rule)
+                own += friction * carried[0] * np.einsum("ko,kz->oz", averaged[:, 1:, 0], np.sin(phase) @ rule)
+                own += datum * (regular @ carried)[:, None] * rule.sum(0)
+                out[number][:, columns] = own / np.pi
+        return out
 
     def sources(self) -> list[tuple[slice, Array, Array, Array]]:
         """Unknowns, quadrature nodes, rule and (sigma_yy, D_y, B_y) carried, of the pressure and of each field."""

@@ -73,8 +73,13 @@ class Basis:
     def projection(self) -> Array:
         """From values at the nodes to coefficients in P^(-A,-B), by the Gauss rule itself; (M, M)."""
         X, weights = self._dual_rule
-        P = self.dual(X, self.terms) * weights
-        return np.asarray(P / (P @ self.dual(X, self.terms).T).diagonal()[:, None])
+        return np.asarray(self.dual(X, self.terms) * weights / self.dual_norms[:, None])
+
+    @cached_property
+    def dual_norms(self) -> Array:
+        """Integrals of the squares of P_j^(-A,-B) with their weight; (M,)."""
+        X, weights = self._dual_rule
+        return np.asarray(self.dual(X, self.terms) ** 2 @ weights)
 
     @cached_property
     def charge_projection(self) -> Array:

@@ -67,6 +67,11 @@ class Medium:
         return W, Q - R @ T_inv @ np.swapaxes(R, -1, -2), T_inv
 
     @property
+    def inner(self) -> Array:
+        """Q_s; (..., 4, 4)."""
+        return self._blocks[1]
+
+    @property
     def system(self) -> Array:
         """The 8 x 8 matrix of the system above; (..., 8, 8)."""
         W, Q_s, T_inv = self._blocks

@@ -16,6 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from solver.arrays import Array
+from solver.film.grading import GradedResponse, smooth_tails
 from solver.film.reflection import low, sideways, waves
 from solver.film.stack import Stack, StackError
 
@@ -37,6 +38,9 @@ _NODES = 16  # a panel in k, beside those that the phase needs
 _PHASE = 150.0  # the most of a panel: small rules are cheap to find
 _DEGREE = 16  # of the Chebyshev panels in x, the first half as long as the strip is wide: 8.3^-17 is below rounding
 _TAIL = 1e-11  # of the largest coefficient: what the last ones of a resolved kernel fall below
+_FINEST = 10  # halvings of the first panel under a graded layer, whose kernels are rough at 0
+_GRADED_END = 2000.0  # largest wavenumber times the thickness of a graded layer
+_GRADED_TAIL = 1e-8
 _MOST = 20_000_000  # entries of one block of the transform: bounded memory
 _FARTHEST = 1e5  # reach over the width of the strip: bounded time
 
@@ -55,12 +59,16 @@ class Kernel:
         Ends of the panels, from 0 to the reach [m]; (panel + 1,).
     coefficients
         Chebyshev coefficients of K (ten channels) and of U (nine); (panel, degree + 1, 19).
+    graded
+        Response of a stack whose top layer is graded: the kernels are then without their rough parts
+        (:mod:`solver.film.rough`), and U is left out.
     """
 
     stack: Stack
     width: float
     edges: Array
     coefficients: Array
+    graded: GradedResponse | None = None
 
     @property
     def reach(self) -> float:
@@ -119,45 +127,44 @@ def kernel(stack: Stack, reach: float) -> Kernel:
         raise StackError(
             f"kernel: distance {reach:g} m is beyond the range that can be resolved, {_FARTHEST * width:g} m"
         )
-    edges = [0.0, width / 2]
+    edges = [0.0, *(width / 2 * 0.5 ** np.arange(_FINEST, 0, -1) if stack.top.graded else ()), width / 2]
     while edges[-1] < reach:
         edges.append(1.35 * edges[-1] + width / 2)
     edges[-1] = max(reach, (edges[-2] + edges[-1]) / 2)
     ends = np.array(edges)
     nodes = np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
     x = (ends[:-1, None] + ends[1:, None] + (ends[1:] - ends[:-1])[:, None] * nodes) / 2
-    values = _transforms(stack, width, x.ravel()).reshape(*x.shape, 19)
+    graded = GradedResponse(stack, panels(stack, _graded_strip(stack))) if stack.top.graded else None
+    flat = x.ravel()
+    values = (_transforms(stack, width, flat) if graded is None else _graded(graded, width, flat)).reshape(*x.shape, 19)
     to_series = 2 / (_DEGREE + 1) * _chebyshev(nodes).T
     to_series[0] /= 2
     coefficients = to_series @ values
     size = np.max(np.abs(coefficients), axis=(0, 1))
     tail = np.max(np.abs(coefficients[:, -2:]), axis=(0, 1))
-    if not np.all(np.isfinite(coefficients)) or np.any(tail > _TAIL * np.max(size[:10])):
+    if not np.all(np.isfinite(coefficients)) or np.any(
+        tail > (_TAIL if graded is None else _GRADED_TAIL) * np.max(size[:10])
+    ):
         raise StackError(
             "kernel: its table does not resolve this stack (layers too different in thickness or stiffness)"
         )
-    return Kernel(stack, width, ends, coefficients)
+    return Kernel(stack, width, ends, coefficients, graded)
 
 
 def strip(stack: Stack) -> float:
-    """b = 2 h1 g [m]: Delta(k) decays like exp(-b k)."""
+    """b = 2 h1 g [m]: Delta(k), or what is left of it without its tails, decays like exp(-b k)."""
     return 2 * stack.top.thickness * float(stack.media[0].slowest)
 
 
-def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
-    """Nodes and weights in k for what decays like exp(-width k), at distances up to reach [m]; (k,) each.
+def _graded_strip(stack: Stack) -> float:
+    """Width whose exponential ends where the remainder of a graded layer, which decays like k^-4, is small."""
+    return _DECAYED * stack.top.thickness / _GRADED_END
 
-    Panels grow from the smallest structure in k, which layers of unlike stiffness or permittivity shift to k H << 1.
-    """
-    bodies = [np.diagonal(medium.compliance) for medium in (*stack.media, *filter(None, [stack.base_medium]))]
-    size = np.abs(bodies)
-    least = float(np.min(np.min(size, 0) / np.max(size, 0)))
-    ends = [0.0, 0.1 * least / stack.thickness]
-    while ends[-1] < _DECAYED / width:
-        ends.append(ends[-1] * _GROWTH)
-    ends[-1] = _DECAYED / width
+
+def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
+    """Nodes and weights in k for what decays like exp(-width k), at distances up to reach [m]; (k,) each."""
     nodes, weights = [], []
-    for start, end in pairwise(ends):
+    for start, end in pairwise(panels(stack, width)):
         parts = int(np.ceil((end - start) * reach / _PHASE))
         half = (end - start) / max(parts, 1) / 2
         x, w = _gauss(_NODES + int(2 * half * reach / 3.2))
@@ -165,6 +172,18 @@ def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]
         nodes.append((middles[:, None] + half * x).ravel())
         weights.append(np.tile(half * w, middles.size))
     return np.concatenate(nodes), np.concatenate(weights)
+
+
+def panels(stack: Stack, width: float) -> Array:
+    """Ends of panels in k, which grow from the smallest structure: unlike layers shift it to k H << 1; (end,)."""
+    bodies = [np.diagonal(medium.compliance) for medium in (*stack.media, *filter(None, [stack.base_medium]))]
+    size = np.abs(bodies)
+    least = float(np.min(np.min(size, 0) / np.max(size, 0)))
+    ends = [0.0, 0.1 * least / stack.thickness]
+    while ends[-1] < _DECAYED / width:
+        ends.append(ends[-1] * _GROWTH)
+    ends[-1] = _DECAYED / width
+    return np.array(ends)
 
 
 @cache
@@ -199,6 +218,23 @@ def _transforms(stack: Stack, width: float, x: Array) -> Array:
     out[:, 5] -= spread / np.pi * (angle + width * x / (x**2 + width**2))
     out[:, 15] += spread / np.pi * (stack.thickness - width - x * angle)
     return out
+
+
+def _graded(response: GradedResponse, width: float, x: Array) -> Array:
+    """Smooth part of K at distances x >= 0 under a graded layer, U zero; (x, 19)."""
+    k, weights = wavenumbers(response.stack, float(np.max(x)), _graded_strip(response.stack))
+    rows = np.array([(weights[:, None, None] * response.decayed(k, width))[:, i, j] for i, j in ENTRIES]).T
+    tails = np.array([response.tails[:, i, j] for i, j in ENTRIES]).T  # (order, channel)
+    sines, cosines = smooth_tails(x, width)
+    out = np.zeros((x.size, 19))
+    odd = _ODD[:10]
+    for block in range(0, x.size, step := max(_MOST // k.size, 1)):
+        some = slice(block, block + step)
+        phase = x[some, None] * k
+        out[some, np.flatnonzero(odd)] = np.sin(phase) @ rows[:, odd]
+        out[some, np.flatnonzero(~odd)] = np.cos(phase) @ rows[:, ~odd]
+    out[:, :10] += np.where(odd, sines.T @ tails, cosines.T @ tails)
+    return -out / np.pi
 
 
 def _chebyshev(x: Array) -> Array:

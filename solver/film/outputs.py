@@ -63,6 +63,6 @@ def _edge_stress(assembly: Assembly) -> Array:
     """sigma_xx just outside the edges; (half, 2, unknown)."""
     system, basis = assembly.system, assembly.basis
     c, half, scale = system.coefficients, system.sliding.halfplane, system.kernel.stack.scale
-    strain = np.array(assembly.gradients[:, 3, basis.terms :])
+    strain = np.array(assembly.gradients[:, 3])
     strain[..., : basis.pressures] -= c.tangential * c.friction * basis.local(EDGES)
     return np.asarray(float(half.in_plane_stiffness) * scale[0] ** 2 * strain * np.array(basis.smooth)[:, None])

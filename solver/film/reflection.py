@@ -14,7 +14,7 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.fourier import FLIP, Medium, falling
-from solver.film.stack import Stack
+from solver.film.stack import Stack, StackError
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +56,30 @@ class LayerWaves:
 
 
 def waves(stack: Stack, k: Array) -> list[LayerWaves]:
-    """Waves of every layer, the top one first, at wavenumbers k > 0 [1/m]; (k,)."""
+    """Waves of every layer, the top one first, at wavenumbers k > 0 [1/m]; (k,).
+
+    Raises
+    ------
+    StackError
+        A graded layer, which has no waves of its own.
+    """
+    if stack.top.graded:
+        raise StackError("layers: fields outside the contact and below the surface need layers that are not graded")
+    return _recursion(stack, k, 0)[1]
+
+
+def body_below(stack: Stack, k: Array) -> Array:
+    """Y of what lies below the top layer, under the rules of its interface, at wavenumbers k; (k, 4, 4)."""
+    return held(_recursion(stack, k, 1)[0], stack.grounded[0])
+
+
+def _recursion(stack: Stack, k: Array, first: int) -> tuple[Array, list[LayerWaves]]:
+    """Y on the top of the layer ``first``, and the waves of this and the layers below."""
     Y = np.zeros((k.size, 4, 4))
     if stack.base_medium is not None:
         Y += stack.base_medium.compliance
     found = []
-    for number in range(len(stack.layers) - 1, -1, -1):
+    for number in range(len(stack.layers) - 1, first - 1, -1):
         medium, thickness = stack.media[number], stack.layers[number].thickness
         before, Y = Y, held(Y, stack.grounded[number])
         own = medium.compliance
@@ -73,7 +91,7 @@ def waves(stack: Stack, k: Array) -> list[LayerWaves]:
         layer = LayerWaves(medium, thickness, before, reflection, (FLIP * E) @ reflection @ E)
         Y = own + layer.difference
         found.append(layer)
-    return found[::-1]
+    return Y, found[::-1]
 
 
 def held(Y: Array, components: tuple[int, ...]) -> Array:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -51,6 +51,9 @@ class Layer:
     electric: str | None = None
     magnetic: str | None = None
 
+    #: Whether the material varies with depth.
+    graded: ClassVar[bool] = False
+
     def __post_init__(self) -> None:
         if not is_finite(self.thickness) or not self.thickness > 0:
             raise StackError(f"thickness: {self.thickness!r} is not allowed; a finite number > 0 [m]")
@@ -98,6 +101,8 @@ class Stack:
         else:
             _require_single(self.base, "base")
         *upper, lowest = self.layers
+        if any(layer.graded for layer in self.layers[1:]):
+            raise StackError("layers: only the top layer can be graded")
         for layer in upper:
             if layer.magnetic == "insulated":
                 raise StackError("interface_magnetic: 'insulated' is allowed above a rigid base only")

@@ -115,7 +115,7 @@ def local_fields(assembly: Assembly) -> Array:
         H[..., columns] = carried[:, None, None] * own[1]
     fields = np.empty((assembly.half_lengths.size, 6, X.size, count))
     fields[:, _TRACTIONS] = t
-    smooth = assembly.gradients[:, 1:, basis.terms :]
+    smooth = assembly.gradients[:, 1:]
     own = np.tensordot(c.compliance[1:], H, 1) + c.friction * c.coupling[1:, None, None] * t[0]
     along = c.tangential * c.friction * H[0] - np.tensordot(c.coupling, t, 1)
     fields[:, _GRADIENTS] = smooth + np.concatenate([own, along[None]])

@@ -22,6 +22,7 @@ from solver.sliding import Sliding
 SAMPLES: Array = np.cos(np.pi * np.arange(33) / 32)
 
 _SAMPLES = 15.0  # half the logarithm of the error of the rules that integrate the kernels
+_GRADED_TERMS = 2.5  # under a graded layer, over those of a homogeneous one
 _NO_COUPLING = 1e-6  # of lam: a friction coupling kap below this is replaced by it (films, section 4)
 
 
@@ -139,6 +140,8 @@ class System:
         """Basis whose terms resolve contacts up to a half-length [m]."""
         terms = self.terms(half_length)
         samples = terms // 2 + 6 + int(_SAMPLES / np.arcsinh(self.kernel.width / half_length))
+        if self.kernel.graded is not None:  # the remainder is rough at a distance of 0
+            samples *= 2
         return Basis(self.coefficients.delta, self.smooth, terms, samples)
 
     def terms(self, half_length: float) -> int:
@@ -146,9 +149,11 @@ class System:
         stack = self.kernel.stack
         ratio = half_length / (stack.top.thickness * min(float(stack.media[0].slowest), 1.0))
         count = self.accuracy * 0.8 * (16 + 7 * np.sqrt(ratio) + 0.2 * ratio) + self.degree
+        if self.kernel.graded is not None:  # they converge like M^-4
+            count *= _GRADED_TERMS
         return max(2 * int(np.ceil(count / 2)), 8)
 
-    def solve(self, basis: Basis, gradients: Array) -> Array:
+    def solve(self, basis: Basis, gradients: Array, rough: tuple[Array, Array] | None = None) -> Array:
         """Unknowns for every right side; (half, unknown, cause).
 
         Parameters
@@ -157,8 +162,10 @@ class System:
             Basis of the tractions.
         gradients
             What the smooth kernels make of each unknown at the nodes: du/dx of (y, phi, psi); (half, 3, node, unknown).
+        rough
+            The same of the rough kernels, projected onto P^(-A,-B) and onto U; (half, 3, M, unknown) each.
         """
-        matrix = self._matrix(basis, gradients)
+        matrix = self._matrix(basis, gradients, rough)
         right = np.zeros((matrix.shape[-1], self.causes))
         slopes = basis.nodes[:, None] ** np.array(self.powers)
         projected = basis.projection @ slopes
@@ -194,14 +201,21 @@ class System:
             charges[..., f, :] = unknowns[..., start : start + basis.terms + 1]
         return unknowns[..., : basis.pressures], charges
 
-    def _matrix(self, basis: Basis, smooth: Array) -> Array:
+    def _eliminated(self, gradients: Array) -> tuple[Array, Array]:
+        """Minus the right sides of the equations for the pressure and, (half, field, ...), for the fields."""
+        c, flux = self.coefficients, gradients[:, [1 + f for f in self.fields]]
+        pressed = gradients[:, 0] - np.einsum("f,hfmz->hmz", c.screening[list(self.fields)], flux)
+        ratio = c.friction_screening[list(self.fields), None, None] / c.kap
+        return pressed, np.einsum("fg,hgmz->hfmz", c.inverse, flux) - ratio * pressed[:, None]
+
+    def _matrix(self, basis: Basis, smooth: Array, rough: tuple[Array, Array] | None) -> Array:
         c, start, h = self.coefficients, self.starts(basis), smooth.shape[0]
-        flux = smooth[:, [1 + f for f in self.fields]]
-        pressed = smooth[:, 0] - np.einsum("f,hfmz->hmz", c.screening[list(self.fields)], flux)
-        charged = np.einsum("fg,hgmz->hfmz", c.inverse, flux)
+        pressed, charged = self._eliminated(smooth)
+        projected, series = basis.projection @ pressed, basis.charge_projection @ charged
+        if rough is not None:
+            projected, series = projected + self._eliminated(rough[0])[0], series + self._eliminated(rough[1])[1]
         matrix = np.zeros((h, self.unknowns(basis), self.unknowns(basis)))
         first, offset = max(-basis.order, 0), max(basis.order, 0)
-        projected = basis.projection @ pressed
         matrix[:, first : basis.pressures] = projected[:, offset:]
         diagonal = np.arange(first, basis.pressures)
         matrix[:, diagonal, diagonal] -= c.lam * basis.gain
@@ -213,7 +227,7 @@ class System:
         for j, f in enumerate(self.fields):
             ratio = c.friction_screening[f] / c.kap
             rows = np.arange(start[f] + 1, start[f] + 1 + basis.terms)
-            matrix[:, rows] = basis.charge_projection @ (charged[:, j] - ratio * pressed)
+            matrix[:, rows] = series[:, j]
             matrix[:, rows, rows] += 1.0
             if basis.order == 1:
                 matrix[:, rows[0], -1] += ratio
