@@ -12,7 +12,6 @@ from solver.film.grading import GradedResponse
 from solver.film.kernel import CHANNEL, POTENTIAL, POTENTIAL_SHEAR, SHEAR, TANGENTIAL, wavenumbers
 from solver.film.reflection import low
 from solver.film.rough import Rough, weights
-from solver.film.stack import StackError
 from solver.film.system import System
 
 EDGES = np.array([1.0, -1.0])
@@ -76,19 +75,18 @@ class Assembly:
 
     @cached_property
     def _rough(self) -> tuple[Array, Array, Array] | None:
-        """What the rough kernels make of each unknown: projected onto P^(-A,-B), onto U, and at the edges."""
+        """What the rough kernels make of each unknown: projected onto P^(-A,-B), onto U, and at the points."""
         graded, h, system = self.system.kernel.graded, self.half_lengths, self.system
         if graded is None:
             return None
-        if self.points is not EDGES:
-            raise StackError("layers: surface fields need layers that are not graded")
         rough = Rough(self.basis)
+        at_points = rough.at(self.points)
         size = (h.size, 4, self.basis.terms, system.unknowns(self.basis))
-        out = np.zeros(size), np.zeros(size), np.zeros((*size[:2], 2, size[3]))
+        out = np.zeros(size), np.zeros(size), np.zeros((*size[:2], self.points.size, size[3]))
         for columns, _, _, carried in self.sources():
             share = weights(graded.tails, system.coefficients.friction, carried, h)
             which = 0 if columns.start == 0 else 1
-            for whole, own in zip(out, (*rough.projected[which], rough.at_edges[which]), strict=True):
+            for whole, own in zip(out, (*rough.projected[which], at_points[which]), strict=True):
                 whole[..., columns] = np.tensordot(share, own, 1)
         return out[0][:, :3], out[1][:, :3], out[2]
 

@@ -57,11 +57,28 @@ class Rough:
         pressed, charged = self.pressures(X, one, other), self.charges(one, other)
         return (dual @ pressed, series @ pressed), (dual @ charged, series @ charged)
 
-    @cached_property
-    def at_edges(self) -> tuple[Array, Array]:
-        """Integrals at X = 1 and -1; (type, 2, term) of the pressure's terms and of a field's."""
-        one, other = np.array([0.0, 2.0]), np.array([2.0, 0.0])
-        return self.pressures(np.array([1.0, -1.0]), one, other), self.charges(one, other)
+    def at(self, X: Array) -> tuple[Array, Array]:
+        """Integrals at points on either side of the edges; (type, point, term), of the pressure and of a field."""
+        inside = np.abs(X) <= 1
+        within, beyond = X[inside], X[~inside]
+        own = self.pressures(within, 1 - within, 1 + within), self.charges(1 - within, 1 + within)
+        S, one, other, weights = self._rule
+        A, B = self.basis.exponents
+        angle = 2 * np.arctan2(np.sqrt(one), np.sqrt(other))[:, None]
+        terms = (
+            (weights * one**A * other**B)[:, None] * self.basis.pressure_factor(S),
+            (weights / np.sqrt(one * other))[:, None] * np.cos(angle * np.arange(self.basis.terms + 1)),
+        )
+        distance = np.where(beyond[:, None] > 0, beyond[:, None] - 1 + one, beyond[:, None] + 1 - other)
+        kinds = np.array([np.sign(distance), np.log(np.abs(distance)), np.ones_like(distance)])
+        found = []
+        for values, rule in zip(own, terms, strict=True):
+            whole = np.empty((9, X.size, rule.shape[1]))
+            whole[:, inside] = values
+            for kind, power in np.ndindex(3, 3):
+                whole[3 * kind + power, ~inside] = (kinds[kind] * distance**power) @ rule
+            found.append(whole)
+        return found[0], found[1]
 
     def pressures(self, X: Array, one: Array, other: Array) -> Array:
         """Integrals of w P_j at points X, 1 - X, 1 + X; (type, point, pressures)."""

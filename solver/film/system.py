@@ -21,7 +21,7 @@ from solver.sliding import Sliding
 #: Positions at which the pressure over its weight is sampled, edges included: tension shows there.
 SAMPLES: Array = np.cos(np.pi * np.arange(33) / 32)
 
-_SAMPLES = 15.0  # half the logarithm of the error of the rules that integrate the kernels
+_SAMPLES = 13.5  # half the logarithm of the error of the rules that integrate the kernels
 _GRADED_TERMS = 2.5  # under a graded layer, over those of a homogeneous one
 _NO_COUPLING = 1e-6  # of lam: a friction coupling kap below this is replaced by it (films, section 4)
 
