@@ -75,6 +75,18 @@ class Graded(Layer):
             raise StackError("interface_magnetic: 'insulated' is not allowed below a graded layer; grounded, bonded")
 
 
+def staircase(stack: Stack, count: int) -> Stack:
+    """The stack with its graded top layer in homogeneous sublayers of the materials at their middles."""
+    layer = stack.top
+    if not isinstance(layer, Graded):
+        raise StackError("layers: the top layer is not graded")
+    thickness, last = layer.thickness / count, stack.grounded[0]
+    upper = [Layer(layer.profile(np.array((i + 0.5) / count)), thickness, "bonded", "bonded") for i in range(count - 1)]
+    electric, magnetic = ("grounded" if component in last else "bonded" for component in (2, 3))
+    lowest = Layer(layer.profile(np.array(1 - 0.5 / count)), thickness, electric, magnetic)
+    return Stack((*upper, lowest, *stack.layers[1:]), stack.base)
+
+
 @dataclass(frozen=True, eq=False)
 class GradedMedium:
     """A graded layer in the units of a stack."""

@@ -1,7 +1,8 @@
 """Fields inside a film and its base (films, section 6).
 
 In the top layer the half-plane's part of the field is closed (theory section 5); what the layers below reflect, and
-everything below the top layer, decays at least like exp(-k h1 g) and is integrated over the wavenumbers k.
+everything below the top layer, decays at least like exp(-k h1 g) and is integrated over the wavenumbers k. Inside, a
+graded layer is two staircases of homogeneous ones, extrapolated, loaded by the tractions of the graded film.
 """
 
 from dataclasses import dataclass
@@ -15,13 +16,15 @@ from solver.film.assembly import Assembly
 from solver.film.basis import Basis
 from solver.film.contact import FilmContact
 from solver.film.fourier import FLIP, Medium, falling
+from solver.film.grading import Graded, staircase
 from solver.film.kernel import strip, wavenumbers
 from solver.film.reflection import LayerWaves, waves
-from solver.film.stack import StackError
+from solver.film.stack import Stack, StackError
 from solver.film.system import System
 from solver.interior import LINEAR, field_rows, principal_tension, von_mises
 from solver.spectrum import spectrum
 
+_SUBLAYERS = 24  # and half of them, extrapolated
 _STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
 _DERIVED = {"von_mises": von_mises, "principal_tension": principal_tension}
 _MOST = 4_000_000  # entries of a block of the synthesis: bounded memory
@@ -37,15 +40,29 @@ class Interior:
         The contact.
     half_length
         h [m].
+    sublayers
+        Number of homogeneous layers that a graded one is inside.
     """
 
     system: System
     half_length: float
+    sublayers: int = _SUBLAYERS
 
     @cached_property
     def basis(self) -> Basis:
         """Basis of the tractions."""
         return self.system.basis(self.half_length)
+
+    @cached_property
+    def body(self) -> Stack:
+        """The stack; a graded layer as sublayers of the materials at their middles."""
+        stack = self.system.kernel.stack
+        return staircase(stack, self.sublayers) if stack.top.graded else stack
+
+    @property
+    def _units(self) -> Array:
+        """Units of tractions of the body over those of the system; (4,)."""
+        return np.asarray(self.body.scale / self.system.kernel.stack.scale)
 
     @cached_property
     def _terms(self) -> tuple[Array, Array]:
@@ -73,17 +90,29 @@ class Interior:
         """
         which = [LINEAR.index(name) for name in names]
         out: Array = np.empty((len(names), depth.size, x.size, self.system.causes))
-        scale = self.system.kernel.stack.scale
+        scale = self.body.scale
         units = np.concatenate([scale, 1 / scale])
         for medium, members, states in self._states(x, depth):
-            half = medium.halfplane
-            rows = field_rows(half)[which] * (units / np.concatenate([half.scale, 1 / half.scale]))
-            out[:, members] = np.tensordot(rows, states, 1)
+            half = self._local(medium, depth[members]).halfplane
+            rows = (
+                field_rows(half)[..., which, :]
+                * (units / np.concatenate([half.scale, 1 / half.scale], -1))[..., None, :]
+            )
+            out[:, members] = np.einsum(
+                "dfs,sdxc->fdxc", np.broadcast_to(rows, (members.size, *rows.shape[-2:])), states
+            )
         return out
+
+    def _local(self, medium: Medium, depth: Array) -> Medium:
+        """The medium at depths; within a graded layer that of its profile: strain and traction meet at sublayers."""
+        layer = self.system.kernel.stack.top
+        if isinstance(layer, Graded) and np.all(depth <= layer.thickness * (1 + 1e-14)):
+            return Medium(layer.profile(np.minimum(depth / layer.thickness, 1.0)), medium.scale)
+        return medium
 
     def _states(self, x: Array, depth: Array) -> list[tuple[Medium, NDArray[np.intp], Array]]:
         """Of every body that is asked for: medium, which depths, and [u,x; t] (8, depth, x, cause)."""
-        stack = self.system.kernel.stack
+        stack = self.body
         reach = float(np.max(np.abs(x), initial=0.0)) + self.half_length
         k, weights = wavenumbers(stack, reach, strip(stack) / 2)
         synthesis = _Synthesis(k, weights, x)
@@ -121,11 +150,11 @@ class Interior:
         for f in c.fields:
             t[:, 2 + f] += c.follower[f] * t[:, 1]
         t[:, 0] = 1j * c.friction * t[:, 1]
-        return h * t
+        return h * t * self._units[:, None]
 
     def _halfplane(self, x: Array, depth: Array) -> Array:
         """[u,x; t] of the half-plane of the top material in the units of the stack; (8, depth, x, cause)."""
-        half = self.system.kernel.stack.media[0].halfplane
+        half = self.body.media[0].halfplane
         nodes, parts = spectrum(half)
         both = np.concatenate([half.surface_impedance, np.eye(4)])
         (pressures, charges), c, h = self._terms, self.system.coefficients, self.half_length
@@ -138,7 +167,7 @@ class Interior:
             H[0] = c.friction * H[1]
             for f in (0, 1):
                 H[2 + f] = of_charge @ charges[f] + (c.follower[f] if f in c.fields else 0.0) * H[1]
-            out += np.tensordot(np.conj(1j * both @ part), H, 1).real
+            out += np.tensordot(np.conj(1j * both @ part) * self._units, H, 1).real
         return out.reshape(8, depth.size, x.size, -1)
 
 
@@ -215,7 +244,11 @@ def interior_fields(contact: FilmContact, X: Array, Y: Array, names: tuple[str, 
     out: Array = np.empty((contact.load.size, len(names), Y.size, X.size))
     # milliseconds a case: every half-length has wavenumbers and depths of its own
     for case, h in enumerate(contact.half_width):
-        parts = Interior(contact.table.system, float(h)).fields(h * X, -h * Y, linear)
+        system = contact.table.system
+        parts = Interior(system, float(h)).fields(h * X, -h * Y, linear)
+        if system.kernel.graded is not None:  # of second order in the thickness of the sublayers
+            coarse = Interior(system, float(h), _SUBLAYERS // 2).fields(h * X, -h * Y, linear)
+            parts = parts + (parts - coarse) / 3
         values = dict(zip(linear, parts @ contact.causes.values[case], strict=True))
         for name in names:
             if name in _DERIVED:

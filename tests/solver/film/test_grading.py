@@ -12,7 +12,7 @@ from solver.arrays import Array
 from solver.film.basis import Basis
 from solver.film.fourier import Medium
 from solver.film.grading import Graded, GradedMedium
-from solver.film.interior import interior_fields
+from solver.film.interior import Interior, interior_fields
 from solver.film.kernel import kernel
 from solver.film.reflection import waves
 from solver.film.rough import Rough
@@ -148,8 +148,14 @@ def test_contact_on_a_graded_film_is_read_from_a_table() -> None:
         for s in (1, -1)
     ]
     np.testing.assert_allclose(film.tangents[0][:, 0], (ends[0] - ends[1]) / (2 * step), rtol=1e-6)
-    with pytest.raises(StackError, match="not graded"):
-        interior_fields(film, np.zeros(1), -np.ones(1), ("stress_xx",))
+    # inside, by extrapolated sublayers: up to the surface, and through the film as its sublayers grow thinner
+    h, names = float(film.half_width[0]), ("stress_xx", "stress_yy", "stress_xy")
+    X, Y = np.array([-0.4, 0.5]), -np.array([1e-9, 1e-4, 1.99e-4]) / h
+    inside, surface = interior_fields(film, X, Y, names)[0], surface_fields(film, X)
+    np.testing.assert_allclose(inside[1, 0], -surface.contact_pressure[0], rtol=2e-4)
+    np.testing.assert_allclose(inside[0, 0], surface.stress_xx[0], rtol=2e-4)
+    finer = Interior(film.table.system, h, 36).fields(h * X, -h * Y[1:], names) @ film.causes.values[0]
+    np.testing.assert_allclose(inside[:, 1:], finer, atol=1e-4 * float(np.max(np.abs(finer))))
 
 
 @pytest.mark.filterwarnings("ignore::scipy.integrate.IntegrationWarning")  # of edges that are singular
