@@ -54,8 +54,8 @@ class InterfacePeaks:
 
 
 @dataclass(frozen=True, eq=False)
-class FilmPeaks:
-    """Largest von Mises stress and principal stress of the film below depth 0.1 h [Pa]; (case,) each."""
+class BodyPeaks:
+    """Largest von Mises and principal stress of the film below depth 0.1 h, or of the base [Pa]; (case,) each."""
 
     von_mises: Array
     principal_tension: Array
@@ -113,12 +113,15 @@ class PeakTable:
         """Chebyshev coefficients in log h of the four stresses; (node, 4, depth, x, cause)."""
         if DEPTH * self.table.upper >= self._thickness:
             raise StackError(f"film peaks: contacts wider than {1 / DEPTH:g} thicknesses have no film under 0.1 h")
+        share = _map(_DOWN, 0.0, 1.0)
+        return self._in_body(self._film_spans, lambda h: DEPTH * h * (self._thickness / (DEPTH * h)) ** share)
+
+    def _in_body(self, spans: Spans, depths: Callable[[float], Array]) -> Array:
+        """Chebyshev coefficients in log h of the four stresses at depths, over panels."""
         found = []
-        for h in self.table.half_lengths:
-            x = np.concatenate([_map(n, *ends) for n, ends in zip(_ACROSS, self._film_spans(float(h)), strict=True)])
-            share = _map(_DOWN, 0.0, 1.0)
-            depth = DEPTH * h * (self._thickness / (DEPTH * h)) ** share
-            found.append(Interior(self.table.system, float(h)).fields(x, depth, _STRESSES))
+        for h in self.table.half_lengths.tolist():
+            x = np.concatenate([_map(count, *ends) for count, ends in zip(_ACROSS, spans(h), strict=True)])
+            found.append(Interior(self.table.system, h).fields(x, depths(h), _STRESSES))
         return self.table.in_series(np.array(found))
 
     def _film_spans(self, h: float) -> tuple[tuple[float, float], ...]:
@@ -126,9 +129,29 @@ class PeakTable:
         beside = 2 * h * self._thickness / (h + self._thickness)
         return (-h - beside, -h), (-h, h), (h, h + beside)
 
-    def film(self, contact: FilmContact) -> FilmPeaks:
+    def film(self, contact: FilmContact) -> BodyPeaks:
         """Largest stresses of the film below depth 0.1 h of contacts read from the same table."""
-        series = self._film_series
+        return self._body(contact, self._film_series)
+
+    # -- base ----------------------------------------------------------------------------------------------------------
+    @cached_property
+    def _base_series(self) -> Array:
+        """As of the film, from the interface to two half-lengths and a thickness below it."""
+        if self.table.system.kernel.stack.rigid:
+            raise StackError("base peaks: a rigid base has no stresses")
+        top = self._thickness * (1 + 1e-9)
+        return self._in_body(self._base_spans, lambda h: _map(_DOWN, top, 2 * (self._thickness + h)))
+
+    def _base_spans(self, h: float) -> tuple[tuple[float, float], ...]:
+        """Ends of the panels over the base [m]."""
+        beside = h + 2 * self._thickness
+        return (-beside, -h), (-h, h), (h, beside)
+
+    def base(self, contact: FilmContact) -> BodyPeaks:
+        """Largest stresses of the half-plane below the film, of contacts read from the same table."""
+        return self._body(contact, self._base_series)
+
+    def _body(self, contact: FilmContact, series: Array) -> BodyPeaks:
         count = contact.load.size
         largest = np.empty((2, count))
         for start in range(0, count, _CHUNK):
@@ -136,7 +159,7 @@ class PeakTable:
             stresses = self._read(contact, series, some)
             for number, measure in enumerate((von_mises, principal_tension)):
                 largest[number, some] = _largest_measure(stresses, measure)
-        return FilmPeaks(*largest)
+        return BodyPeaks(*largest)
 
     def _read(self, contact: FilmContact, series: Array, some: slice = slice(None)) -> Array:
         polynomials = self.table.polynomials(np.log(contact.half_width[some]))

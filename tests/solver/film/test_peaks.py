@@ -70,6 +70,20 @@ def test_film_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
         assert largest == pytest.approx(zoomed(state, name, 1.0, float(X[across]), near), rel=3e-5)
 
 
+def test_base_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
+    peaks, film = read
+    if film.table.system.kernel.stack.rigid:
+        with pytest.raises(StackError, match="a rigid base has no stresses"):
+            peaks.base(film)
+        return
+    found, edge = peaks.base(film), THICKNESS / film.half_width[1]
+    X, Y = np.linspace(-2.0, 2.0, 161), -edge * (1 + np.linspace(1e-8, 2.0, 41))
+    fields = interior_fields(one(film, 1), X, Y, ("von_mises", "principal_tension"))[0]
+    for values, largest in zip(fields, (found.von_mises[1], found.principal_tension[1]), strict=True):
+        assert np.max(values) <= largest * (1 + 1e-6)
+        assert largest == pytest.approx(np.max(values), rel=2e-3)
+
+
 def test_contacts_without_a_film_below_the_least_depth_are_refused() -> None:
     of = table(ON_STEEL, least=1.0, most=12.0, nodes=4)
     film = FilmContact(of, Profile.cylinder(np.array(0.05)), cases(1e6), np.zeros((1, 2)), np.array(1.0))
