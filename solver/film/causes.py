@@ -8,7 +8,7 @@ import numpy as np
 
 from solver.arrays import Array, stack
 from solver.film.table import Table
-from solver.profile import Profile
+from solver.halfplane.profile import Profile
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from solver.film.causes import Causes, Loading
 from solver.film.press import extent
 from solver.film.reflection import low
 from solver.film.table import Table
-from solver.profile import Profile
+from solver.halfplane.profile import Profile
 
 _STEPS = 20
 

@@ -15,8 +15,8 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
-from solver.halfplane import HalfPlane
-from solver.material import Material
+from solver.halfplane.surface import HalfPlane
+from solver.material.constants import Material
 
 #: The mirror y -> -y on (x, y, phi, psi), as a matrix and as the signs of a matrix's entries.
 MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])

@@ -20,7 +20,7 @@ from solver.arrays import Array
 from solver.film.fourier import FLIP, Medium, falling
 from solver.film.reflection import body_below
 from solver.film.stack import Layer, Stack, StackError
-from solver.material import Material
+from solver.material.constants import Material
 
 _DEPTHS = 28  # Chebyshev points of the depth
 _WINDOW = 19.0  # exponent of a wave at the end of the sublayers

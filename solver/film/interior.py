@@ -21,8 +21,8 @@ from solver.film.kernel import strip, wavenumbers
 from solver.film.reflection import LayerWaves, waves
 from solver.film.stack import Stack, StackError
 from solver.film.system import System
-from solver.interior import LINEAR, field_rows, principal_tension, von_mises
-from solver.spectrum import spectrum
+from solver.halfplane.interior import LINEAR, field_rows, principal_tension, von_mises
+from solver.halfplane.spectrum import spectrum
 
 _SUBLAYERS = 24  # and half of them, extrapolated
 _STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
@@ -72,7 +72,7 @@ class Interior:
         return pressures.T, np.moveaxis(charges, 0, -1)
 
     def fields(self, x: Array, depth: Array, names: tuple[str, ...]) -> Array:
-        """Named fields of ``solver.interior.LINEAR`` for every cause; (field, depth, x, cause), SI per unit cause.
+        """Fields of ``solver.halfplane.interior.LINEAR`` by cause; (field, depth, x, cause), SI per unit cause.
 
         Parameters
         ----------
@@ -230,7 +230,7 @@ def interior_fields(contact: FilmContact, X: Array, Y: Array, names: tuple[str, 
     X, Y
         (x - c)/h and y/h <= 0; (x,) and (y,).
     names
-        Names of ``solver.interior.LINEAR``, ``von_mises`` or ``principal_tension``.
+        Names of ``solver.halfplane.interior.LINEAR``, ``von_mises`` or ``principal_tension``.
 
     Raises
     ------

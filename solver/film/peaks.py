@@ -15,7 +15,7 @@ from solver.film.contact import FilmContact
 from solver.film.interior import Interior
 from solver.film.stack import StackError
 from solver.film.table import Table
-from solver.interior import principal_tension, von_mises
+from solver.halfplane.interior import principal_tension, von_mises
 
 DEPTH = 0.1  # of the half-length: the least depth of the film's peaks
 WINDOW = 10.0  # thicknesses beside the contact in which the interface is searched

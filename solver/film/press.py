@@ -10,7 +10,7 @@ from solver.arrays import Array, dot
 from solver.film.causes import Loading
 from solver.film.outputs import BALANCE, LOAD, PRESSURE
 from solver.film.table import RangeError, Table
-from solver.pressing import ContactError
+from solver.halfplane.pressing import ContactError
 
 _STEPS = 40
 _CLOSE = 1e-13

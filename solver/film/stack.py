@@ -8,7 +8,7 @@ import numpy as np
 
 from solver.arrays import Array, is_finite
 from solver.film.fourier import Medium
-from solver.material import Material, MaterialError
+from solver.material.constants import Material, MaterialError
 
 RIGID: Literal["rigid"] = "rigid"
 

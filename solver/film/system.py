@@ -16,7 +16,7 @@ import numpy as np
 from solver.arrays import Array
 from solver.film.basis import Basis
 from solver.film.kernel import Kernel
-from solver.sliding import Sliding
+from solver.halfplane.sliding import Sliding
 
 #: Positions at which the pressure over its weight is sampled, edges included: tension shows there.
 SAMPLES: Array = np.cos(np.pi * np.arange(33) / 32)

@@ -17,9 +17,9 @@ from solver.film.basis import Basis
 from solver.film.kernel import kernel
 from solver.film.stack import Stack
 from solver.film.system import System
-from solver.halfplane import HalfPlane
-from solver.pressing import ContactError
-from solver.sliding import Sliding
+from solver.halfplane.pressing import ContactError
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
 
 #: Half-lengths over the thickness of the top layer that a table may hold.
 LEAST, MOST = 1e-4, 60.0

@@ -8,7 +8,7 @@ from solver.arrays import Array
 from solver.film.contact import FilmContact
 from solver.film.stack import Layer, Stack
 from solver.film.table import Table, table
-from solver.profile import Profile
+from solver.halfplane.profile import Profile
 
 BTO, CFO, STEEL = solver.find("BaTiO3"), solver.find("CoFe2O4"), solver.find("steel")
 FIBROUS = solver.fibrous(BTO, CFO, 0.5)

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 import solver
-from solver.contact import Contact
 from solver.film.contact import FilmContact
 from solver.film.press import LengthsError, TensionError
 from solver.film.stack import Layer, Stack
 from solver.film.table import RangeError, Table, table
-from solver.halfplane import HalfPlane
-from solver.pressing import ContactError
-from solver.profile import Profile
-from solver.response import Response
-from solver.sliding import Sliding
+from solver.halfplane.contact import Contact
+from solver.halfplane.pressing import ContactError
+from solver.halfplane.profile import Profile
+from solver.halfplane.response import Response
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
 from tests.solver.film.films import BTO, FIBROUS, ON_STEEL, STEEL, cases, contact, cylinder
 
 #: Theory of films, section 9: stack, friction, charges, datum; a, b, depth, V, Psi, K_D(a, -b), K_B(a, -b).

@@ -20,10 +20,10 @@ from solver.film.stack import Layer, Stack, StackError
 from solver.film.surface import surface_fields
 from solver.film.system import System
 from solver.film.table import Table, at, table
-from solver.halfplane import HalfPlane
-from solver.material import UNITS
-from solver.profile import Profile
-from solver.sliding import Sliding
+from solver.halfplane.profile import Profile
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
+from solver.material.constants import UNITS
 from tests.solver.film.films import BTO, CFO, FIBROUS, STEEL, contact
 from tests.solver.film.test_surface import FIELDS
 

@@ -5,16 +5,16 @@ import pytest
 
 import solver
 from solver.arrays import Array
-from solver.contact import Contact
 from solver.film.contact import FilmContact
 from solver.film.interior import interior_fields
 from solver.film.stack import Layer, Stack, StackError
 from solver.film.surface import surface_fields
 from solver.film.table import table
-from solver.halfplane import HalfPlane
-from solver.interior import LINEAR, interior_parts
-from solver.profile import Profile
-from solver.sliding import Sliding
+from solver.halfplane.contact import Contact
+from solver.halfplane.interior import LINEAR, interior_parts
+from solver.halfplane.profile import Profile
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
 from tests.solver.film.films import BTO, FIBROUS, ON_STEEL, STEEL, cases, cylinder
 
 LAYERED = Stack((Layer(STEEL, 0.1e-3, "grounded"), Layer(FIBROUS, 0.1e-3), Layer(BTO, 0.1e-3, "bonded")), STEEL)

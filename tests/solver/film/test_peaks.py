@@ -9,7 +9,7 @@ from solver.film.interior import interior_fields
 from solver.film.peaks import DEPTH, PeakTable
 from solver.film.stack import Layer, Stack, StackError
 from solver.film.table import table
-from solver.profile import Profile
+from solver.halfplane.profile import Profile
 from tests.solver.film.films import FIBROUS, ON_STEEL, cases
 
 THICKNESS = 0.2e-3

@@ -9,8 +9,8 @@ from solver.film.kernel import kernel
 from solver.film.stack import Layer, Stack, StackError
 from solver.film.system import System
 from solver.film.table import at, table
-from solver.halfplane import HalfPlane
-from solver.sliding import Sliding
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
 from tests.solver.film.films import BTO, CFO, FIBROUS, STEEL
 
 SOFT = solver.Material.isotropic(5e9, 0.35)

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from solver.arrays import Array
-from solver.contact import Contact
-from solver.fields import surface_fields as exact_fields
 from solver.film.contact import FilmContact
 from solver.film.reflection import waves
 from solver.film.stack import Layer, Stack, StackError
 from solver.film.surface import FilmFields, surface_fields
 from solver.film.table import table
-from solver.halfplane import HalfPlane
-from solver.sliding import Sliding
+from solver.halfplane.contact import Contact
+from solver.halfplane.fields import surface_fields as exact_fields
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
 from tests.solver.film.films import BTO, FIBROUS, ON_STEEL, STEEL, cases, contact, cylinder
 from tests.solver.film.test_contact import PROFILES
 from tests.solver.quadrature import rule
