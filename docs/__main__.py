@@ -10,6 +10,7 @@ def write() -> None:
         "pipeline.svg": picture.draw(picture.arrows(picture.rulegraph())),
         "rooms.svg": rooms.draw(rooms.imports()),
         "problem.svg": problem.draw(),
+        "film.svg": problem.film(),
         "architecture.md": rooms.listed(rooms.PAGE.read_text(encoding="utf-8")),
     }
     for name, text in made.items():

@@ -1,19 +1,24 @@
-"""The theory page: each place that the code cites stands there, its formulas are formulas, its numbers are measured."""
+"""The pages of theory: what the code cites stands there, formulas are formulas, drawings and numbers the code's."""
 
 import re
 from pathlib import Path
 
 import pytest
 
-from docs import formulas, limits
+from docs import films, formulas, limits
+from tests.solver.film import test_contact, test_interior, test_surface
 from workflow.report import problem
 from workflow.run.provenance import ROOT
 
 PAGE = (ROOT / "docs/theory.md").read_text(encoding="utf-8")
+FILMS = (ROOT / "docs/theory-films.md").read_text(encoding="utf-8")
 SECTIONS = set(re.findall(r"^## (\d+)\. ", PAGE, re.MULTILINE))
 EQUATIONS = set(re.findall(r"\\tag\{([\w.]+)\}", PAGE))
+FILM_SECTIONS = set(re.findall(r"^## (\d+)\. ", FILMS, re.MULTILINE))
+FILM_EQUATIONS = set(re.findall(r"\\tag\{([\w.]+)\}", FILMS))
 _SECTION = re.compile(r"[Tt]heory(?:,? sections?|,)? (\d)(?:(?:, | and |, and )(\d))?(?: and (\d))?(?![\w.])")
 _EQUATION = re.compile(r"(?:[Tt]heory,? (?:eq\. |\()?|equations? \(|\bby \(|\bfrom \(|\bof \()(\d\.\d|1[abc])\)?")
+_FILM_SECTIONS = re.compile(r"\b[Ff]ilms, sections? (\d+(?:(?:, | and )\d+)*)")
 
 
 def cited(text: str) -> tuple[set[str], set[str]]:
@@ -21,6 +26,13 @@ def cited(text: str) -> tuple[set[str], set[str]]:
     text = re.sub(r"\s+#?\s*", " ", text)
     sections = {number for found in _SECTION.findall(text) for number in found if number}
     return sections, set(_EQUATION.findall(text))
+
+
+def cited_of_films(text: str) -> tuple[set[str], set[str]]:
+    """Sections and equations of the theory of films that a text names."""
+    text = re.sub(r"\s+#?\s*", " ", text)
+    sections = {number for found in _FILM_SECTIONS.findall(text) for number in re.findall(r"\d+", found)}
+    return sections, set(re.findall(r"\((F\d+\.\d+)\)", text))
 
 
 def sources() -> list[Path]:
@@ -44,6 +56,45 @@ def test_a_place_that_is_not_there_would_be_found() -> None:
     assert cited("(theory sections 3 and 9)") == ({"3", "9"}, set())
     assert cited("theory, 4 and 5") == ({"4", "5"}, set())
     assert cited("from theory (2.7)") == (set(), {"2.7"})
+    assert cited_of_films("(films, sections 3, 5)") == ({"3", "5"}, set())
+    assert cited_of_films("Theory of films, section 19: by (F4.12)") == ({"19"}, {"F4.12"})
+
+
+def test_every_place_of_the_theory_of_films_that_is_cited_stands_on_its_page() -> None:
+    assert sorted(map(int, FILM_SECTIONS)) == list(range(1, len(FILM_SECTIONS) + 1))
+    cited_sections = set()
+    for path in [*sources(), *sorted((ROOT / "docs").glob("*.py"))]:
+        sections, equations = cited_of_films(path.read_text(encoding="utf-8"))
+        assert sections <= FILM_SECTIONS, path
+        assert equations <= FILM_EQUATIONS, path
+        cited_sections |= sections
+    assert cited_sections >= {str(number) for number in range(1, 10)}
+    # what the page says of itself, and of the half-plane's page
+    assert cited_of_films(FILMS)[1] <= FILM_EQUATIONS
+    assert set(re.findall(r"\bsection (\d+)", FILMS)) <= FILM_SECTIONS
+    assert set(re.findall(r"\[Theory, (\d)\]\(theory\.md\)", FILMS)) <= SECTIONS
+    assert set(re.findall(r"\((\d\.\d)\)", FILMS)) <= EQUATIONS
+
+
+def test_the_tests_that_the_page_of_films_names_exist() -> None:
+    named = re.findall(r"`(test_\w+\.py)::(test_\w+)`", FILMS)
+    assert len(named) >= 10
+    for file, name in named:
+        assert f"def {name}(" in (ROOT / "tests/solver/film" / file).read_text(encoding="utf-8"), name
+
+
+def test_figures_of_the_page_of_films_are_those_of_the_tests() -> None:
+    rows = [[cell.strip() for cell in row.split("|")[1:-1]] for row in re.findall(r"^\|.*\|$", FILMS, re.MULTILINE)]
+    start = rows.index(["", "case 1", "case 2", "case 3"]) + 2
+    for case, (name, on_surface, inside) in enumerate(
+        zip(test_contact.FIGURES, test_surface.FIGURES, test_interior.FIGURES, strict=True), start=1
+    ):
+        _, response, intensities = test_contact.FIGURES[name]
+        tested = [*response, *intensities, *(value for values in on_surface[1:] for value in values), *inside[2]]
+        assert [float(row[case]) for row in rows[start : start + len(tested)]] == tested, name
+    for ratio, tested_values in test_contact.SHORT_CIRCUIT.items():
+        row = next(row for row in rows if row[0] == f"{ratio:g}")
+        assert [float(cell) for cell in row[1:]] == list(tested_values), ratio
 
 
 def test_formulas_become_mathml_and_code_stays() -> None:
@@ -51,11 +102,13 @@ def test_formulas_become_mathml_and_code_stays() -> None:
     assert html.count("<math") == 2
     assert "`$HOME`" in html
     assert 'id="eq-9.1">(9.1)<' in html
-    assert "$$" not in re.sub(r"`[^`]*`", "", formulas.on_page_markdown(PAGE))
+    for page in (PAGE, FILMS):
+        assert "$$" not in re.sub(r"`[^`]*`", "", formulas.on_page_markdown(page))
 
 
-def test_the_drawing_is_the_code_s() -> None:
+def test_the_drawings_are_the_code_s() -> None:
     assert (ROOT / "docs/problem.svg").read_text(encoding="utf-8") == problem.draw()
+    assert (ROOT / "docs/film.svg").read_text(encoding="utf-8") == problem.film()
 
 
 SAID = {
@@ -84,3 +137,33 @@ def test_what_the_model_leaves_out_is_measured(name: str, numbers: dict[str, flo
     assert value == pytest.approx(said, rel=0.1)
     assert text.replace("2e-05", "2e-5") in (ROOT / "docs/limits.md").read_text(encoding="utf-8")
     assert numbers["free of the datum within"] < 1e-5
+
+
+SAID_OF_FILMS = {
+    "thick film, rigid": "-3.6e-3 on a rigid base",
+    "thick film, bonded": "-1.4e-3 on steel to which the film is electrically bonded",
+    "thick film, grounded": "-9.4e-4 on steel with a grounded electrode",
+    "V_J over Psi_T": "misses by 41 %",
+    "d depth/dT": "3.72e-3 m per C/m",
+    "-dV/dP": "2.50e-3",
+    "-V/P": "3.92e-3",
+    "half-length by charge": "+3.4 %",
+    "half-length over H": "a contact 1.4 times as long",
+    "permeance, datum 2H/pi": "-7.1e-3 Wb/(A m)",
+    "permeance, datum H": "has 1.3e-3",
+    "permeance, datum 10 H": "4.3e-5",
+}
+
+
+@pytest.fixture(scope="module")
+def numbers_of_films() -> dict[str, float]:
+    return films.numbers()
+
+
+@pytest.mark.parametrize("name", SAID_OF_FILMS)
+def test_what_the_theory_of_films_says_is_measured(name: str, numbers_of_films: dict[str, float]) -> None:
+    text = SAID_OF_FILMS[name]
+    assert text in FILMS.replace("\n", " ")
+    said = float(re.findall(r"-?\d\.?\d*(?:e-\d)?", text)[0]) * (0.01 if "%" in text else 1.0)
+    assert numbers_of_films[name] == pytest.approx(said, rel=0.03)
+    assert abs(numbers_of_films["P_T u_J + V_J over P_J u_T + Psi_T"]) < 1e-9

@@ -1,4 +1,4 @@
-"""The drawing of the problem, for the page and for the documentation (`docs/problem.svg`).
+"""The drawings of the problems, for the page and for the documentation (`docs/problem.svg`, `docs/film.svg`).
 
 Not to scale: the contact is some hundredths of the radius wide in truth.
 """
@@ -9,6 +9,8 @@ TITLE = "A conducting punch slides on a magneto-electro-elastic half-plane"
 _WIDTH, _HEIGHT, _SURFACE = 760, 430, 250  # the surface y = 0 lies at this height of the picture
 _RADIUS, _LEADING, _TRAILING, _LOW = 150, 300, 440, 380  # contact from x to x; x of the punch's lowest point
 _DATUM = 690
+_TOP, _MIDDLE, _BOTTOM = 150, 222, 294  # of a film: surface, interface inside, base
+_SECOND = "#f6ecdf"  # the second layer
 
 
 def _line(x0: float, y0: float, x1: float, y1: float, colour: str = INK, more: str = "") -> str:
@@ -33,16 +35,26 @@ def _span(x0: float, x1: float, y: float, text: str) -> list[str]:
     return [_arrow(x0, y, x1, y, both=True), _text((x0 + x1) / 2, y - 6, text)]
 
 
+def _opened(title: str) -> list[str]:
+    return [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-family="serif" font-size="17">',
+        f"<title>{title}</title>",
+        f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="{PAPER}"/>',
+        '<marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" '
+        'orient="auto-start-reverse"><path d="M0 0 8 4 0 8z" fill="context-stroke"/></marker>',
+    ]
+
+
+def _band(top: int, bottom: int, colour: str) -> str:
+    return f'<rect x="20" y="{top}" width="{_WIDTH - 40}" height="{bottom - top}" fill="{colour}"/>'
+
+
 def draw() -> str:
     """The drawing as SVG."""
     centre = (_LEADING + _TRAILING) / 2
     top = _SURFACE - _RADIUS * 2 + 30
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-family="serif" font-size="17">',
-        f"<title>{TITLE}</title>",
-        f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="{PAPER}"/>',
-        '<marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" '
-        'orient="auto-start-reverse"><path d="M0 0 8 4 0 8z" fill="context-stroke"/></marker>',
+        *_opened(TITLE),
         # body and punch
         f'<rect x="20" y="{_SURFACE}" width="{_WIDTH - 40}" height="{_HEIGHT - _SURFACE - 12}" fill="{BODY}"/>',
         f'<path d="M{_LOW - 138} {top + 90} A {_RADIUS} {_RADIUS} 0 0 0 {_LOW + 138} {top + 90} Z" fill="{PUNCH}" '
@@ -83,6 +95,66 @@ def draw() -> str:
         *_span(_TRAILING, _DATUM, _SURFACE + 112, "L"),
         _line(_DATUM, _SURFACE, _DATUM, _SURFACE + 118, SOFT, 'stroke-dasharray="3 3"'),
         _line(_TRAILING, _SURFACE + 80, _TRAILING, _SURFACE + 118, SOFT, 'stroke-dasharray="3 3"'),
+        "</svg>",
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def film() -> str:
+    """A punch on a film of two layers and its base, as SVG."""
+    centre, far, low = (_LEADING + _TRAILING) / 2, 560, _HEIGHT - 12
+    ground = [
+        _line(640 - w, _BOTTOM + 14 + d, 640 + w, _BOTTOM + 14 + d, ACCENT) for w, d in ((13, 0), (8, 5), (3, 10))
+    ]
+    parts = [
+        *_opened("A conducting punch slides on a film of two layers on its base"),
+        _band(_TOP, _MIDDLE, BODY),
+        _band(_MIDDLE, _BOTTOM, _SECOND),
+        _band(_BOTTOM, low, PUNCH),
+        f'<path d="M{_LOW - 138} {_TOP - 92} A {_RADIUS} {_RADIUS} 0 0 0 {_LOW + 138} {_TOP - 92} Z" fill="{PUNCH}" '
+        f'stroke="{INK}" stroke-width="1.6" transform="translate(0 1)"/>',
+        *(_line(20, y, _WIDTH - 20, y) for y in (_TOP, _MIDDLE)),
+        f'<line x1="{_LEADING}" y1="{_TOP}" x2="{_TRAILING}" y2="{_TOP}" stroke="{BAD}" stroke-width="4"/>',
+        f'<line x1="20" y1="{_BOTTOM}" x2="{_WIDTH - 20}" y2="{_BOTTOM}" stroke="{ACCENT}" stroke-width="4"/>',
+        # loads
+        _arrow(_LOW, 12, _LOW, 52, BAD),
+        _text(_LOW + 16, 30, "P", BAD),
+        _arrow(_LOW - 30, 80, _LOW - 100, 80, BAD),
+        _text(_LOW + 60, 86, "T, J", ACCENT),
+        _text(_LOW - 62, 102, "Q = \u03b7P", BAD),
+        # contact: the centre, and half its length
+        _line(centre, _TOP, centre, _TOP + 30, SOFT, 'stroke-dasharray="3 3"'),
+        _line(_TRAILING, _TOP, _TRAILING, _TOP + 30, SOFT),
+        *_span(centre, _TRAILING, _TOP + 26, "h"),
+        # thicknesses
+        *(
+            part
+            for x, top, bottom, name in (
+                (far, _TOP, _MIDDLE, "h\u2081"),
+                (far, _MIDDLE, _BOTTOM, "h\u2082"),
+                (far + 80, _TOP, _BOTTOM, "H"),
+            )
+            for part in (_arrow(x, top, x, bottom, both=True), _text(x + 10, bottom - 26, name, anchor="start"))
+        ),
+        # what each body is
+        _words(130, _TOP + 54, "top layer: the edges are its own", "start"),
+        _words(130, _MIDDLE + 42, "layer 2", "start"),
+        _words(130, _BOTTOM + 26, "base: rigid, or a half-plane", "start"),
+        _line(640, _BOTTOM, 640, _BOTTOM + 14, ACCENT),
+        *ground,
+        _words(624, _BOTTOM + 32, "electrode: \u03c6 = 0, D jumps", "end"),
+        _words(624, _BOTTOM + 54, "or bonded: \u03c6 and D pass", "end"),
+        _words(624, _BOTTOM + 94, "a wave goes down like exp(\u2212Gk\u00b7depth), a part comes back", "end"),
+        # a surface traction of wavenumber k, and what comes back
+        _arrow(_TRAILING + 20, _TOP + 8, _TRAILING + 44, _BOTTOM - 6, BAD),
+        _arrow(_TRAILING + 44, _BOTTOM - 6, _TRAILING + 68, _TOP + 8, GOOD),
+        # axes, poling
+        _arrow(60, _TOP, 112, _TOP, GOOD),
+        _text(108, _TOP - 8, "x", GOOD),
+        _arrow(60, _TOP, 60, _TOP - 52, GOOD),
+        _text(46, _TOP - 40, "y", GOOD),
+        _arrow(60, _BOTTOM - 14, 60, _BOTTOM - 66, ACCENT),
+        _words(70, _BOTTOM - 14, "poling", "start"),
         "</svg>",
     ]
     return "\n".join(parts) + "\n"

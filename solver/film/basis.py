@@ -1,0 +1,210 @@
+"""Basis of the tractions on the contact and the rules that project onto it (films, section 4).
+
+    sigma_yy = w sum_j s_j P_j^(A,B)(X),   (D_y, B_y) = D1 sigma_yy + sum_n c_n T_n(X) / sqrt(1 - X^2),
+
+w = (1 - X)^A (1 + X)^B, k0 = A + B. With tan(theta) = eta kap / lam and A = 1/2 + delta at a smooth trailing edge,
+
+    (eta kap + lam H)[w P_j^(A,B)] = -(lam 2^k0 / sin(pi A)) P_(j+k0)^(-A,-B),    H[T_n / sqrt(1 - X^2)] = U_(n-1).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.special import beta, roots_jacobi
+
+from solver.arrays import Array, Points
+
+_CANCELS = 1e3  # of the closed transforms: beyond, a Gauss rule is exact to rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """Basis with exponents of one friction, and its rules; nothing here knows a length.
+
+    Parameters
+    ----------
+    delta
+        theta / pi of the friction angle, |delta| < 1/2.
+    smooth
+        Whether the trailing and the leading edge are smooth.
+    terms
+        M: number of collocation nodes.
+    samples
+        N: number of nodes of the rules that integrate kernels against the basis.
+    """
+
+    delta: float
+    smooth: tuple[bool, bool]
+    terms: int
+    samples: int
+
+    @property
+    def exponents(self) -> tuple[float, float]:
+        """A and B."""
+        return (0.5 if self.smooth[0] else -0.5) + self.delta, (0.5 if self.smooth[1] else -0.5) - self.delta
+
+    @property
+    def order(self) -> int:
+        """k0 = A + B: 1 between smooth edges, 0 with one corner, -1 between corners."""
+        return sum(self.smooth) - 1
+
+    @property
+    def pressures(self) -> int:
+        """Number of terms of the pressure."""
+        return self.terms - self.order
+
+    @property
+    def gain(self) -> float:
+        """2^k0 / sin(pi A)."""
+        return float(2.0**self.order / np.sin(np.pi * self.exponents[0]))
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Collocation nodes X: Gauss-Jacobi of weight (-A, -B); (M,)."""
+        return self._dual_rule[0]
+
+    @cached_property
+    def _dual_rule(self) -> tuple[Array, Array]:
+        A, B = self.exponents
+        return _gauss_jacobi(self.terms, -A, -B)
+
+    @cached_property
+    def projection(self) -> Array:
+        """From values at the nodes to coefficients in P^(-A,-B), by the Gauss rule itself; (M, M)."""
+        X, weights = self._dual_rule
+        return np.asarray(self.dual(X, self.terms) * weights / self.dual_norms[:, None])
+
+    @cached_property
+    def dual_norms(self) -> Array:
+        """Integrals of the squares of P_j^(-A,-B) with their weight; (M,)."""
+        X, weights = self._dual_rule
+        return np.asarray(self.dual(X, self.terms) ** 2 @ weights)
+
+    @cached_property
+    def charge_projection(self) -> Array:
+        """From values at the nodes to coefficients in U of the interpolating polynomial; (M, M)."""
+        angle = np.pi * np.arange(1, self.terms + 1) / (self.terms + 1)
+        orders = np.arange(1, self.terms + 1)
+        to_series = 2 / (self.terms + 1) * np.sin(orders[:, None] * angle) * np.sin(angle)
+        return np.asarray(to_series @ self.dual(np.cos(angle), self.terms).T @ self.projection)
+
+    @cached_property
+    def pressure_rule(self) -> tuple[Array, Array]:
+        """Nodes S of weight w, and weights times P_j(S); (N,) and (N, pressures)."""
+        S, weights = _gauss_jacobi(self.samples, *self.exponents)
+        return S, weights[:, None] * self.pressure_factor(S)
+
+    @cached_property
+    def charge_rule(self) -> tuple[Array, Array]:
+        """Nodes S of weight 1/sqrt(1 - S^2), and weights times T_n(S); (N,) and (N, M + 1)."""
+        angle = np.pi * (np.arange(self.samples) + 0.5) / self.samples
+        return np.cos(angle), np.pi / self.samples * np.cos(angle[:, None] * np.arange(self.terms + 1))
+
+    @cached_property
+    def mean(self) -> Array:
+        """Weights, at the nodes, of the mean over the contact with weight (1 - X^2)^(3/2); (M,)."""
+        angle = np.pi * np.arange(1, self.terms + 1) / (self.terms + 1)
+        weights = 8 / 3 * np.sin(angle) ** 4 / (self.terms + 1)  # Gauss's of weight sqrt(1 - X^2)
+        return np.asarray(weights @ self.dual(np.cos(angle), self.terms).T @ self.projection)
+
+    def pressure_factor(self, X: Array) -> Array:
+        """P_j^(A,B); (X, pressures)."""
+        return jacobi(self.pressures, *self.exponents, X)
+
+    def dual(self, X: Array, count: int) -> Array:
+        """P_j^(-A,-B), j < count; (count, X)."""
+        A, B = self.exponents
+        return jacobi(count, -A, -B, X).T
+
+    def local(self, X: Array) -> Array:
+        """The right side (2^k0 / sin pi A) P_(j+k0)^(-A,-B), P_(-1) = 0; (X, pressures)."""
+        A, B = self.exponents
+        dual = jacobi(self.terms, -A, -B, X)
+        if self.order == 1:
+            return self.gain * dual[..., 1:]
+        return self.gain * (dual if self.order == 0 else np.concatenate([0 * dual[..., :1], dual], -1))
+
+    def weight(self, X: Array) -> Array:
+        """w at |X| < 1."""
+        A, B = self.exponents
+        return np.asarray((1 - X) ** A * (1 + X) ** B)
+
+    def transforms(self, z: Points) -> tuple[Points, Points]:
+        """H[w P_j] and H[T_n / sqrt(1 - X^2)] off the contact; (..., pressures) and (..., M + 1).
+
+        Parameters
+        ----------
+        z
+            Points, real with |z| > 1, or complex with Im z >= 0.
+        """
+        root = np.sqrt(z - 1) * np.sqrt(z + 1) if np.iscomplexobj(z) else np.sign(z) * np.sqrt(z * z - 1)
+        beyond = np.abs(z + root)  # > 1: the ellipse through z
+        A, B = self.exponents
+        pressed = np.empty((*z.shape, self.pressures), z.dtype)
+        near = beyond ** (2 * self.terms) < _CANCELS
+        one = z[near]
+        product = (one - 1) ** A * (one + 1) ** B if np.iscomplexobj(z) else self._outside(one)
+        pressed[near] = self.gain / 2.0**self.order * product[..., None] * self.pressure_factor(one) - self.local(one)
+        S, weights = _gauss_jacobi(5 * self.terms, A, B)
+        rule = weights[:, None] * self.pressure_factor(S) / np.pi
+        pressed[~near] = (1 / (S - z[~near][..., None])) @ rule
+        charged = -(((z + root)[..., None] + 0 * z[..., None]) ** -np.arange(self.terms + 1.0)) / root[..., None]
+        return pressed, charged
+
+    def _outside(self, X: Array) -> Array:
+        """(z - 1)^A (z + 1)^B on the real axis, |X| > 1."""
+        A, B = self.exponents
+        return np.asarray(np.where(X > 1, 1.0, (-1.0) ** self.order) * np.abs(X - 1) ** A * np.abs(X + 1) ** B)
+
+    @property
+    def total(self) -> float:
+        """m0: integral of w."""
+        A, B = self.exponents
+        return float(2 ** (A + B + 1) * beta(A + 1, B + 1))
+
+    @cached_property
+    def first_moments(self) -> Array:
+        """Integrals of X w P_j; (pressures,)."""
+        S, rule = self.pressure_rule
+        return np.asarray(S @ rule)
+
+    @cached_property
+    def sign_moments(self) -> Array:
+        """Integrals of w P_j times the mean of sgn(X - S) / 2 over X; (pressures,): by a double exponential rule."""
+        A, B = self.exponents
+        end = np.arcsinh(40 / (np.pi * min(A + 1, B + 1)))  # e^-40 of the integrand is left out
+        steps = np.linspace(-end, end, 241 + 8 * self.terms)
+        share = 1 / (1 + np.exp(-np.pi * np.sinh(steps)))
+        S, one, other = 2 * share - 1, 2 / (1 + np.exp(np.pi * np.sinh(steps))), 2 * share  # 1 - S, 1 + S
+        weight = (steps[1] - steps[0]) * np.pi / 2 * np.cosh(steps) * one ** (A + 1) * other ** (B + 1)
+        angle = np.arctan2(S, np.sqrt(one * other))
+        mean = -(angle + 2 / 3 * np.sin(2 * angle) + np.sin(4 * angle) / 12) / np.pi
+        return np.asarray((weight * mean) @ self.pressure_factor(S))
+
+
+def _gauss_jacobi(count: int, one: float, other: float) -> tuple[Array, Array]:
+    """Gauss's rule of weight (1 - X)^one (1 + X)^other."""
+    with np.errstate(
+        invalid="ignore", divide="ignore"
+    ):  # SciPy divides by 0 where one + other = -1, in a place that it then replaces
+        X, weights = roots_jacobi(count, one, other)
+    return X, weights
+
+
+def log_mean(S: Array) -> Array:
+    """Mean of log|X - S| over X with weight (1 - X^2)^(3/2) (films, section 5)."""
+    return np.asarray(-np.log(2) + 2 / 3 * (2 * S**2 - 1) - (8 * S**4 - 8 * S**2 + 1) / 12)
+
+
+def jacobi(count: int, a: float, b: float, X: Points) -> Points:
+    """Jacobi polynomials P_j^(a,b), j < count, at real or complex points, by their recurrence; (..., count)."""
+    values = np.ones((count, *X.shape), X.dtype)
+    if count > 1:
+        values[1] = (a + 1) + (a + b + 2) * (X - 1) / 2
+    for j in range(1, count - 1):
+        t = 2 * j + a + b
+        above = 2 * (j + 1) * (j + a + b + 1) * t
+        slope, shift = t * (t + 1) * (t + 2) / above, (t + 1) * (a * a - b * b) / above
+        values[j + 1] = (slope * X + shift) * values[j] - 2 * (j + a) * (j + b) * (t + 2) / above * values[j - 1]
+    return np.moveaxis(values, 0, -1)

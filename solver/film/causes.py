@@ -1,0 +1,98 @@
+"""What the outputs of a contact are linear in: powers of X in the punch's slope, and charges (films, section 4)."""
+
+from dataclasses import dataclass
+from math import comb
+from typing import Self
+
+import numpy as np
+
+from solver.arrays import Array, stack
+from solver.film.table import Table
+from solver.halfplane.profile import Profile
+
+
+@dataclass(frozen=True, eq=False)
+class Causes:
+    """The causes at an extent of the contact, and their derivatives in log h and in c/h.
+
+    Attributes
+    ----------
+    values, by_width, by_centre
+        Powers of X in g', T/h, J/h and, between corners, P/h; (..., cause).
+    constant, constant_by_width, constant_by_centre
+        Constant slope a_0 that the centre gives; (...).
+    """
+
+    values: Array
+    by_width: Array
+    by_centre: Array
+    constant: Array
+    constant_by_width: Array
+    constant_by_centre: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Loading:
+    """Punches and loads of cases in the units of a stack.
+
+    Attributes
+    ----------
+    slope
+        Coefficients of g' in powers of x; (case, degree + 1).
+    loads
+        P, T and J; (case, 3).
+    smooth
+        Whether the trailing and the leading edge are smooth.
+    """
+
+    slope: Array
+    loads: Array
+    smooth: tuple[bool, bool]
+
+    @classmethod
+    def of(cls, table: Table, profile: Profile, load: Array, charges: Array) -> Self:
+        """From SI values of cases (case,) and (case, 2)."""
+        scale = table.system.kernel.stack.scale
+        slope = np.zeros((load.size, table.system.degree + 1))
+        for k, coefficient in enumerate(profile.slope):
+            slope[:, k] = coefficient / scale[1]
+        return cls(slope, stack(load * scale[1], charges[:, 0] * scale[2], charges[:, 1] * scale[3]), profile.smooth)
+
+    def part(self, cases: slice) -> "Loading":
+        """Some of the cases."""
+        return Loading(self.slope[cases], self.loads[cases], self.smooth)
+
+    @property
+    def order(self) -> int:
+        """k0: 1 between smooth edges, 0 with one corner, -1 between corners."""
+        return sum(self.smooth) - 1
+
+    def at(self, half: Array, centre: Array) -> Causes:
+        """Causes at half-lengths and c/h, (case,) or (case, node)."""
+        axes = (slice(None), *(None,) * (half.ndim - 1))
+        slope = self.slope[axes]
+        powers = _shifted(slope, half, centre)
+        by_width = _shifted(slope * np.arange(slope.shape[-1]), half, centre)
+        by_centre = np.zeros_like(powers)  # d a_m / d(c/h) = (m + 1) a_(m+1)
+        by_centre[..., :-1] = powers[..., 1:] * np.arange(1, powers.shape[-1])
+        loads = self.loads[axes] / half[..., None]
+        carried = loads[..., [1, 2, 0]] if self.order == -1 else loads[..., 1:]
+        first = max(self.order, 0)
+        return Causes(
+            np.concatenate([powers[..., first:], carried], -1),
+            np.concatenate([by_width[..., first:], -carried], -1),
+            np.concatenate([by_centre[..., first:], np.zeros_like(carried)], -1),
+            powers[..., 0],
+            by_width[..., 0],
+            by_centre[..., 0],
+        )
+
+
+def _shifted(slope: Array, half: Array, centre: Array) -> Array:
+    """Coefficients in powers of X of sum slope_i (h (X + c/h))^i; (..., degree + 1)."""
+    degree = slope.shape[-1] - 1
+    terms = []
+    for m in range(degree + 1):
+        parts = [comb(i, m) * slope[..., i] * half**i * centre ** (i - m) for i in range(m, degree + 1)]
+        terms.append(np.asarray(sum(parts)))
+    return stack(*terms)

@@ -1,0 +1,289 @@
+"""Contact of a rigid punch on a film: extent, punch response, edge values, tangents (films, sections 4 and 5).
+
+Arrays have the case axis first. Displacements are linear in the causes at a fixed contact; tangents at fixed load move
+the edges, so that reciprocity, exact at a fixed contact, does not hold for them.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+
+from solver.arrays import Array, dot
+from solver.film import outputs
+from solver.film.causes import Causes, Loading
+from solver.film.press import extent
+from solver.film.reflection import low
+from solver.film.table import Table
+from solver.halfplane.profile import Profile
+
+_STEPS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class FilmContact:
+    """Contacts of cases read from a table.
+
+    Parameters
+    ----------
+    table
+        Table of stack, friction, conduction and kind of edges.
+    profile
+        The punch; parameters (case,) or ().
+    load
+        Normal load P > 0 [N/m]; (case,).
+    charges
+        Electric charge T [C/m] and magnetic charge J [Wb/m]; (case, 2); 0 where the punch does not conduct.
+    datum
+        Reference length L > 0 of the base [m] where it is not held at zero; (case,) or ().
+
+    Raises
+    ------
+    ContactError
+        No contact, more than one, one that would need tension or that is beyond the range of the table.
+    """
+
+    table: Table
+    profile: Profile
+    load: Array
+    charges: Array
+    datum: Array
+
+    @property
+    def scale(self) -> Array:
+        """Units of the stack; (4,)."""
+        return self.table.system.kernel.stack.scale
+
+    @cached_property
+    def loading(self) -> Loading:
+        """Slope and loads in the units of the stack; a punch that tilts has the slope that its moment asks for."""
+        loading = Loading.of(self.table, self.profile, self.load, self.charges)
+        if self.profile.moment is None or self._corners is None:
+            return loading
+        half = self._corners
+        level = np.array(loading.slope)
+        level[:, 0] = 0.0
+        causes = Loading(level, loading.loads, loading.smooth).at(half, np.zeros_like(half)).values
+        moments = np.tensordot(self.table.polynomials(np.log(half)), self.table.series[:, outputs.MOMENT], 1)
+        asked = np.asarray(self.profile.moment) * self.scale[1] / half**2
+        level[:, 0] = (asked - dot(moments, causes)) / moments[:, 0]
+        return Loading(level, loading.loads, loading.smooth)
+
+    @property
+    def _corners(self) -> Array | None:
+        """Half the width of a punch with two corners [m]; (case,)."""
+        width = self.profile.width
+        return None if width is None else np.array(np.broadcast_to(np.asarray(width) / 2, self.load.shape))
+
+    @cached_property
+    def _extent(self) -> tuple[Array, Array]:
+        return extent(self.table, self.loading, self._corners)
+
+    @property
+    def half_width(self) -> Array:
+        """h = (a + b)/2 [m]."""
+        return self._extent[0]
+
+    @property
+    def centre(self) -> Array:
+        """c/h = (a - b)/(a + b)."""
+        return self._extent[1]
+
+    @property
+    def offset(self) -> Array:
+        """c = (a - b)/2 [m]."""
+        return self.half_width * self.centre
+
+    @property
+    def trailing(self) -> Array:
+        """a [m]: the trailing edge is x = a."""
+        return self.half_width * (1 + self.centre)
+
+    @property
+    def leading(self) -> Array:
+        """b [m]: the leading edge is x = -b."""
+        return self.half_width * (1 - self.centre)
+
+    @property
+    def exponent(self) -> float:
+        """Pressure exponent alpha, that of the top material's half-plane."""
+        return 0.5 + self.table.system.coefficients.delta
+
+    @cached_property
+    def causes(self) -> Causes:
+        """Causes at the extent."""
+        return self.loading.at(self.half_width, self.centre)
+
+    @cached_property
+    def _polynomials(self) -> Array:
+        return self.table.polynomials(np.log(self.half_width))
+
+    def _read(self, which: slice, *, rate: bool = False) -> Array:
+        """Outputs, or their derivatives in log h, for every cause; (case, output, cause)."""
+        series = self.table.rates if rate else self.table.series
+        return np.asarray(np.tensordot(self._polynomials, series[:, which], 1))
+
+    def output(self, which: slice) -> Array:
+        """Outputs of :mod:`solver.film.outputs`, powers of h out, units of the stack; (case, output)."""
+        return np.asarray(np.einsum("coq,cq->co", self._read(which), self.causes.values))
+
+    # -- edges ---------------------------------------------------------------------------------------------------------
+    def edge_intensity(self, edge: float) -> Array:
+        """lim sqrt(2 pi r) (D_y, B_y) [C m^-3/2, T m^1/2] at X = 1 trailing or -1 leading; (case, 2)."""
+        found = self.output(outputs.INTENSITY)[:, (0, 2) if edge > 0 else (1, 3)]
+        return np.asarray(np.sqrt(self.half_width)[:, None] * found / self.scale[2:])
+
+    def edge_stress(self, edge: float) -> Array:
+        """sigma_xx [Pa] on the free surface just outside a smooth edge, X = 1 trailing or -1 leading; (case,)."""
+        return np.asarray(self.output(outputs.EDGE_STRESS)[:, 0 if edge > 0 else 1] / self.scale[1])
+
+    # -- response ------------------------------------------------------------------------------------------------------
+    @cached_property
+    def _far(self) -> Array:
+        """(Y_low)_oo log(L/b) / pi: displacements per total of the tractions that the datum adds; (case or 1, 3, 3)."""
+        stack = self.table.system.kernel.stack
+        logarithm = np.log(np.asarray(self.datum, dtype=np.float64) / self.table.system.kernel.width)
+        return np.asarray(low(stack)[1:, 1:] / np.pi * logarithm[..., None, None])
+
+    def _rise(self, *, by_centre: bool = False, by_width: bool = False) -> Array:
+        """Mean of g over the contact with weight (1 - X^2)^(3/2), or a derivative; units of the stack; (case,)."""
+        total = np.zeros_like(self.half_width)
+        for i in range(self.loading.slope.shape[-1]):
+            size = self.loading.slope[:, i] * self.half_width ** (i + 1)
+            if by_centre:
+                total = total + size * _mean_power(self.centre, i)
+            else:
+                total = total + size * _mean_power(self.centre, i + 1) / (1 if by_width else i + 1)
+        return total
+
+    @cached_property
+    def response(self) -> Array:
+        """Depth [m], voltage [V] and magnetic potential [A] of the punch; (case, 3)."""
+        own = self.half_width[:, None] * self.output(outputs.DISPLACEMENT)
+        whole = own - dot(self._far, self.loading.loads[:, None, :])
+        whole[:, 0] = self._rise() - whole[:, 0]
+        return np.asarray(whole * self.scale[1:])
+
+    @cached_property
+    def at_fixed_contact(self) -> Array:
+        """d (depth, voltage, magnetic potential) / d (T, J) at a fixed contact, SI; (case, 3, 2)."""
+        first = self._first_charge
+        by_charge = self._read(outputs.DISPLACEMENT)[..., first : first + 2] - self._far[..., 1:]
+        by_charge[:, 0] *= -1
+        return np.asarray(by_charge * self.scale[1:, None] * self.scale[2:])
+
+    @property
+    def _first_charge(self) -> int:
+        return len(self.table.system.powers)
+
+    @property
+    def capacitance(self) -> Array:
+        """dT/dV [F/m] at the fixed contact, J fixed; (case,)."""
+        return 1 / self.at_fixed_contact[:, 1, 0]
+
+    @property
+    def permeance(self) -> Array:
+        """dJ/dPsi [Wb/(A m)] at the fixed contact, T fixed; (case,)."""
+        return 1 / self.at_fixed_contact[:, 2, 1]
+
+    @cached_property
+    def tangents(self) -> Array:
+        """d (depth, voltage, magnetic potential) / d (P, T, J) with the moving edges, SI; (case, 3, 3)."""
+        h, causes, order, first = self.half_width, self.causes, self.loading.order, self._first_charge
+        read, rate = self._read(outputs.DISPLACEMENT), self._read(outputs.DISPLACEMENT, rate=True)
+        by_load = np.zeros((h.size, 3, 3))
+        by_load[..., 1:] = read[..., first : first + 2]
+        by_load -= self._far
+        if order == -1:
+            by_load[..., 0] += read[..., -1]
+            if self.profile.moment is not None:
+                moments = self._read(slice(outputs.MOMENT, outputs.MOMENT + 1))[:, 0]
+                by_load -= read[..., :1] * (moments[:, [-1, first, first + 1]] / moments[:, :1])[:, None, :]
+            return self._si(by_load)
+        rows = slice(outputs.LOAD, outputs.BALANCE + 1)
+        kept, kept_rate = (r[:, :: outputs.BALANCE] for r in (self._read(rows), self._read(rows, rate=True)))
+        carried = h[:, None] * _sum(kept[:, :1], causes.values)
+        # rows: load, balance; columns: log h, c/h
+        jacobian = np.zeros((h.size, 2, 2))
+        jacobian[:, 0, 0] = (carried + h[:, None] * _moved(kept[:, :1], kept_rate[:, :1], causes))[:, 0]
+        jacobian[:, 1, 1] = 1.0
+        right = np.zeros((h.size, 2, 3))
+        right[:, 0, 0] = 1.0
+        right[:, 0, 1:] = -kept[:, 0, first : first + 2]
+        if order == 1:
+            jacobian[:, 0, 1] = h * _sum(kept[:, :1], causes.by_centre)[:, 0]
+            jacobian[:, 1, 0] = causes.constant_by_width - _moved(kept[:, 1:], kept_rate[:, 1:], causes)[:, 0]
+            jacobian[:, 1, 1] = causes.constant_by_centre - _sum(kept[:, 1:], causes.by_centre)[:, 0]
+            right[:, 1, 1:] = kept[:, 1, first : first + 2] / h[:, None]
+        edges = np.linalg.solve(jacobian, right)
+        by_edges = np.empty((h.size, 3, 2))
+        by_edges[..., 0] = h[:, None] * (_sum(read, causes.values) + _moved(read, rate, causes))
+        by_edges[..., 1] = h[:, None] * _sum(read, causes.by_centre)
+        by_edges[:, 0, 0] -= self._rise(by_width=True)
+        by_edges[:, 0, 1] -= self._rise(by_centre=True)
+        return self._si(by_load + by_edges @ edges)
+
+    def _si(self, tangents: Array) -> Array:
+        tangents[:, 0] *= -1  # depth = g - u_y
+        return np.asarray(tangents * self.scale[1:, None] * self.scale[1:])
+
+    # -- sensor and actuator -------------------------------------------------------------------------------------------
+    def with_charges(self, charges: Array) -> Self:
+        """The same punches and loads with other charges."""
+        return type(self)(self.table, self.profile, self.load, charges, self.datum)
+
+    def potential(self, field: int) -> Array:
+        """Electric [V] (field 0) or magnetic [A] (field 1) potential of the punch."""
+        return self.response[:, 1 + field]
+
+    @property
+    def depth(self) -> Array:
+        """Approach of the punch, at its origin [m]."""
+        return self.response[:, 0]
+
+    @cached_property
+    def _uncharged(self) -> "FilmContact":
+        return self.with_charges(np.zeros_like(self.charges)) if np.any(self.charges) else self
+
+    def sensitivity(self, field: int) -> Array:
+        """d potential / d load without charges [V m/N, A m/N]."""
+        return self._uncharged.tangents[:, 1 + field, 0]
+
+    def short_circuit(self, field: int) -> Array:
+        """Charge per load that makes the potential 0, the other charge 0 [C/N, Wb/N]."""
+        state = self._uncharged
+        for _ in range(_STEPS):
+            step = state.potential(field) / state.tangents[:, 1 + field, 1 + field]
+            charges = np.array(state.charges, dtype=np.float64)
+            charges[:, field] -= step
+            state = self.with_charges(charges)
+            if np.all(np.abs(step) <= 1e-9 * np.abs(charges[:, field])):  # the next is of its square
+                break
+        return state.charges[:, field] / self.load
+
+    def stroke(self, field: int) -> Array:
+        """d depth / d potential at fixed load and other charge [m/V, m/A]."""
+        return self.tangents[:, 0, 1 + field] / self.tangents[:, 1 + field, 1 + field]
+
+    def blocked_load(self, field: int) -> Array:
+        """d load / d potential at fixed depth and other charge [N/(m V), N/(m A)]."""
+        t, j = self.tangents, 1 + field
+        return 1 / (t[:, j, 0] - t[:, j, j] * t[:, 0, 0] / t[:, 0, j])
+
+
+def _sum(read: Array, causes: Array) -> Array:
+    return np.asarray(np.einsum("coq,cq->co", read, causes))
+
+
+def _moved(read: Array, rate: Array, causes: Causes) -> Array:
+    """Derivative of outputs in log h at fixed loads."""
+    return _sum(rate, causes.values) + _sum(read, causes.by_width)
+
+
+def _mean_power(centre: Array, n: int) -> Array:
+    """Mean of (X + c/h)^n with weight (1 - X^2)^(3/2), by Gauss's rule."""
+    count = n // 2 + 4
+    angle = np.pi * np.arange(1, count + 1) / (count + 1)
+    weights = 8 / 3 * np.sin(angle) ** 4 / (count + 1)
+    return np.asarray((np.cos(angle) + centre[:, None]) ** n @ weights)

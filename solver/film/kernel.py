@@ -1,0 +1,242 @@
+"""Smooth kernels of a stack in x: what its layers and base add to the half-plane of the top (films, sections 3, 5).
+
+With ``Delta = Y_top - Y0``, o one of (y, phi, psi),
+
+    K_oo = -(1/pi) int Delta_oo sin kx dk,   K_ox = -K_xo = -(1/pi) int Delta_ox cos kx dk,   K_xx as K_oo,
+    U_oo = (1/pi) int [Delta_oo cos kx + (Y0 - Y_low)_oo exp(-kL)] dk/k,   U_ox = -(1/pi) int Delta_ox sin kx dk/k,
+
+where U' = K gives displacements. They are analytic in the strip |Im x| < b = 2 h1 g, so that a few Chebyshev panels in
+|x| hold them: one table per stack serves every half-length, friction and conduction.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.grading import GradedResponse, smooth_tails
+from solver.film.reflection import low, sideways, waves
+from solver.film.stack import Stack, StackError
+
+#: Entries of Delta in the order of the channels: six oo, three ox, then xx (of K only).
+ENTRIES = ((1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3), (1, 0), (2, 0), (3, 0), (0, 0))
+#: Channel of the pair (o, o') of (y, phi, psi).
+CHANNEL = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
+#: Channels of (o, x), and of (x, x).
+SHEAR = np.array([6, 7, 8])
+TANGENTIAL = 9
+#: Channels of U: those of the pairs, and of (o, x).
+POTENTIAL = CHANNEL + 10
+POTENTIAL_SHEAR = SHEAR + 10
+
+_ODD = np.array([True] * 6 + [False] * 3 + [True] + [False] * 6 + [True] * 3)  # parity of K, then of U
+_DECAYED = 34.0  # exponent at the largest wavenumber: e^-34 is below rounding
+_GROWTH = 2.5  # of the panels in k
+_NODES = 16  # a panel in k, beside those that the phase needs
+_PHASE = 150.0  # the most of a panel: small rules are cheap to find
+_DEGREE = 16  # of the Chebyshev panels in x, the first half as long as the strip is wide: 8.3^-17 is below rounding
+_TAIL = 1e-11  # of the largest coefficient: what the last ones of a resolved kernel fall below
+_FINEST = 10  # halvings of the first panel under a graded layer, whose kernels are rough at 0
+_GRADED_END = 2000.0  # largest wavenumber times the thickness of a graded layer
+_GRADED_TAIL = 1e-8
+_MOST = 20_000_000  # entries of one block of the transform: bounded memory
+_FARTHEST = 1e5  # reach over the width of the strip: bounded time
+
+
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """K and U of a stack for |x| <= reach, by Chebyshev panels in |x|.
+
+    Attributes
+    ----------
+    stack
+        The stack.
+    width
+        b = 2 h1 g [m]: distance of the nearest singularities from the real axis, and the datum L of U.
+    edges
+        Ends of the panels, from 0 to the reach [m]; (panel + 1,).
+    coefficients
+        Chebyshev coefficients of K (ten channels) and of U (nine); (panel, degree + 1, 19).
+    graded
+        Response of a stack whose top layer is graded: the kernels are then without their rough parts
+        (:mod:`solver.film.rough`), and U is left out.
+    """
+
+    stack: Stack
+    width: float
+    edges: Array
+    coefficients: Array
+    graded: GradedResponse | None = None
+
+    @property
+    def reach(self) -> float:
+        """Largest distance that the table knows [m]."""
+        return float(self.edges[-1])
+
+    def at(self, x: Array, mixing: Array | None = None) -> Array:
+        """Channels, or sums of them, at distances x [m].
+
+        Parameters
+        ----------
+        x
+            Distances, any shape (...).
+        mixing
+            From the channels, K (ten) and U (nine, with the datum L = b), to what is asked for; (19, c).
+
+        Returns
+        -------
+        ndarray
+            (..., c).
+
+        Raises
+        ------
+        StackError
+            A distance beyond the reach of the table.
+        """
+        flat = x.ravel()
+        distance = np.abs(flat)
+        if flat.size and np.max(distance) > self.reach * (1 + 1e-12):
+            raise StackError(f"kernel: distance {np.max(distance):g} m is beyond the resolved {self.reach:g} m")
+        asked = np.eye(_ODD.size) if mixing is None else mixing
+        out = np.empty((flat.size, asked.shape[-1]))
+        count = len(self.coefficients)
+        panel = np.minimum(np.searchsorted(self.edges[1:-1], distance, side="right"), count - 1)
+        panel[flat < 0] += count
+        for sign, parity in enumerate((np.ones(_ODD.size), np.where(_ODD, -1.0, 1.0))):
+            mixed = self.coefficients @ (parity[:, None] * asked)
+            for p in range(count):
+                inside = np.flatnonzero(panel == p + sign * count)
+                if inside.size:
+                    middle, half = (self.edges[p + 1] + self.edges[p]) / 2, (self.edges[p + 1] - self.edges[p]) / 2
+                    out[inside] = _chebyshev((distance[inside] - middle) / half) @ mixed[p]
+        return out.reshape(*x.shape, -1)
+
+
+def kernel(stack: Stack, reach: float) -> Kernel:
+    """Table of the kernels for distances up to ``reach`` [m].
+
+    Raises
+    ------
+    StackError
+        A stack whose kernels the table does not resolve.
+    """
+    width = strip(stack)
+    if not reach < _FARTHEST * width:
+        raise StackError(
+            f"kernel: distance {reach:g} m is beyond the range that can be resolved, {_FARTHEST * width:g} m"
+        )
+    edges = [0.0, *(width / 2 * 0.5 ** np.arange(_FINEST, 0, -1) if stack.top.graded else ()), width / 2]
+    while edges[-1] < reach:
+        edges.append(1.35 * edges[-1] + width / 2)
+    edges[-1] = max(reach, (edges[-2] + edges[-1]) / 2)
+    ends = np.array(edges)
+    nodes = np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
+    x = (ends[:-1, None] + ends[1:, None] + (ends[1:] - ends[:-1])[:, None] * nodes) / 2
+    graded = GradedResponse(stack, panels(stack, _graded_strip(stack))) if stack.top.graded else None
+    flat = x.ravel()
+    values = (_transforms(stack, width, flat) if graded is None else _graded(graded, width, flat)).reshape(*x.shape, 19)
+    to_series = 2 / (_DEGREE + 1) * _chebyshev(nodes).T
+    to_series[0] /= 2
+    coefficients = to_series @ values
+    size = np.max(np.abs(coefficients), axis=(0, 1))
+    tail = np.max(np.abs(coefficients[:, -2:]), axis=(0, 1))
+    if not np.all(np.isfinite(coefficients)) or np.any(
+        tail > (_TAIL if graded is None else _GRADED_TAIL) * np.max(size[:10])
+    ):
+        raise StackError(
+            "kernel: its table does not resolve this stack (layers too different in thickness or stiffness)"
+        )
+    return Kernel(stack, width, ends, coefficients, graded)
+
+
+def strip(stack: Stack) -> float:
+    """b = 2 h1 g [m]: Delta(k), or what is left of it without its tails, decays like exp(-b k)."""
+    return 2 * stack.top.thickness * float(stack.media[0].slowest)
+
+
+def _graded_strip(stack: Stack) -> float:
+    """Width whose exponential ends where the remainder of a graded layer, which decays like k^-4, is small."""
+    return _DECAYED * stack.top.thickness / _GRADED_END
+
+
+def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
+    """Nodes and weights in k for what decays like exp(-width k), at distances up to reach [m]; (k,) each."""
+    nodes, weights = [], []
+    for start, end in pairwise(panels(stack, width)):
+        parts = int(np.ceil((end - start) * reach / _PHASE))
+        half = (end - start) / max(parts, 1) / 2
+        x, w = _gauss(_NODES + int(2 * half * reach / 3.2))
+        middles = start + half * (2 * np.arange(max(parts, 1)) + 1)
+        nodes.append((middles[:, None] + half * x).ravel())
+        weights.append(np.tile(half * w, middles.size))
+    return np.concatenate(nodes), np.concatenate(weights)
+
+
+def panels(stack: Stack, width: float) -> Array:
+    """Ends of panels in k, which grow from the smallest structure: unlike layers shift it to k H << 1; (end,)."""
+    bodies = [np.diagonal(medium.compliance) for medium in (*stack.media, *filter(None, [stack.base_medium]))]
+    size = np.abs(bodies)
+    least = float(np.min(np.min(size, 0) / np.max(size, 0)))
+    ends = [0.0, 0.1 * least / stack.thickness]
+    while ends[-1] < _DECAYED / width:
+        ends.append(ends[-1] * _GROWTH)
+    ends[-1] = _DECAYED / width
+    return np.array(ends)
+
+
+@cache
+def _gauss(count: int) -> tuple[Array, Array]:
+    return np.polynomial.legendre.leggauss(count)
+
+
+def _transforms(stack: Stack, width: float, x: Array) -> Array:
+    """K and U at distances x >= 0; (x, 19)."""
+    k, weights = wavenumbers(stack, float(np.max(x)), width)
+    difference = waves(stack, k)[0].difference
+    regular = stack.media[0].compliance - low(stack)
+    spread = sideways(stack)
+    difference[:, 3, 3] -= spread / k * np.exp(-k * width) * (1 + k * width)
+    rows = np.array([difference[:, i, j] for i, j in ENTRIES])  # (channel, k)
+    datum = np.array([regular[i, j] for i, j in ENTRIES[:6]])[:, None] * np.exp(-k * width)
+    by_sine = (weights * np.concatenate([rows[[*range(6), 9]], rows[6:9] / k])).T
+    by_cosine = (weights * np.concatenate([rows[6:9], rows[:6] / k])).T
+    offset = (datum * weights / k).sum(-1)
+    out = np.empty((x.size, 19))
+    for block in range(0, x.size, step := max(_MOST // k.size, 1)):
+        some = slice(block, block + step)
+        phase = x[some, None] * k
+        sines, cosines = np.sin(phase) @ by_sine, np.cos(phase) @ by_cosine
+        out[some, [*range(6), TANGENTIAL]] = -sines[:, :7]
+        out[some, 6:9] = -cosines[:, :3]
+        out[some, 10:16] = cosines[:, 3:] + offset
+        out[some, 16:19] = -sines[:, 7:]
+    out /= np.pi
+    # the part c_B/k of a stack that passes its flux on sideways, in closed form
+    angle = np.arctan(x / width)
+    out[:, 5] -= spread / np.pi * (angle + width * x / (x**2 + width**2))
+    out[:, 15] += spread / np.pi * (stack.thickness - width - x * angle)
+    return out
+
+
+def _graded(response: GradedResponse, width: float, x: Array) -> Array:
+    """Smooth part of K at distances x >= 0 under a graded layer, U zero; (x, 19)."""
+    k, weights = wavenumbers(response.stack, float(np.max(x)), _graded_strip(response.stack))
+    rows = np.array([(weights[:, None, None] * response.decayed(k, width))[:, i, j] for i, j in ENTRIES]).T
+    tails = np.array([response.tails[:, i, j] for i, j in ENTRIES]).T  # (order, channel)
+    sines, cosines = smooth_tails(x, width)
+    out = np.zeros((x.size, 19))
+    odd = _ODD[:10]
+    for block in range(0, x.size, step := max(_MOST // k.size, 1)):
+        some = slice(block, block + step)
+        phase = x[some, None] * k
+        out[some, np.flatnonzero(odd)] = np.sin(phase) @ rows[:, odd]
+        out[some, np.flatnonzero(~odd)] = np.cos(phase) @ rows[:, ~odd]
+    out[:, :10] += np.where(odd, sines.T @ tails, cosines.T @ tails)
+    return -out / np.pi
+
+
+def _chebyshev(x: Array) -> Array:
+    """T_0 .. T_degree at points; (point, degree + 1)."""
+    return np.asarray(np.polynomial.chebyshev.chebvander(x, _DEGREE), dtype=np.float64)

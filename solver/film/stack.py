@@ -1,0 +1,170 @@
+"""Layers on a base: materials, thicknesses and what the interfaces do to the electric and the magnetic field."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from solver.arrays import Array, is_finite
+from solver.film.fourier import Medium
+from solver.material.constants import Material, MaterialError
+
+RIGID: Literal["rigid"] = "rigid"
+
+#: What an interface may be to each field: at zero potential, transparent, or without normal induction.
+CONDITIONS: dict[str, tuple[str, ...]] = {
+    "electric": ("grounded", "bonded"),
+    "magnetic": ("grounded", "bonded", "insulated"),
+}
+
+
+class StackError(MaterialError):
+    """A layer, a base or an interface that is malformed or not allowed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """A homogeneous layer and the interface below it.
+
+    Parameters
+    ----------
+    material
+        An admissible material without case axes.
+    thickness
+        Thickness > 0 [m].
+    electric
+        ``grounded`` (a thin electrode at phi = 0) or ``bonded`` (phi and D_y continuous). By default grounded above
+        the base and bonded between layers; above a rigid base it is grounded.
+    magnetic
+        ``grounded`` (psi = 0), ``bonded``, or ``insulated`` (B_y = 0; above a rigid base only). By default grounded
+        above a rigid base and bonded elsewhere.
+
+    Raises
+    ------
+    StackError
+        Naming the entry, its value and what is allowed.
+    """
+
+    material: Material
+    thickness: float
+    electric: str | None = None
+    magnetic: str | None = None
+
+    #: Whether the material varies with depth.
+    graded: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        if not is_finite(self.thickness) or not self.thickness > 0:
+            raise StackError(f"thickness: {self.thickness!r} is not allowed; a finite number > 0 [m]")
+        _require_single(self.material, "material")
+        for name, allowed in CONDITIONS.items():
+            value = getattr(self, name)
+            if value is not None and value not in allowed:
+                raise StackError(f"interface_{name}: {value!r} is unknown; allowed are {', '.join(allowed)}")
+
+
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """Layers, the top one first, on a base.
+
+    Parameters
+    ----------
+    layers
+        At least one.
+    base
+        ``rigid`` (u = 0, phi = 0, bonded) or the material of the half-plane below.
+
+    Examples
+    --------
+    >>> import solver
+    >>> from solver.film.stack import Layer, Stack
+    >>> Stack((Layer(solver.find("BaTiO3"), 0.5e-3),)).thickness
+    0.0005
+
+    Raises
+    ------
+    StackError
+        No layer, an unknown base, or an interface that its base does not have.
+    """
+
+    layers: tuple[Layer, ...]
+    base: Material | Literal["rigid"] = RIGID
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "layers", tuple(self.layers))
+        if not self.layers:
+            raise StackError("layers: none; a stack has at least one layer")
+        if isinstance(self.base, str):
+            if self.base != RIGID:
+                raise StackError(f"base: {self.base!r} is unknown; 'rigid' or a material")
+        else:
+            _require_single(self.base, "base")
+        *upper, lowest = self.layers
+        if any(layer.graded for layer in self.layers[1:]):
+            raise StackError("layers: only the top layer can be graded")
+        for layer in upper:
+            if layer.magnetic == "insulated":
+                raise StackError("interface_magnetic: 'insulated' is allowed above a rigid base only")
+        if self.rigid:
+            if lowest.electric == "bonded":
+                raise StackError("interface_electric: 'bonded' is not allowed above a rigid base: it is grounded")
+            if lowest.magnetic == "bonded":
+                raise StackError("interface_magnetic: 'bonded' is not allowed above a rigid base; grounded, insulated")
+        elif lowest.magnetic == "insulated":
+            raise StackError("interface_magnetic: 'insulated' is allowed above a rigid base only; grounded, bonded")
+
+    @property
+    def rigid(self) -> bool:
+        """Whether the base is rigid."""
+        return isinstance(self.base, str)
+
+    @property
+    def top(self) -> Layer:
+        """The layer under the punch."""
+        return self.layers[0]
+
+    @property
+    def thickness(self) -> float:
+        """H: thickness of all layers [m]."""
+        return float(sum(layer.thickness for layer in self.layers))
+
+    @property
+    def insulated(self) -> bool:
+        """Whether B_y = 0 on a rigid base, so that all magnetic flux leaves sideways."""
+        return self.rigid and self.layers[-1].magnetic == "insulated"
+
+    @cached_property
+    def grounded(self) -> tuple[tuple[int, ...], ...]:
+        """Components (2: phi, 3: psi) held at zero by the interface below each layer."""
+        last = len(self.layers) - 1
+        held = []
+        for number, layer in enumerate(self.layers):
+            electric = layer.electric or ("grounded" if number == last else "bonded")
+            magnetic = layer.magnetic or ("grounded" if number == last and self.rigid else "bonded")
+            held.append(tuple(c for c, kind in ((2, electric), (3, magnetic)) if kind == "grounded"))
+        return tuple(held)
+
+    @cached_property
+    def scale(self) -> Array:
+        """Units of the stack, those of the top material; (4,)."""
+        return self.media[0].halfplane.scale
+
+    @cached_property
+    def media(self) -> tuple[Medium, ...]:
+        """The layers' materials in the units of the stack."""
+        scale = Medium(self.top.material, np.ones(4)).halfplane.scale
+        return tuple(Medium(layer.material, scale) for layer in self.layers)
+
+    @cached_property
+    def base_medium(self) -> Medium | None:
+        """The base's material in the units of the stack; none if it is rigid."""
+        return None if isinstance(self.base, str) else Medium(self.base, self.media[0].scale)
+
+
+def _require_single(material: object, name: str) -> None:
+    if not isinstance(material, Material):
+        raise StackError(f"{name}: {material!r} is not a Material")
+    if material.shape:
+        raise StackError(f"{name}: {material.name} has case axes {material.shape}; a stack has one material a layer")
+    material.check()

@@ -1,0 +1,124 @@
+"""Fields along the surface of a film, on both sides of the contact (films, section 3; theory section 5).
+
+At fixed positions X the fields are functions of log h, linear in the causes: a table of their own, then a product.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.assembly import Assembly
+from solver.film.contact import FilmContact
+from solver.film.kernel import kernel
+from solver.film.system import System
+from solver.film.table import Table, batches
+
+_TRACTIONS = slice(0, 3)  # sigma_yy, D_y, B_y
+_GRADIENTS = slice(3, 6)  # d(phi, psi, u_x)/dx
+
+
+@dataclass(frozen=True, eq=False)
+class FilmFields:
+    """Fields along the surface; (case, position) each, [Pa], [C/m2] and [T].
+
+    ``root`` = sqrt|1 - X^2| (position,): the electric, magnetic and in-plane fields times it are finite at the edges.
+    """
+
+    contact_pressure: Array
+    shear_traction: Array
+    electric_displacement_y: Array
+    magnetic_induction_y: Array
+    stress_xx: Array
+    electric_displacement_x: Array
+    magnetic_induction_x: Array
+    root: Array
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceTable:
+    """Fields at positions over the half-lengths of a table.
+
+    Parameters
+    ----------
+    table
+        Table of the contacts.
+    positions
+        X, finite and never exactly +-1; (position,).
+    """
+
+    table: Table
+    positions: Array
+
+    @cached_property
+    def series(self) -> Array:
+        """Chebyshev coefficients in log h of tractions and gradients; (node, 6, position, cause)."""
+        system, h = self.table.system, self.table.half_lengths
+        farthest = float(np.max(np.abs(self.positions), initial=1.0)) + 1
+        wide = System(
+            kernel(system.kernel.stack, farthest * self.table.upper) if farthest > 2 else system.kernel,
+            system.sliding, system.smooth, system.degree, system.accuracy,
+        )  # fmt: skip
+        found: Array = np.empty((h.size, 6, self.positions.size, system.causes))
+        for basis, members in batches(wide, h, self.positions.size):
+            assembly = Assembly(wide, basis, h[members], self.positions)
+            found[members] = np.einsum("hfpu,huc->hfpc", local_fields(assembly), assembly.unknowns)
+        return self.table.in_series(found)
+
+    def fields(self, contact: FilmContact) -> FilmFields:
+        """Fields of contacts that were read from the same table."""
+        half, scale = self.table.system.sliding.halfplane, contact.scale
+        read = np.tensordot(self.table.polynomials(np.log(contact.half_width)), self.series, 1)
+        whole = np.einsum("cfpq,cq->cfp", read, contact.causes.values)
+        t = whole[:, _TRACTIONS] / scale[1:, None]
+        gradient = whole[:, _GRADIENTS] * np.array([scale[2], scale[3], scale[0]])[:, None]
+        shear = self.table.system.coefficients.friction * t[:, 0]
+        flux = -np.einsum("fg,cgp->cfp", half.transverse_permittivity, gradient[:, :2])
+        flux = flux + half.transverse_shear_share[:, None] * shear[:, None]
+        stretch = half.in_plane_stiffness * gradient[:, 2] + np.einsum("f,cfp->cp", half.in_plane_share, t)
+        return FilmFields(
+            contact_pressure=-t[:, 0],
+            shear_traction=shear,
+            electric_displacement_y=t[:, 1],
+            magnetic_induction_y=t[:, 2],
+            stress_xx=stretch,
+            electric_displacement_x=flux[:, 0],
+            magnetic_induction_x=flux[:, 1],
+            root=np.sqrt(np.abs((1 - self.positions) * (1 + self.positions))),
+        )
+
+
+def surface_fields(contact: FilmContact, positions: Array) -> FilmFields:
+    """Fields of every case at every position X = (x - c)/h, finite and never exactly +-1."""
+    return SurfaceTable(contact.table, positions).fields(contact)
+
+
+def local_fields(assembly: Assembly) -> Array:
+    """(sigma_yy, D_y, B_y) and d(phi, psi, u_x)/dx at the points, of every unknown; (half, 6, point, unknown)."""
+    system, basis, X = assembly.system, assembly.basis, assembly.points
+    c, inside = system.coefficients, np.abs(X) < 1
+    count = system.unknowns(basis)
+    t, H = np.zeros((3, X.size, count)), np.zeros((3, X.size, count))
+    pressed, charged = np.zeros((2, X.size, basis.pressures)), np.zeros((2, X.size, basis.terms + 1))
+    within, beyond = X[inside], X[~inside]
+    angle = np.arccos(within)[:, None]
+    orders = np.arange(basis.terms + 1)
+    pressed[0, inside] = basis.weight(within)[:, None] * basis.pressure_factor(within)
+    pressed[1, inside] = -np.tan(np.pi * c.delta) * pressed[0, inside] - basis.local(within)
+    charged[0, inside] = np.cos(angle * orders) / np.sin(angle)
+    charged[1, inside] = np.sin(angle * orders) / np.sin(angle)  # U_(n-1)
+    pressed[1, ~inside], charged[1, ~inside] = basis.transforms(beyond)
+    for columns, _, rule, carried in assembly.sources():
+        own = pressed if rule.shape[1] == basis.pressures and columns.start == 0 else charged
+        t[..., columns] = carried[:, None, None] * own[0]
+        H[..., columns] = carried[:, None, None] * own[1]
+    fields = np.empty((assembly.half_lengths.size, 6, X.size, count))
+    fields[:, _TRACTIONS] = t
+    smooth = assembly.gradients[:, 1:]
+    own = np.tensordot(c.compliance[1:], H, 1) + c.friction * c.coupling[1:, None, None] * t[0]
+    along = c.tangential * c.friction * H[0] - np.tensordot(c.coupling, t, 1)
+    fields[:, _GRADIENTS] = smooth + np.concatenate([own, along[None]])
+    for f in c.fields:
+        fields[:, 3 + f, inside] = 0.0  # an equipotential
+    return fields

@@ -1,0 +1,208 @@
+"""Outputs of every cause over contact half-lengths: Chebyshev in log h (films, section 4).
+
+One table serves every punch of a kind, load and charge of a stack and friction: a case costs microseconds. By
+dimension only P R/h1^2, T/P and J/P matter, so that no more than this one axis is needed.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.arrays import Array
+from solver.film import outputs
+from solver.film.assembly import Assembly
+from solver.film.basis import Basis
+from solver.film.kernel import kernel
+from solver.film.stack import Stack
+from solver.film.system import System
+from solver.halfplane.pressing import ContactError
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
+
+#: Half-lengths over the thickness of the top layer that a table may hold.
+LEAST, MOST = 1e-4, 60.0
+
+_PER_DECADE = 15.0  # nodes: 1e-8 between them, up to 30 thicknesses
+_BATCH = 50_000_000  # bytes of kernels held at once
+_ALIKE = 0.75  # of the number of terms: half-lengths that share one basis
+
+
+class RangeError(ContactError):
+    """A contact narrower or wider than the range of half-lengths that is resolved."""
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Outputs over a range of half-lengths.
+
+    Parameters
+    ----------
+    system
+        The contact at given half-lengths.
+    lower, upper
+        Ends of the range [m].
+    nodes
+        Number of half-lengths.
+
+    Examples
+    --------
+    >>> import solver
+    >>> from solver.film.stack import Layer, Stack
+    >>> film = table(Stack((Layer(solver.find("BaTiO3"), 0.5e-3),)), friction=0.3)
+    >>> film.nodes
+    48
+    """
+
+    system: System
+    lower: float
+    upper: float
+    nodes: int
+
+    @cached_property
+    def half_lengths(self) -> Array:
+        """Chebyshev points of log h [m], rising; (node,)."""
+        angle = np.pi * (np.arange(self.nodes, 0, -1) - 0.5) / self.nodes
+        return np.exp(self._middle + self._half * np.cos(angle))
+
+    @property
+    def _middle(self) -> float:
+        return float(np.log(self.lower * self.upper) / 2)
+
+    @property
+    def _half(self) -> float:
+        return float(np.log(self.upper / self.lower) / 2)
+
+    @cached_property
+    def at_nodes(self) -> Array:
+        """Outputs at the half-lengths; (node, output, cause)."""
+        return at(self.system, self.half_lengths)
+
+    @cached_property
+    def series(self) -> Array:
+        """Chebyshev coefficients of the outputs in log h; (node, output, cause)."""
+        return self.in_series(self.at_nodes)
+
+    def in_series(self, values: Array) -> Array:
+        """Chebyshev coefficients in log h of values at the half-lengths; (node, ...)."""
+        local = (np.log(self.half_lengths) - self._middle) / self._half
+        to_series = 2 / self.nodes * self._polynomials(local).T
+        to_series[0] /= 2
+        return np.asarray(np.tensordot(to_series, values, 1))
+
+    @cached_property
+    def rates(self) -> Array:
+        """Chebyshev coefficients of the derivatives in log h; (node, output, cause)."""
+        derived = np.polynomial.chebyshev.chebder(self.series) / self._half
+        return np.concatenate([derived, np.zeros((1, *derived.shape[1:]))])
+
+    @property
+    def resolved(self) -> float:
+        """Last coefficients over the largest one, the worst output: the error of reading between half-lengths."""
+        size = np.max(np.abs(self.series), axis=0)
+        tail = np.max(np.abs(self.series[-2:]), axis=0)
+        return float(np.max(tail / np.where(size > 0, size, 1.0)))
+
+    def polynomials(self, log_half: Array) -> Array:
+        """Chebyshev polynomials at log h; (case, node): times ``series`` they are the outputs."""
+        return self._polynomials((log_half - self._middle) / self._half)
+
+    def _polynomials(self, local: Array) -> Array:
+        values = np.polynomial.chebyshev.chebvander(np.clip(local, -1.0, 1.0), self.nodes - 1)
+        return np.asarray(values, dtype=np.float64)
+
+    def narrowed(self, half_length: float, ratio: float = 1.2, nodes: int = 10) -> "Table":
+        """A table of the same system about one half-length: as exact as the system itself.
+
+        Raises
+        ------
+        RangeError
+            A half-length beyond what the kernels hold.
+        """
+        if half_length * ratio > self.system.kernel.reach / 2:
+            raise RangeError(f"contact: half-length {half_length:g} m is beyond the resolved range")
+        return replace(self, lower=half_length / ratio, upper=half_length * ratio, nodes=nodes)
+
+
+def at(system: System, half_lengths: Array) -> Array:
+    """Outputs at half-lengths [m], batched over those of like size; (half, output, cause)."""
+    found: Array = np.empty((half_lengths.size, outputs.COUNT, system.causes))
+    for basis, members in batches(system, half_lengths):
+        found[members] = outputs.outputs(Assembly(system, basis, half_lengths[members]))
+    return found
+
+
+def batches(system: System, half_lengths: Array, points: int = 2) -> list[tuple[Basis, NDArray[np.intp]]]:
+    """Half-lengths whose numbers of terms are alike, with a basis for the largest of each; a few groups.
+
+    Parameters
+    ----------
+    system
+        The contact.
+    half_lengths
+        h [m]; (half,).
+    points
+        Number of points at which fields are asked for, beside the nodes: memory is bounded.
+    """
+    order = np.argsort(half_lengths)
+    terms = np.array([system.terms(h) for h in half_lengths[order]])
+    groups = []
+    end = len(order)
+    while end > 0:
+        basis = system.basis(float(half_lengths[order[end - 1]]))
+        room = max(_BATCH // (8 * 19 * basis.samples * (basis.terms + points)), 1)
+        alike = int(np.searchsorted(terms, _ALIKE * basis.terms))
+        start = min(max(alike, end - room), end - 1)
+        groups.append((basis, order[start:end]))
+        end = start
+    return groups
+
+
+def table(
+    stack: Stack,
+    friction: float = 0.0,
+    conducts: tuple[bool, bool] = (True, True),
+    *,
+    smooth: tuple[bool, bool] = (True, True),
+    degree: int = 1,
+    least: float = 0.01,
+    most: float = 3.0,
+    nodes: int | None = None,
+    accuracy: float = 1.0,
+) -> Table:
+    """Table of a stack over half-lengths from ``least`` to ``most`` thicknesses of its top layer.
+
+    Parameters
+    ----------
+    stack
+        Layers and base.
+    friction
+        Coulomb coefficient >= 0.
+    conducts
+        Whether the punch conducts (electric, magnetic).
+    smooth
+        Whether the trailing and the leading edge of the contact are smooth.
+    degree
+        Largest power of x in the slope of the punch.
+    least, most
+        Range of hc/h1 [1].
+    nodes
+        Number of half-lengths; by default 15 a decade and 10 more.
+    accuracy
+        Factor on the number of terms of the tractions.
+
+    Raises
+    ------
+    RangeError
+        A range that cannot be resolved.
+    StackError
+        A stack that cannot be resolved.
+    """
+    if not LEAST <= least < most <= MOST:
+        raise RangeError(f"contact: range {least:g} to {most:g} of hc/h1 is not within {LEAST:g} to {MOST:g}")
+    top = stack.top.thickness
+    sliding = Sliding(HalfPlane(stack.top.material), np.array(friction), np.array(conducts))
+    system = System(kernel(stack, 2 * most * top), sliding, smooth, degree, accuracy)
+    count = nodes or 10 + int(np.ceil(_PER_DECADE * np.log10(most / least)))
+    return Table(system, least * top, most * top, count)

@@ -1,0 +1,42 @@
+"""Stacks and contacts that the tests of films share."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import solver
+from solver.arrays import Array
+from solver.film.contact import FilmContact
+from solver.film.stack import Layer, Stack
+from solver.film.table import Table, table
+from solver.halfplane.profile import Profile
+
+BTO, CFO, STEEL = solver.find("BaTiO3"), solver.find("CoFe2O4"), solver.find("steel")
+FIBROUS = solver.fibrous(BTO, CFO, 0.5)
+ON_STEEL = Stack((Layer(FIBROUS, 0.2e-3, magnetic="grounded"),), STEEL)
+
+
+def cases(values: ArrayLike) -> Array:
+    """Values of cases (case,)."""
+    return np.atleast_1d(np.asarray(values, dtype=np.float64))
+
+
+def contact(
+    of: Table, profile: Profile, load: float, charges: ArrayLike = (0.0, 0.0), datum: float = 1.0
+) -> FilmContact:
+    """One contact by a table of its own about its half-length: as exact as the system."""
+    charge = np.asarray(charges, dtype=np.float64)[None]
+    half = FilmContact(of, profile, cases(load), charge, np.array(datum)).half_width
+    return FilmContact(of.narrowed(float(half[0])), profile, cases(load), charge, np.array(datum))
+
+
+def cylinder(
+    stack: Stack,
+    friction: float = 0.0,
+    load: float = 1e5,
+    charges: ArrayLike = (0.0, 0.0),
+    datum: float = 1.0,
+    accuracy: float = 1.0,
+) -> FilmContact:
+    """A cylinder of radius 50 mm that conducts both fields."""
+    of = table(stack, friction, least=0.05, most=12.0, nodes=24, accuracy=accuracy)
+    return contact(of, Profile.cylinder(np.array(0.05)), load, charges, datum)

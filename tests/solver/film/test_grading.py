@@ -1,0 +1,203 @@
+"""Films graded with depth: exact exponents, homogeneous limits, staircases, the rough parts of their kernels."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.linalg import expm
+
+import solver
+from solver.arrays import Array
+from solver.film.basis import Basis
+from solver.film.fourier import Medium
+from solver.film.grading import Graded, GradedMedium
+from solver.film.interior import Interior, interior_fields
+from solver.film.kernel import kernel
+from solver.film.reflection import waves
+from solver.film.rough import Rough
+from solver.film.stack import Layer, Stack, StackError
+from solver.film.surface import surface_fields
+from solver.film.system import System
+from solver.film.table import Table, at, table
+from solver.halfplane.profile import Profile
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
+from solver.material.constants import UNITS
+from tests.solver.film.films import BTO, CFO, FIBROUS, STEEL, contact
+from tests.solver.film.test_surface import FIELDS
+
+
+def linear(depth: Array) -> solver.Material:
+    return solver.fibrous(BTO, CFO, 0.2 + 0.6 * depth)
+
+
+END = (None, "grounded")
+CYLINDER = Profile.cylinder(np.array(0.05))
+
+
+def narrow(stack: Stack, layers: int = 1) -> Table:
+    """A table about the contacts of these tests, of a film 0.2 mm thick."""
+    return table(stack, 0.3, least=0.5 * layers, most=1.6 * layers, nodes=6)
+
+
+def exponential(depth: Array) -> solver.Material:
+    """Every constant of the fibrous composite falls like exp(-0.8 depth)."""
+    factor = np.exp(-0.8 * depth)
+    return solver.Material(**{name: getattr(FIBROUS, name) * factor for name in UNITS if name != "rho"})
+
+
+def at_half_lengths(stack: Stack, half: Array, accuracy: float = 1.0) -> Array:
+    sliding = Sliding(HalfPlane(stack.top.material), np.array(0.3), np.array([True, True]))
+    return at(System(kernel(stack, 2.1 * float(np.max(half))), sliding, (True, True), 1, accuracy), half)
+
+
+def test_exponential_grading_has_its_exact_exponents() -> None:
+    stack = Stack((Graded(exponential, 1.0),))
+    medium = GradedMedium(stack.top, stack.scale)  # type: ignore[arg-type]
+    surface = Medium(FIBROUS, stack.scale)
+    k = np.array([0.03, 0.3, 1.0, 3.0])
+    found = surface.compliance + medium.difference(k, np.zeros((k.size, 4, 4)))
+    bend = 0.4 * np.diag([1.0] * 4 + [-1.0] * 4)
+    for wavenumber, Y in zip(k, found, strict=True):
+        whole = expm(wavenumber * surface.system + bend)
+        exact = whole[:4, 4:] @ np.linalg.inv(whole[4:, 4:])
+        np.testing.assert_allclose(Y, exact, atol=1e-8 * np.max(np.abs(exact)))
+
+
+def test_tails_are_those_of_the_response() -> None:
+    stack = Stack((Graded(exponential, 1.0),))
+    medium = GradedMedium(stack.top, stack.scale)  # type: ignore[arg-type]
+    k = np.array([200.0, 400.0])
+    left = medium.difference(k, np.zeros((2, 4, 4))) - sum(
+        medium.tails[j] / k[:, None, None] ** (j + 1) for j in range(3)
+    )
+    size = np.max(np.abs(left), axis=(1, 2)) * k**4
+    assert size[1] == pytest.approx(size[0], rel=0.1)
+
+
+def test_constant_profile_is_a_homogeneous_layer() -> None:
+    half = np.array([0.1, 1.0])
+    graded = Stack((Graded(lambda depth: solver.fibrous(BTO, CFO, 0.5 + 0 * depth), 1.0),), STEEL)
+    plain = Stack((Layer(FIBROUS, 1.0),), STEEL)
+    found, expected = at_half_lengths(graded, half)[:, :12], at_half_lengths(plain, half, 1.5)[:, :12]
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-11)
+
+
+def test_surface_fields_of_a_constant_profile_are_those_of_a_layer() -> None:
+    X = np.array([-9.0, -1.3, -1.0001, -0.999, 0.4, 0.9, 1.02, 4.0])
+    charges = (2e-5, 1e-2)
+    stacks = (
+        Stack((Graded(lambda depth: solver.fibrous(BTO, CFO, 0.5 + 0 * depth), 2e-4, magnetic="grounded"),), STEEL),
+        Stack((Layer(FIBROUS, 2e-4, magnetic="grounded"),), STEEL),
+    )
+    one, other = (surface_fields(contact(narrow(stack), CYLINDER, 1e5, charges), X) for stack in stacks)
+    for field in FIELDS:
+        values = getattr(other, field)[0]
+        np.testing.assert_allclose(getattr(one, field)[0], values, rtol=1e-7, atol=1e-9 * np.max(np.abs(values)))
+
+
+def test_surface_fields_of_a_graded_film_are_nearly_those_of_a_staircase() -> None:
+    X = np.array([-4.0, -1.3, -0.5, 0.4, 1.2, 3.0])
+    middles = (np.arange(24) + 0.5) / 24
+    stairs = tuple(Layer(linear(np.array(z)), 2e-4 / 24, *(END if z == middles[-1] else ())) for z in middles)
+    graded = contact(narrow(Stack((Graded(linear, 2e-4, *END),), STEEL)), CYLINDER, 1e5)
+    one = surface_fields(graded, X)
+    of = narrow(Stack(stairs, STEEL), 12 * 2)
+    other = surface_fields(contact(of, CYLINDER, 1e5), X)
+    for field in FIELDS:
+        values = getattr(other, field)[0]
+        # the layer at the top is not the surface: e15/c44 there differs by 6 %
+        size = (5e-2 if field.endswith("_x") else 6e-3) * np.max(np.abs(values))
+        np.testing.assert_allclose(getattr(one, field)[0], values, atol=size, err_msg=field)
+    stretch = surface_fields(graded, 1 + np.array([1e-12, 1e-4])).stress_xx[0]
+    assert stretch[0] == pytest.approx(graded.edge_stress(1.0)[0], rel=1e-4)
+
+
+def test_linear_grading_converges() -> None:
+    half = np.array([0.3, 1.0])
+    stack = Stack((Graded(linear, 1.0),))
+    found, finer = at_half_lengths(stack, half), at_half_lengths(stack, half, 1.4)
+    np.testing.assert_allclose(found[:, [0, 3, 4], 0], finer[:, [0, 3, 4], 0], rtol=1e-8)
+    np.testing.assert_allclose(found[:, [0, 3, 4], 1:], finer[:, [0, 3, 4], 1:], rtol=5e-7)  # their small couplings
+    size = np.max(np.abs(finer[:, 6:10]), axis=1, keepdims=True)
+    assert np.all(np.abs(found - finer)[:, 6:10] < 2e-3 * size)  # edge intensities: like M^-2 (section 9)
+
+
+def test_staircases_tend_to_the_graded_film() -> None:
+    half, loads = np.array([0.3]), []
+    for count in (8, 16, 32):
+        middles = (np.arange(count) + 0.5) / count
+        stack = Stack(tuple(Layer(linear(np.array(z)), 1.0 / count) for z in middles))
+        read = at_half_lengths(stack, half)[0]
+        loads.append(read[0, 0] / stack.scale[1] ** 2)
+    graded = Stack((Graded(linear, 1.0),))
+    exact = at_half_lengths(graded, half)[0, 0, 0] / graded.scale[1] ** 2
+    first, second = loads[1] - loads[0], loads[2] - loads[1]
+    limit = loads[2] + second / (first / second - 1)  # the middle of the top layer is not the surface: first order
+    assert limit == pytest.approx(exact, rel=1e-4)
+    assert abs(loads[2] / exact - 1) < 6e-4
+
+
+def test_contact_on_a_graded_film_is_read_from_a_table() -> None:
+    stack = Stack((Graded(linear, 2e-4, magnetic="grounded"),), STEEL)
+    film = contact(narrow(stack), CYLINDER, 1e5, (2e-5, 1e-2), 0.1)
+    step = 10.0
+    ends = [
+        type(film)(film.table, film.profile, film.load + s * step, film.charges, film.datum).response[0]
+        for s in (1, -1)
+    ]
+    np.testing.assert_allclose(film.tangents[0][:, 0], (ends[0] - ends[1]) / (2 * step), rtol=1e-6)
+    # inside, by extrapolated sublayers: up to the surface, and through the film as its sublayers grow thinner
+    h, names = float(film.half_width[0]), ("stress_xx", "stress_yy", "stress_xy")
+    X, Y = np.array([-0.4, 0.5]), -np.array([1e-9, 1e-4, 1.99e-4]) / h
+    inside, surface = interior_fields(film, X, Y, names)[0], surface_fields(film, X)
+    np.testing.assert_allclose(inside[1, 0], -surface.contact_pressure[0], rtol=2e-4)
+    np.testing.assert_allclose(inside[0, 0], surface.stress_xx[0], rtol=2e-4)
+    finer = Interior(film.table.system, h, 36).fields(h * X, -h * Y[1:], names) @ film.causes.values[0]
+    np.testing.assert_allclose(inside[:, 1:], finer, atol=1e-4 * float(np.max(np.abs(finer))))
+
+
+@pytest.mark.filterwarnings("ignore::scipy.integrate.IntegrationWarning")  # of edges that are singular
+@pytest.mark.parametrize("smooth", [(True, True), (False, True), (False, False)])
+def test_rough_integrals_are_those_of_quadrature(smooth: tuple[bool, bool]) -> None:
+    basis = Basis(0.07, smooth, 12, 40)
+    A, B = basis.exponents
+    X = np.array([0.3])
+    kernels = (np.sign, lambda d: np.log(abs(d)), lambda d: 1.0)
+
+    def source(s: float, j: int, *, charged: bool) -> float:
+        if charged:
+            return float(np.cos(j * np.arccos(s)) / np.sqrt(1 - s * s))
+        return float((1 - s) ** A * (1 + s) ** B * basis.pressure_factor(np.array([s]))[0, j])
+
+    def integrand(s: float, j: int, charged: bool, number: int, power: int) -> float:
+        return float(source(s, j, charged=charged) * (0.3 - s) ** power * kernels[number](0.3 - s))
+
+    rough = Rough(basis)
+    found = rough.pressures(X, 1 - X, 1 + X), rough.charges(1 - X, 1 + X)
+    for j, charged, number, power in product((0, 3), (False, True), range(3), range(3)):
+        source_of = (j, charged, number, power)
+        exact = quad(integrand, -1.0, 0.3, source_of)[0] + quad(integrand, 0.3, 1.0, source_of)[0]
+        assert found[charged][3 * number + power, 0, j] == pytest.approx(exact, abs=2e-7)
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: Stack((Layer(BTO, 1.0), Graded(linear, 1.0))), "only the top layer can be graded"),
+        (lambda: Graded(linear, -1.0), "thickness: -1.0 is not allowed"),
+        (lambda: Graded(linear, 1.0, magnetic="insulated"), "'insulated' is not allowed below a graded layer"),
+        (lambda: Graded(lambda z: solver.fibrous(BTO, CFO, 0.5 + 0.6 * z), 1.0), None),
+        (lambda: Graded(lambda z: solver.fibrous(BTO, CFO, np.where(z < 0.3, 0.2, 0.8)), 1.0), "not a smooth function"),
+    ],
+)
+def test_bad_gradings_are_refused_by_name(make: object, said: str | None) -> None:
+    assert callable(make)
+    with pytest.raises(solver.MaterialError, match=said or "volume_fraction: .* is not within 0 to 1"):
+        kernel(Stack((made,)) if isinstance(made := make(), Layer) else made, 1.0)
+
+
+def test_waves_of_a_graded_layer_are_refused() -> None:
+    with pytest.raises(StackError, match="not graded"):
+        waves(Stack((Graded(linear, 1.0),)), np.ones(1))
