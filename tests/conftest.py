@@ -34,7 +34,7 @@ FILES = {
         "tests/workflow/study/test_planned.py",
     ),
     "undisturbed": ("tests/faults/test_disk.py", "tests/faults/test_tampered.py", "tests/faults/test_together.py"),
-    "quickstart": ("tests/faults/test_killed.py", "tests/test_docs.py", "tests/test_documents.py"),
+    "quickstart_run": ("tests/faults/test_killed.py", "tests/test_docs.py", "tests/test_documents.py"),
 }
 
 #: What takes longest begins first, so that the last groups to end are short.
@@ -79,7 +79,7 @@ def _rank(name: str) -> int:
 
 
 @pytest.fixture(scope="session")
-def quickstart(copy: Callable[[str], Project]) -> Project:
+def quickstart_run(copy: Callable[[str], Project]) -> Project:
     """A copy in which the quickstart has run to its report without any fault; look, and change nothing."""
     project = copy("quickstart")
     project.run("meecontact", "run", "quickstart", "--cores", "2")

@@ -114,7 +114,7 @@ addEventListener("load", () => {
     button.click();
     sliders.forEach((slider, k) => {
       slider.step = "any";
-      slider.value = String(toUnit(surrogate.data.inputs[k], designs[c].values[surrogate.data.inputs[k].name]));
+      slider.value = String(toUnit(surrogate.inputs[k], designs[c].values[surrogate.inputs[k].name]));
       slider.dispatchEvent(new Event("input"));
     });
     return read();
