@@ -11,7 +11,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from workflow.report.figures.plots import styled
+from workflow.language.numbers import counted, number
+from workflow.report.figures.style import styled
 
 _ABOUT = ("machine", "processor", "versions")
 
@@ -22,7 +23,7 @@ def page(found: dict[str, Any]) -> str:
         loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
         lstrip_blocks=True,
     )  # fmt: skip
-    environment.filters["number"] = _number
+    environment.filters |= {"number": _number, "counted": counted}
     surrogates = found.get("surrogates")
     plain = {name: part for name, part in found.items() if name not in (*_ABOUT, "surrogates")}
     pictures = [_svg(one(surrogates["rows"])) for one in (_errors, _times)] if surrogates else []
@@ -69,6 +70,4 @@ def _svg(figure: Figure) -> str:
 
 
 def _number(value: float | str | None) -> str:
-    if value is None:
-        return "–"
-    return value if isinstance(value, str) else f"{value:.3g}"
+    return value if isinstance(value, str) else number(value, 3)

@@ -40,9 +40,7 @@ FAILURES = (
 )
 
 
-def write_whole(
-    dataset: xr.Dataset, path: str | PathLike[str], encoding: Mapping[Hashable, Mapping[str, Any]] | None = None
-) -> None:
+def write_whole(dataset: xr.Dataset, path: str | PathLike[str]) -> None:
     """Write a data set to a netCDF-4 file that appears whole or not at all.
 
     The attribute `checksum` is the SHA-256 of the names, dimensions, attributes and bytes of all variables. Equal data
@@ -55,8 +53,6 @@ def write_whole(
         Numbers, booleans and strings; no times, and no encoding of its own (it is dropped).
     path : path-like
         Where to; its folder must exist. An existing file is replaced.
-    encoding : mapping, optional
-        netCDF encoding by variable, beyond the default; it must be lossless, or the file fails its checksum.
 
     Raises
     ------
@@ -71,11 +67,8 @@ def write_whole(
     plain.attrs.pop(CHECKSUM, None)
     plain.attrs.setdefault("Conventions", "CF-1.11")
     mark = checksum(plain)
-    settings = encodings(plain)
-    for name, extra in (encoding or {}).items():
-        settings[name] |= extra
     with appearing(Path(path), sealed=True) as partial:
-        plain.to_netcdf(partial, mode="w", format="NETCDF4", engine="netcdf4", encoding=settings)
+        plain.to_netcdf(partial, mode="w", format="NETCDF4", engine="netcdf4", encoding=encodings(plain))
         with netCDF4.Dataset(partial, "a") as file:
             file.setncattr(CHECKSUM, mark)
 
@@ -155,8 +148,8 @@ def contents(values: np.ndarray[Any, Any]) -> memoryview | bytes:
     """The bytes of numbers or strings that a digest is fed with."""
     if values.dtype.kind in "biuf":
         return np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).data
-    if all(isinstance(one, str) for one in values.astype(object).flat):
-        return json.dumps([str(one) for one in values.flat]).encode()
+    if all(isinstance(text, str) for text in values.astype(object).flat):
+        return json.dumps([str(text) for text in values.flat]).encode()
     raise TypeError(f"cannot store {values.dtype} values; numbers, booleans and strings only")
 
 

@@ -85,7 +85,7 @@ class Calibration:
 
     def only(self, columns: Sequence[int]) -> Self:
         """Return that of some outputs."""
-        return replace(self, **{one.name: getattr(self, one.name)[..., list(columns)] for one in fields(self)})
+        return replace(self, **{part.name: getattr(self, part.name)[..., list(columns)] for part in fields(self)})
 
     def state(self) -> dict[str, tuple[tuple[str, ...], Array]]:
         """Return the arrays with their dimensions, for a file."""
@@ -95,17 +95,17 @@ class Calibration:
             "trend": ("trend_term", "output"),
             "guard": ("input", "slab", "output"),
         }
-        return {f"calibration_{one.name}": (dims[one.name], getattr(self, one.name)) for one in fields(self)}
+        return {f"calibration_{part.name}": (dims[part.name], getattr(self, part.name)) for part in fields(self)}
 
     @classmethod
     def restore(cls, stored: xr.Dataset, parts: int, inputs: int, outputs: int) -> Self | None:
         """Return the calibration in a file, None where it has none; ValueError names what is inconsistent."""
         if "calibration_weights" not in stored:
             return None
-        found = cls(**{one.name: stored[f"calibration_{one.name}"].values for one in fields(cls)})
+        found = cls(**{part.name: stored[f"calibration_{part.name}"].values for part in fields(cls)})
         terms, slabs = found.trend.shape[0], found.guard.shape[1]
         shapes = [(parts, outputs), (outputs,), (terms, outputs), (inputs, slabs, outputs)]
-        if [getattr(found, one.name).shape for one in fields(cls)] != shapes or (terms - 1) % inputs or not slabs:
+        if [getattr(found, part.name).shape for part in fields(cls)] != shapes or (terms - 1) % inputs or not slabs:
             raise ValueError("the calibration does not fit the model")
         if (found.weights < 0).any() or (found.floor < 0).any():
             raise ValueError("the calibration has a negative variance")
@@ -186,11 +186,10 @@ def _level_and_guard(scores: Array, slabs: NDArray[np.intp]) -> tuple[float, Arr
 
     The guard widens intervals, so the level is lowered as long as level and guard together hold `TARGET`.
     """
-    own = [[_slab_quantile(scores[slab == one]) for one in range(SLABS)] for slab in slabs]
-    needed = np.array(own)
+    needed = np.array([[_slab_quantile(scores[slab == number]) for number in range(SLABS)] for slab in slabs])
 
     def beyond(level: float) -> float:
-        guard = np.max([np.maximum(one - level, 0)[slab] for one, slab in zip(needed, slabs, strict=True)], axis=0)
+        guard = np.max([np.maximum(own - level, 0)[slab] for own, slab in zip(needed, slabs, strict=True)], axis=0)
         return _conformal_quantile(scores - level - guard, TARGET)
 
     high = _conformal_quantile(scores, NOMINAL)
@@ -213,7 +212,7 @@ def _slab_quantile(scores: Array) -> float:
 
 def _additive(t: Array, degree: int) -> Array:
     """A constant and T_1 .. T_degree of every scaled input: (d, n) -> (n, 1 + d * degree)."""
-    return np.concatenate([np.ones((t.shape[1], 1)), *(chebvander(one, degree)[:, 1:] for one in t)], axis=1)
+    return np.concatenate([np.ones((t.shape[1], 1)), *(chebvander(x, degree)[:, 1:] for x in t)], axis=1)
 
 
 def _slab(t: Array, slabs: int) -> NDArray[np.intp]:

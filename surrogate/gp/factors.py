@@ -153,7 +153,7 @@ class ChebyshevFactor(Factor):
         shape, shape_slope = self._unknown @ T[:n] ** 2, 2 * self._unknown @ (T[:n] * S[:n])
         return Features(mean, prior, 2 * T[n] * S[n] * shape + T[n] ** 2 * shape_slope)
 
-    def plain(self) -> dict[str, object]:
+    def exported(self) -> dict[str, object]:
         """Return what `features` needs, as plain lists."""
         return {
             "levels": self._n,

@@ -222,7 +222,7 @@ class GridGP(GaussianProcess):
         part.amplitude_, part.variance_ = self.amplitude_[:, columns], self.variance_[columns]
         part.calibration_ = None if self.calibration_ is None else self.calibration_.only(columns)
         weights = [self.factors_[k].weights[:size] for k, size in zip(self.order_, self.train_.modes, strict=True)]
-        plain = self.train_.scaled([1 / one for one in weights])
+        plain = self.train_.scaled([1 / scale for scale in weights])
         error = self.compression * float(np.sqrt(self._cases()))
         part.train_ = plain.only(columns, error).scaled(weights)
         return part
@@ -249,7 +249,7 @@ class GridGP(GaussianProcess):
     def _variance_slopes(self, t: Array, weights: Array) -> Array:
         features, slopes = self._features(t), self._features(t, slopes=True)
         size = (self.variance_ * self.scale_**2)[:, None]
-        return np.stack([self._unit_variance(features, weights, (k, one)) * size for k, one in enumerate(slopes)])
+        return np.stack([self._unit_variance(features, weights, (k, slope)) * size for k, slope in enumerate(slopes)])
 
     def _features(self, t: Array, slopes: bool = False) -> list[Features]:
         modes = dict(zip(self.order_, self.train_.modes, strict=True))

@@ -272,12 +272,11 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
         bad = ~np.isfinite(true).all(axis=1)
         if bad.any():
             raise ValueError(f"output {self.outputs_[int(bad.argmax())]!r} is not finite in a case of the calibration")
-        raw = [np.zeros((self.parts, len(self.outputs_))) for _ in range(self.parts)]
-        for k, one in enumerate(raw):
-            one[k] = 1
-        mean = np.concatenate([self._mean_variance(t[:, block], None)[0] for block in _slices(t.shape[1])], axis=1)
+        blocks = list(_slices(t.shape[1]))
+        mean = np.concatenate([self._mean_variance(t[:, block], None)[0] for block in blocks], axis=1)
+        single = np.repeat(np.eye(self.parts)[..., None], len(self.outputs_), axis=2)  # weights of one part alone
         parts = [
-            np.concatenate([self._variance(t[:, block], one) for block in _slices(t.shape[1])], axis=1) for one in raw
+            np.concatenate([self._variance(t[:, block], weights) for block in blocks], axis=1) for weights in single
         ]
         self.calibration_ = calibrate(mean - true, parts, t)
         return self

@@ -108,7 +108,10 @@ class ScatterGP(GaussianProcess):
             {
                 "point": (("case", "input"), self.points_),
                 "value": (("case", "output"), self.values_),
-                "theta": (("output", "theta_index"), np.stack([one.kernel_.theta for one in self.regressors_])),
+                "theta": (
+                    ("output", "theta_index"),
+                    np.stack([regressor.kernel_.theta for regressor in self.regressors_]),
+                ),
             },
             attrs={
                 "kernel": self.kernel,
@@ -185,32 +188,33 @@ class ScatterGP(GaussianProcess):
 
     def _mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
         if weights is None:
-            return np.stack([one.predict(t.T) for one in self.regressors_]), None
+            return np.stack([regressor.predict(t.T) for regressor in self.regressors_]), None
         with warnings.catch_warnings():
             # at a training point the variance is zero up to rounding, and scikit-learn warns of its sign
             warnings.filterwarnings("ignore", message="Predicted variances smaller than 0")
-            pairs = [one.predict(t.T, return_std=True) for one in self.regressors_]
+            pairs = [regressor.predict(t.T, return_std=True) for regressor in self.regressors_]
         return np.stack([mean for mean, _ in pairs]), weights[0][:, None] * np.stack([std**2 for _, std in pairs])
 
     def _slopes(self, t: Array) -> Array:
         slopes = np.empty((len(t), len(self.outputs_), t.shape[1]))
-        for p, one in enumerate(self.regressors_):
-            for i, slope in enumerate(self._kernel_slopes(one, t)):
-                slopes[i, p] = slope @ one.alpha_ * one._y_train_std
+        for p, regressor in enumerate(self.regressors_):
+            for i, slope in enumerate(self._kernel_slopes(regressor, t)):
+                slopes[i, p] = slope @ regressor.alpha_ * regressor._y_train_std
         return slopes
 
     def _variance_slopes(self, t: Array, weights: Array) -> Array:
         slopes = np.empty((len(t), len(self.outputs_), t.shape[1]))
-        for p, one in enumerate(self.regressors_):
-            explained = cho_solve((one.L_, True), one.kernel_(one.X_train_, t.T))
-            for i, slope in enumerate(self._kernel_slopes(one, t)):
-                slopes[i, p] = -2 * weights[0, p] * one._y_train_std**2 * np.einsum("bn,nb->b", slope, explained)
+        for p, regressor in enumerate(self.regressors_):
+            explained = cho_solve((regressor.L_, True), regressor.kernel_(regressor.X_train_, t.T))
+            for i, slope in enumerate(self._kernel_slopes(regressor, t)):
+                reduction = np.einsum("bn,nb->b", slope, explained)
+                slopes[i, p] = -2 * weights[0, p] * regressor._y_train_std**2 * reduction
         return slopes
 
-    def _kernel_slopes(self, one: GaussianProcessRegressor, t: Array) -> list[Array]:
+    def _kernel_slopes(self, regressor: GaussianProcessRegressor, t: Array) -> list[Array]:
         """Return the slopes of k(t, X) with respect to every coordinate of t, each (B, n)."""
-        variance, lengths = np.exp(one.kernel_.theta[0]), np.exp(one.kernel_.theta[1:])
-        differences = [(t[i][:, None] - one.X_train_[:, i]) / lengths[i] for i in range(len(t))]
+        variance, lengths = np.exp(regressor.kernel_.theta[0]), np.exp(regressor.kernel_.theta[1:])
+        differences = [(t[i][:, None] - regressor.X_train_[:, i]) / lengths[i] for i in range(len(t))]
         # every correlation's slope is -(difference / length) g(r) / length
         shared = variance * self._radial(np.sqrt(sum(d * d for d in differences)))
         return [-difference * shared / length for difference, length in zip(differences, lengths, strict=True)]

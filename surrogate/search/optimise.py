@@ -129,7 +129,7 @@ def _violation(optimum: Optimum) -> float:
 
 
 def _judge(problem: Problem, x: Array) -> Optimum:
-    objective, excess = (one[0] for one in problem.value(x[None]))
+    objective, excess = (rows[0] for rows in problem.value(x[None]))
     return Optimum(x, float(objective.min()), excess, bool(np.all(excess <= _FEASIBLE)))
 
 
@@ -177,7 +177,7 @@ class _Local:
             return direction
 
         def margins(z: Array) -> Array:
-            objective, excess = (one[0] for one in self.problem.value(z[None, :d]))
+            objective, excess = (rows[0] for rows in self.problem.value(z[None, :d]))
             objective = objective / self.scale
             above = [objective - z[d]] if rise else [] if floor is None else [objective - floor]
             return np.concatenate([*above, -excess if rise else z[d] - excess])

@@ -134,7 +134,7 @@ class Inversion:
         centre = np.stack([grid.ravel() for grid in np.meshgrid(*[axis] * k, indexing="ij")], -1)
         mean, std = self._forward(centre)
         grid = mean.reshape(*[count] * k, -1)
-        change = [np.abs(np.gradient(grid, axis=one)).reshape(mean.shape) / 2 for one in range(k)]
+        change = [np.abs(np.gradient(grid, axis=along)).reshape(mean.shape) / 2 for along in range(k)]
         return _Cells(centre, np.full(centre.shape, 1 / count), mean, std, np.stack(change, 1))
 
     def _halved(self, parents: "_Cells", along: NDArray[np.intp]) -> "_Cells":
@@ -182,11 +182,11 @@ class _Cells:
 
     def only(self, chosen: Flags) -> "_Cells":
         """A part of them."""
-        return _Cells(*(one[chosen] for one in (self.centre, self.half, self.mean, self.std, self.change)))
+        return _Cells(*(array[chosen] for array in vars(self).values()))
 
     def joined(self, other: "_Cells") -> "_Cells":
         """Both together."""
-        pairs = ((getattr(self, name), getattr(other, name)) for name in ("centre", "half", "mean", "std", "change"))
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return _Cells(*(np.concatenate(pair) for pair in pairs))
 
 

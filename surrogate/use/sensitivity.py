@@ -104,8 +104,8 @@ class _Moments:
     def mean(self) -> Array:
         """Return the mean of every output over the box, (p,)."""
         state = np.ones((1, 1))
-        for one in self._means:
-            state = state @ one
+        for mean in self._means:
+            state = state @ mean
         return np.asarray(self._model.offset_ + self._model.scale_ * state[0])
 
     def explained(self, inputs: Collection[int]) -> Array:

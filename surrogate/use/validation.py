@@ -144,4 +144,4 @@ def _by_decile(column: Array, inside: Flags) -> Array:
 def _stack(dataset: xr.Dataset, names: list[str], like: xr.Dataset) -> Array:
     template = like[next(iter(like.data_vars))]
     arrays = [xr.broadcast(dataset[name], template)[0].transpose(*template.dims) for name in names]
-    return np.stack([np.asarray(one.values, dtype=np.float64).ravel() for one in arrays])
+    return np.stack([np.asarray(array.values, dtype=np.float64).ravel() for array in arrays])

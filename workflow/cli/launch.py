@@ -52,7 +52,7 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
         options += ["--cores", cores]
     if study.open and not dry:
         _choose_levels(name, options)
-    report, *others = [f"results/{name}/{file}" for file in study.targets]
+    report, *others = [f"results/{name}/{file}" for file in study.final_files]
     quiet = ["--dry-run", "--quiet", "host"] if dry else ["--quiet", "rules", "host", "reason"]
     status = _snakemake([*options, *quiet, "--", report, *others])
     if status == 0 and not dry:
@@ -65,7 +65,7 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
 def _check_origin(study: Study, provenance: Path) -> None:
     """Whether results that are up to date are of the study: Snakemake knows only the times of what others have made."""
     made = json.loads(provenance.read_text(encoding="utf-8"))["study_sha256"]
-    if made != partition.settled(study).digest(*Study.model_fields):
+    if made != partition.with_slabs(study).digest(*Study.model_fields):
         raise InputError(
             f"{provenance.parent}: was made from another state of the study, and not by this checkout; "
             "remove that folder, and run again"
@@ -104,6 +104,6 @@ def _choose_levels(name: str, options: list[str]) -> None:
     command = [program, *options, "--quiet", "all", "--", f"results/{name}/levels.nc"]
     told = subprocess.run(command, check=False, stderr=subprocess.PIPE, text=True)
     for line in told.stderr.splitlines():
-        kind, colon, reason = line.partition(": ")
-        if told.returncode and colon and kind in ("UnreachableError", "InputError"):
+        error, colon, reason = line.partition(": ")
+        if told.returncode and colon and error in ("UnreachableError", "InputError"):
             raise InputError(f"{location.location(name)}: {reason}")

@@ -1,39 +1,29 @@
 """The command ``meecontact``: solve cases, query a surrogate, check a material, check and run a study."""
 
 import argparse
-import csv
-import io
 import os
 import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NoReturn, TextIO
+from typing import NoReturn, TextIO
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-import surrogate
-from solver import FactorError, Material, MaterialError, PrecisionWarning, find, limiting_speed, solve, solve_interior
-from solver.halfplane.surface import HalfPlane
-from solver.material.constants import UNITS
+from solver import FactorError, Material, MaterialError, PrecisionWarning, solve, solve_interior
 from solver.names import EVERY_QUANTITY, QUANTITIES
-from storage.files import output, regular, writing
+from storage.files import output
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import materials, predictions
-from workflow.cli.casetable import Table, read_cases
+from workflow.cli import materials
+from workflow.cli.casetable import read_cases
 from workflow.cli.launch import launch
-from workflow.cli.pointtable import predicted
+from workflow.cli.query import query
 from workflow.cli.solving import solved
-from workflow.dataset import factorial
-from workflow.study import location
-from workflow.study import model as studies
-from workflow.study.reading import InputError, number, one_line, read_material
-
-_ROWS = 4096  # of an answer that are written at a time
+from workflow.cli.words import numbers, say
+from workflow.study.reading import InputError, one_line, read_material
 
 
 class _Parser(argparse.ArgumentParser):
@@ -86,7 +76,7 @@ def _warned(
     line: str | None = None,
 ) -> None:
     """What is doubtful in an answer (:class:`solver.PrecisionWarning`), in one line."""
-    _say(f"meecontact: warning: {message}")
+    say(f"meecontact: warning: {message}")
 
 
 def _parser() -> _Parser:
@@ -127,7 +117,7 @@ def _parser() -> _Parser:
     command.add_argument(
         "--exact", metavar="STUDY", help="also the exact answers, by the formula: the study that it came from"
     )
-    command.set_defaults(run=_query)
+    command.set_defaults(run=query)
 
     command = commands.add_parser(
         "material", help="check a material, print roots and compliance; or list what is built in"
@@ -180,7 +170,7 @@ def _add_cases(command: argparse.ArgumentParser) -> None:
 
 
 def _solve(options: argparse.Namespace) -> None:
-    positions = None if options.positions is None else _numbers("--positions", options.positions)
+    positions = None if options.positions is None else numbers("--positions", options.positions)
     points = len(positions or [0.0])
     out = _solved(options, lambda factors, own: solve(factors, positions, materials=own, peaks=options.peaks), points)
     missing = [name for name in QUANTITIES if name not in out]
@@ -190,7 +180,7 @@ def _solve(options: argparse.Namespace) -> None:
 
 
 def _interior(options: argparse.Namespace) -> None:
-    x, y = _numbers("--x", options.x), _numbers("--y", options.y)
+    x, y = numbers("--x", options.x), numbers("--y", options.y)
     fields = [name.strip() for name in options.fields.split(",")] if options.fields else None
     points = len(x) * len(y)
     out = _solved(options, lambda factors, own: solve_interior(factors, x, y, fields=fields, materials=own), points)
@@ -209,105 +199,11 @@ def _solved(
 
 def _wrote(options: argparse.Namespace, out: xr.Dataset, what: str) -> None:
     write_whole(out, options.output)
-    _say(f"wrote {options.output}: {out.sizes['case']} cases, {what}")
-
-
-def _say(message: str) -> None:
-    """Tell what was done: beside the answers, which go to standard output."""
-    print(one_line(message), file=sys.stderr)
-
-
-def _query(options: argparse.Namespace) -> None:
-    regular(options.surrogate)
-    model = surrogate.load(options.surrogate)
-    if (options.table is None) == (options.at is None):
-        raise InputError("query: give either a table AT.csv or --at NAME=VALUE,...")
-    if options.table is not None and options.output is None:
-        raise InputError("query: a table needs -o OUT.csv")
-    if options.output is not None:
-        inputs = [path for path in (options.surrogate, options.table) if path is not None]
-        options.output = output(options.output, *inputs)
-    if options.at is not None:
-        values = {name: np.array([value]) for name, value in _pairs(options.at).items()}
-        table = Table("--at", values, np.empty(0, dtype=np.int64))
-    else:
-        table = read_cases(options.table)
-    answer = predicted(model, table, extrapolate=options.extrapolate)
-    if model.calibration_ is None:
-        _say("not calibrated: this surrogate's intervals may hold far less than 95 %")
-    if options.exact is not None:
-        named = {name: xr.DataArray(values, dims="point") for name, values in table.columns.items()}
-        answer = _with_exact(answer, named, studies.named(location.given(options.exact)), list(model.outputs_))
-    if options.output is None:
-        _print_answer(answer, list(model.outputs_))
-    else:
-        _write_answer(options.output, table.columns, answer)
-        _say(f"wrote {options.output}: {answer.sizes['point']} points, {len(model.outputs_)} outputs")
-
-
-def _with_exact(
-    answer: xr.Dataset, points: dict[str, xr.DataArray], study: studies.Study, outputs: list[str]
-) -> xr.Dataset:
-    """The answer with ``<output>_exact`` beside every output."""
-    if set(points) != set(study.factors):
-        raise InputError(
-            f"--exact: the study's factors are {', '.join(study.factors)}; the surrogate's {', '.join(points)}"
-        )
-    exact = factorial.learned(study, factorial.exact(study, dict(points)))
-    return answer.assign({f"{name}_exact": exact[name] for name in outputs})
-
-
-def _print_answer(answer: xr.Dataset, outputs: list[str]) -> None:
-    if "extrapolated" in answer and bool(answer["extrapolated"].values[0]):
-        print("extrapolated: the point lies outside the trained box; its intervals are not to be trusted")
-    said = predictions.table(answer, outputs)
-    for name in outputs:
-        exact = f"  exact {float(answer[f'{name}_exact'].values[0]): .10g}" if f"{name}_exact" in answer else ""
-        print(one_line(f"{said[name]}{exact}  {answer[name].attrs.get('units', '')}"))
-
-
-def _write_answer(path: Path, points: Mapping[str, NDArray[Any]], answer: xr.Dataset) -> None:
-    columns = {**points, **{str(name): answer[name].values for name in answer.data_vars}}
-    with writing(path) as file:
-        header = io.StringIO()
-        csv.writer(header, lineterminator="\n").writerow(columns)
-        file.write(header.getvalue().encode())
-        for begin in range(0, answer.sizes["point"], _ROWS):
-            some = [values[begin : begin + _ROWS] for values in columns.values()]
-            plain = [one.astype(int if one.dtype == bool else float).tolist() for one in some]
-            lines = (",".join(map(repr, row)) + "\n" for row in zip(*plain, strict=True))  # every digit of a float
-            file.write("".join(lines).encode())
+    say(f"wrote {options.output}: {out.sizes['case']} cases, {what}")
 
 
 def _material(options: argparse.Namespace) -> None:
-    if options.material is None:
-        print(materials.listed())
-        return
-    path = Path(options.material)
-    material = read_material(path)[1] if path.suffix in (".yaml", ".yml") or path.exists() else find(options.material)
-    with np.errstate(all="ignore"):  # what is not finite is named below
-        half = HalfPlane(material)
-        if not (np.isfinite(half.compliance).all() and np.isfinite(half.friction_coupling).all()):
-            raise MaterialError(f"{material.name}: constants beyond what double precision can solve")
-        print(_shown(_described(material, half)))
-
-
-def _described(material: Material, half: HalfPlane) -> str:
-    texts = (("source", material.source), ("note", material.note))
-    lines = [f"{' '.join(material.name.split())}: admissible"]
-    lines += [f"{label}: {' '.join(text.split())}" for label, text in texts if text]
-    lines.append("constants")
-    lines += [f"  {name:6s} {float(getattr(material, name)):< 14.6g} {unit}" for name, unit in UNITS.items()]
-    lines.append("Stroh roots")
-    lines += [f"  {p.real:+.6f} {p.imag:+.6f}i" for p in half.roots]
-    if not np.isnan(material.rho):
-        speed = float(limiting_speed(material))
-        lines.append(f"limiting speed of a conducting punch: {speed:.6g} m/s")
-    lines.append("compliance N of (u_y, phi, psi) to (sigma_yy, D_y, B_y), SI")
-    lines += ["  " + "  ".join(f"{value: .6e}" for value in row) for row in half.compliance]
-    lines.append("friction coupling k of (u_y, phi, psi), SI")
-    lines.append("  " + "  ".join(f"{value: .6e}" for value in half.friction_coupling))
-    return "\n".join(lines)
+    print(materials.listed() if options.material is None else _shown(materials.described(options.material)))
 
 
 def _design(options: argparse.Namespace) -> None:
@@ -330,25 +226,3 @@ def _shown(text: str) -> str:
 
 def _run(options: argparse.Namespace) -> int:
     return launch(options.study, options.cores, options.profile, dry=options.dry_run)
-
-
-def _numbers(where: str, text: str) -> list[float]:
-    values = []
-    for part in text.split(","):
-        try:
-            values.append(number(part))
-        except ValueError:
-            raise InputError(f"{where}: {part.strip()!r} is not a number") from None
-    return values
-
-
-def _pairs(text: str) -> dict[str, float]:
-    pairs: dict[str, float] = {}
-    for part in text.split(","):
-        name, equals, value = part.partition("=")
-        if not equals:
-            raise InputError(f"--at: {part.strip()!r} is not of the form NAME=VALUE")
-        if name.strip() in pairs:
-            raise InputError(f"--at: {name.strip()}: given twice")
-        pairs[name.strip()] = _numbers(f"--at: {name.strip()}", value)[0]
-    return pairs

@@ -1,8 +1,13 @@
-"""What ``meecontact material`` says of the built-in materials."""
+"""``meecontact material``: the list of what is built in, and one material in full."""
+
+from pathlib import Path
 
 import numpy as np
 
-from solver import Material, materials
+from solver import Material, MaterialError, find, limiting_speed, materials
+from solver.halfplane.surface import HalfPlane
+from solver.material.constants import UNITS
+from workflow.study.reading import read_material
 
 
 def listed() -> str:
@@ -10,17 +15,52 @@ def listed() -> str:
     known = materials()
     width = max(map(len, known))
     lines = [
-        f"{name:{width}s} {'*' if one.note else ' '} {_kind(one):23s}  {one.source}" for name, one in known.items()
+        f"{name:{width}s} {'*' if one.note else ' '} {_coupling(one):23s}  {one.source}" for name, one in known.items()
     ]
     lines.append("* repaired, doubtful or disputed: meecontact material NAME says what, with the constants and roots")
     lines.append("own materials: meecontact material FILE.yaml")
     return "\n".join(lines)
 
 
-def _kind(material: Material) -> str:
+def _coupling(material: Material) -> str:
     electric, magnetic = (
         any(np.any(getattr(material, f"{letter}{axes}")) for axes in ("31", "33", "15")) for letter in "ef"
     )
     if electric and magnetic:
         return "magneto-electro-elastic"
     return "piezoelectric" if electric else "piezomagnetic" if magnetic else "elastic"
+
+
+def described(name: str) -> str:
+    """Constants, Stroh roots, limiting speed and compliance of a built-in material, or of a material's file.
+
+    Raises
+    ------
+    InputError, MaterialError
+        A material that is unknown, inadmissible, or beyond what double precision can solve.
+    """
+    path = Path(name)
+    material = read_material(path)[1] if path.suffix in (".yaml", ".yml") or path.exists() else find(name)
+    with np.errstate(all="ignore"):  # what is not finite is named below
+        half = HalfPlane(material)
+        if not (np.isfinite(half.compliance).all() and np.isfinite(half.friction_coupling).all()):
+            raise MaterialError(f"{material.name}: constants beyond what double precision can solve")
+        return _described(material, half)
+
+
+def _described(material: Material, half: HalfPlane) -> str:
+    texts = (("source", material.source), ("note", material.note))
+    lines = [f"{' '.join(material.name.split())}: admissible"]
+    lines += [f"{label}: {' '.join(text.split())}" for label, text in texts if text]
+    lines.append("constants")
+    lines += [f"  {name:6s} {float(getattr(material, name)):< 14.6g} {unit}" for name, unit in UNITS.items()]
+    lines.append("Stroh roots")
+    lines += [f"  {p.real:+.6f} {p.imag:+.6f}i" for p in half.roots]
+    if not np.isnan(material.rho):
+        speed = float(limiting_speed(material))
+        lines.append(f"limiting speed of a conducting punch: {speed:.6g} m/s")
+    lines.append("compliance N of (u_y, phi, psi) to (sigma_yy, D_y, B_y), SI")
+    lines += ["  " + "  ".join(f"{value: .6e}" for value in row) for row in half.compliance]
+    lines.append("friction coupling k of (u_y, phi, psi), SI")
+    lines.append("  " + "  ".join(f"{value: .6e}" for value in half.friction_coupling))
+    return "\n".join(lines)

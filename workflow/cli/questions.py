@@ -14,7 +14,6 @@ from surrogate import GaussianProcess, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
 from workflow.dataset import factorial
 from workflow.design import answers, search
-from workflow.learning import training
 from workflow.study import location
 from workflow.study import model as studies
 from workflow.study.categories import output
@@ -39,7 +38,7 @@ def results(folder: Path) -> tuple[Study, GaussianProcess]:
         raise InputError(f"{folder}: holds no surrogate.nc; run `make run STUDY={folder.name}` first")
     study = studies.load(location.of_results(folder))
     model = load(surrogate)
-    as_now = model.made_from_ == training.origin(study)
+    as_now = model.made_from_ == study.physics
     if not as_now or list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.learned:
         raise InputError(f"{surrogate}: was made from another state of the study; run `make run STUDY={folder.name}`")
     return study, model
@@ -260,10 +259,10 @@ def _interval(where: str, text: str) -> list[float]:
 
 
 def _distribution(name: str, text: str) -> dict[str, list[float]]:
-    kind, bracket, rest = text.partition("(")
+    family, bracket, rest = text.partition("(")
     if not bracket or not rest.endswith(")"):
         raise InputError(f"--uncertain: {name}: {text!r} is not of the form normal(MEAN,STD) or another distribution")
-    return {kind.strip(): [_number(f"--uncertain: {name}", one) for one in rest[:-1].split(",")]}
+    return {family.strip(): [_number(f"--uncertain: {name}", one) for one in rest[:-1].split(",")]}
 
 
 def _number(where: str, text: str) -> float:

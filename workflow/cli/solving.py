@@ -64,16 +64,16 @@ def solved(table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int 
 def _blocks(table: Table, most: int) -> Iterator[tuple[list[str], Indices]]:
     """Rows that are solved together, and the factors that they have.
 
-    Every block of a kind takes its rows from all over the table, so that it meets what is hardest in it: the solver's
-    iterations go on until the last case of a block has come to an end, so that cases which are easier would else go
-    fewer steps than in one block. What is searched for (`solver.names.PEAKS`) is found to its tolerance only.
+    Every block of a pattern takes its rows from all over the table, so that it meets what is hardest in it: the
+    solver's iterations go on until the last case of a block has come to an end, so that cases which are easier would
+    else go fewer steps than in one block. What is searched for (`solver.names.PEAKS`) is found to its tolerance only.
     """
     columns = [~table.empty(name) | (_DEFAULTS.get(name) is not None) for name in table.columns]
-    kinds, first, kind = np.unique(np.stack(columns, 1), axis=0, return_index=True, return_inverse=True)
+    patterns, first, pattern = np.unique(np.stack(columns, 1), axis=0, return_index=True, return_inverse=True)
     for k in np.argsort(first):
-        rows = np.flatnonzero(kind.ravel() == k)
+        rows = np.flatnonzero(pattern.ravel() == k)
         count = -(-len(rows) // most)
-        names = [name for name, has in zip(table.columns, kinds[k], strict=True) if has]
+        names = [name for name, has in zip(table.columns, patterns[k], strict=True) if has]
         for begin in range(count):
             yield names, rows[begin::count]
 

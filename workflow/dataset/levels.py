@@ -78,7 +78,7 @@ def choose(study: Study) -> xr.Dataset:
     )
 
 
-def resolved(study: Study, files: Sequence[str | Path]) -> Study:
+def with_levels(study: Study, files: Sequence[str | Path]) -> Study:
     """The study with the chosen level counts in place; ``files`` holds ``levels.nc``, nothing where none are open."""
     if not files:
         return study
@@ -87,4 +87,4 @@ def resolved(study: Study, files: Sequence[str | Path]) -> Study:
         name: axis.model_copy(update={"levels": int(chosen.sel(input=name))}) for name, axis in study.factors.items()
     }
     # as many slabs as the rules counted before any level was chosen
-    return partition.settled(study).model_copy(update={"factors": axes})
+    return partition.with_slabs(study).model_copy(update={"factors": axes})

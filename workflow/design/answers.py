@@ -74,8 +74,8 @@ def choices(answer: xr.Dataset) -> list[tuple[str, float, bool]]:
 
 def _missing(answers: list[xr.Dataset]) -> dict[str, object]:
     """What stands where a target has no such term or factor."""
-    kinds = {str(name): one.dtype.kind for answer in answers for name, one in answer.data_vars.items()}
-    return {name: "" if kind in "UOT" else False if kind == "b" else np.nan for name, kind in kinds.items()}
+    types = {str(name): array.dtype.kind for answer in answers for name, array in answer.data_vars.items()}
+    return {name: "" if code in "UOT" else False if code == "b" else np.nan for name, code in types.items()}
 
 
 def table(answers: list[xr.Dataset]) -> str:

@@ -1,4 +1,4 @@
-"""The verdict on a design: predicted against exact, margins, what binds, and what small errors in building it cost."""
+"""The verdict on a design: predicted against exact, margins, what binds, and where the theory ends."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,12 +8,13 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from solver.names import CHOICES, EVERY_QUANTITY, FACTORS, PEAKS, PROFILES
+from solver.names import CHOICES, EVERY_QUANTITY, PEAKS, PROFILES
 from workflow.dataset import factorial
-from workflow.design import budget
+from workflow.design import budget, perturbation
+from workflow.design.designs import Designs
 from workflow.design.question import Question
 from workflow.design.scenarios import Scenarios
-from workflow.design.sources import Exact, Factors, Predicted, Source, shape
+from workflow.design.sources import Predicted, Source, shape
 from workflow.design.terms import Term
 from workflow.study.model import Study
 
@@ -23,105 +24,77 @@ Array = NDArray[np.float64]
 ROUNDING = 1e-12
 _NORMAL = 1.959964  # standard deviations of a 95 % interval
 _BINDS = 1e-3  # margin below which a limit binds
-_ERROR = 0.01  # relative error in building a variable
-_NOTHING = 1e-9  # share of the goal that counts as no change
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
 _PLAIN = 10.0  # times a limit, from which an excess is written without digits behind the point
-_STEP = 1e-3  # relative step of elasticities
 _LINEAR_FIELD = 3e5  # V/m: beyond it, ferroelectric ceramics are not linear
 _SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
 _PILOT = 512
 
 
 @dataclass(frozen=True)
-class Counted:
-    """What the terms count as at one design: values, the deciding scenario of each, and a standard deviation."""
+class Prediction:
+    """What the terms count as on the surrogate: values, the deciding scenario of each, and a standard deviation."""
 
     values: Array
     scenarios: list[int]
     stds: Array
 
 
-def count(question: Question, factors: Mapping[bool, Factors], sets: Mapping[bool, Scenarios], source: Source) -> Array:
-    """Every term's deciding value at some designs, (n, terms)."""
-    out: dict[int, Array] = {}
-    for drawn, chosen in sets.items():
-        members = [(k, term) for k, term in enumerate(question.terms) if term.drawn == drawn]
-        terms = [term for _, term in members]
-        values = question.values(source, factors[drawn], chosen, terms) if terms else []
-        for (k, term), value in zip(members, values, strict=True):
-            out[k] = term.worst(term.statistic.rows(value))
-    return np.stack([out[k] for k in range(len(question.terms))], -1)
-
-
-def settled(question: Question, terms: Sequence[Term], x: Array, source: Predicted, exact: Exact) -> tuple[Array, int]:
-    """Exact values of some terms at one design over the scenarios of the verdict, and the searched cases they took."""
-    factors = {drawn: question.factors(x[None], chosen) for drawn, chosen in question.judged.items()}
+def exactly(design: Designs, terms: Sequence[Term]) -> tuple[Array, int]:
+    """What some terms exactly count as at one design in the verdict, and the searched cases that they took."""
     values, cases = [], 0
     for term in terms:
         if budget.names(term):
-            found = budget.settle(question, x, term, source, exact)
+            found = budget.count_exactly(design, term)
             values.append(found.value)
             cases += found.cases
         else:
-            value = question.values(exact, factors[term.drawn], question.judged[term.drawn], [term])[0]
-            values.append(float(term.worst(term.statistic.rows(value))[0]))
+            values.append(float(term.counted(design.values(design.exact, design.question.judged[term.drawn], term))[0]))
     return np.array(values), cases
 
 
-def excesses(question: Question, x: Array, source: Source) -> Array:
-    """Relative excess of every limit at a design over the scenarios of the search; (k,)."""
-    factors = {drawn: question.factors(x[None], chosen) for drawn, chosen in question.searched.items()}
-    values = count(question, factors, question.searched, source)[0]
-    return np.array([float(t.oriented(value)) for t, value in zip(question.terms, values, strict=True) if t.limited])
+def excesses(design: Designs, source: Source) -> Array:
+    """Relative excess of every limit at one design over the scenarios of the search; (k,)."""
+    terms, counts = design.question.terms, design.count(source, design.question.searched)[0]
+    return np.array([float(t.oriented(value)) for t, value in zip(terms, counts, strict=True) if t.limited])
 
 
-def doubts(question: Question, x: Array, source: Predicted) -> Array:
-    """Half of the 95 % interval of every limited term at a design, over its scale; (k,)."""
-    stds = _counted(question, x, source, question.searched).stds
-    scaled = [std / term.scale for term, std in zip(question.terms, stds, strict=True) if term.limited]
+def doubts(design: Designs) -> Array:
+    """Half of the 95 % interval of every limited term at one design, over its scale; (k,)."""
+    terms, stds = design.question.terms, predict(design, design.question.searched).stds
+    scaled = [std / term.scale for term, std in zip(terms, stds, strict=True) if term.limited]
     return _NORMAL * np.array(scaled).reshape(-1)
 
 
-def _counted(question: Question, x: Array, source: Predicted, sets: Mapping[bool, Scenarios]) -> Counted:
-    """Terms on the surrogate, with standard deviations carried through expression and statistic as if they added."""
+def predict(design: Designs, sets: Mapping[bool, Scenarios]) -> Prediction:
+    """Terms on the surrogate, with standard deviations carried through expression and risk measure as if they added."""
     values, scenarios, stds = [], [], []
-    for term in question.terms:
+    for term in design.question.terms:
         chosen = sets[term.drawn]
-        factors = question.factors(x[None], chosen)
-        rows, row, weights = _deciding(question, factors, chosen, term, source)
-        sizes = {name: std[0] for name, std in source.stds(factors, _quantities(term)).items()}
-        values.append(float(rows[row]))
+        found = design.values(design.predicted, chosen, term)
+        weights = term.weights(found[0])
+        sizes = design.predicted.stds(design.factors(chosen), _quantities(term))
+        values.append(float(term.counted(found)[0]))
         scenarios.append(int(weights.argmax()))
-        stds.append(float(weights @ _carried(question, factors, term, source, sizes)))
-    return Counted(np.array(values), scenarios, np.array(stds))
-
-
-def _deciding(
-    question: Question, factors: Factors, chosen: Scenarios, term: Term, source: Source
-) -> tuple[Array, int, Array]:
-    """Rows of a term at one design, the one that decides, and the weight of every scenario in it."""
-    value = question.values(source, factors, chosen, [term])[0]
-    rows = term.statistic.rows(value)[0]
-    row = int(np.flatnonzero(rows == term.worst(rows))[0])
-    return rows, row, np.abs(term.statistic.jacobian(value[0])[row])
+        stds.append(float(weights @ _carried(design, chosen, term, {name: std[0] for name, std in sizes.items()})))
+    return Prediction(np.array(values), scenarios, np.array(stds))
 
 
 def _quantities(term: Term) -> list[str]:
     return [name for name in term.expression.names() if name in EVERY_QUANTITY]
 
 
-def _carried(question: Question, factors: Factors, term: Term, source: Source, sizes: Mapping[str, Array]) -> Array:
+def _carried(design: Designs, chosen: Scenarios, term: Term, sizes: Mapping[str, Array]) -> Array:
     """Sum over quantities of |d expression / d quantity| times a size of each; (scenarios,)."""
-    known = question.known(source, factors, [term.expression])
-    partials = term.expression.partials({name: one[0] for name, one in known.items()})[1]
-    total = np.zeros(shape(factors)[1])
+    known = design.question.known(design.predicted, design.factors(chosen), [term.expression])
+    partials = term.expression.partials({name: values[0] for name, values in known.items()})[1]
+    total = np.zeros(chosen.count)
     for name, size in sizes.items():
         total += np.abs(partials[name]) * size
     return total
 
 
-def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.Dataset:
+def judge(design: Designs) -> xr.Dataset:
     """Everything that is said about one design.
 
     Returns
@@ -135,20 +108,19 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
         ``limit``, ``margin``, ``units``. Over both: ``elasticity`` and ``worst`` (the scenario that decides). Over
         ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``flags``.
     """
-    question_terms, sets = question.terms, question.judged
-    factors = {drawn: question.factors(x[None], chosen) for drawn, chosen in sets.items()}
-    guessed = _counted(question, x, source, sets)
-    solved, _ = settled(question, question_terms, x, source, exact)
-    limits = np.array([term.bound for term in question_terms])
-    scales = np.array([term.scale for term in question_terms])
-    signs = np.array([term.sign for term in question_terms])
-    margin = signs * (limits - solved) / scales
-    half = _NORMAL * guessed.stds + _tolerances(question, x, source)
-    corner = _corners(question, x, exact)
-    worst = [_case(question, factors[t.drawn], s) for t, s in zip(question_terms, guessed.scenarios, strict=True)]
-    found = _sensitivities(question, x, solved, budget.spared(question, source, exact), list(worst[0]))
-    idle = [name for name, one in zip(worst[0], found["matters"].values, strict=True) if not one]
-    edges = _edges(question, x)
+    question, terms = design.question, design.question.terms
+    guessed = predict(design, question.judged)
+    exact, _ = exactly(design, terms)
+    limits = np.array([term.bound for term in terms])
+    scales = np.array([term.scale for term in terms])
+    signs = np.array([term.sign for term in terms])
+    margin = signs * (limits - exact) / scales
+    half = _NORMAL * guessed.stds + _tolerances(design)
+    corner = _corners(design)
+    worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
+    sensitivity = perturbation.sensitivities(design, exact, list(worst[0]))
+    idle = [name for name, matters in zip(worst[0], sensitivity["matters"].values, strict=True) if not matters]
+    edges = _edges(design)
     out = xr.Dataset(
         {
             "value": ("factor", list(worst[0].values())),
@@ -156,45 +128,44 @@ def judge(question: Question, x: Array, source: Predicted, exact: Exact) -> xr.D
             "predicted": ("term", guessed.values),
             "predicted_std": ("term", guessed.stds),
             "half": ("term", half),
-            "exact": ("term", solved),
-            "inside": ("term", np.abs(solved - guessed.values) <= half + 1e-12 * np.abs(solved)),
+            "exact": ("term", exact),
+            "inside": ("term", np.abs(exact - guessed.values) <= half + 1e-12 * np.abs(exact)),
             "limit": ("term", limits),
             "margin": ("term", margin),
-            "units": ("term", [term.units for term in question_terms]),
+            "units": ("term", [term.units for term in terms]),
             "worst": (("term", "factor"), np.array([list(case.values()) for case in worst])),
-            "exact_low": ("quantity", [float(one.min()) for one in corner.values()]),
-            "exact_high": ("quantity", [float(one.max()) for one in corner.values()]),
+            "exact_low": ("quantity", [float(values.min()) for values in corner.values()]),
+            "exact_high": ("quantity", [float(values.max()) for values in corner.values()]),
             "feasible": bool(np.all(margin[~np.isnan(margin)] >= -ROUNDING)),
             "edge": ("factor", [edges.get(name, "") for name in worst[0]]),
             "status": _status(question, margin, edges, idle),
-            "flags": "; ".join([*_flags(corner, _radius(question, factors[False])), *question.notes]),
+            "flags": "; ".join([*_flags(corner, _radius(design)), *question.notes]),
         },
         coords={
             "factor": list(worst[0]),
-            "term": [term.label for term in question_terms],
+            "term": [term.label for term in terms],
             "quantity": list(corner),
         },
     )
-    return out.merge(found)
+    return out.merge(sensitivity)
 
 
-def _corners(question: Question, x: Array, exact: Exact) -> dict[str, Array]:
+def _corners(design: Designs) -> dict[str, Array]:
     """Every quantity of a design, exactly, over many corners of the ranges; what is searched for over a few."""
     out: dict[str, Array] = {}
-    for sets, searched_for in ((question.judged, False), (question.searched, True)):
-        names = [name for name in exact.quantities if (name in PEAKS) == searched_for]
-        out |= exact.values(question.factors(x[None], sets[False]), names) if names else {}
+    for sets, searched_for in ((design.question.judged, False), (design.question.searched, True)):
+        names = [name for name in design.exact.quantities if (name in PEAKS) == searched_for]
+        out |= design.exact.values(design.factors(sets[False]), names) if names else {}
     return out
 
 
 def outside(answer: xr.Dataset) -> str:
     """Which exact values left their intervals, in words."""
     terms = answer["term"].values[~answer["inside"].values]
-    parts = [
-        f"{name}: exact {float(one['exact']):.7g} is outside {float(one['predicted']):.7g} +- {float(one['half']):.2g}"
-        for name in terms
-        for one in [answer.sel(term=name)]
-    ]
+    parts = []
+    for name in terms:
+        exact, predicted, half = (float(answer[key].sel(term=name)) for key in ("exact", "predicted", "half"))
+        parts.append(f"{name}: exact {exact:.7g} is outside {predicted:.7g} +- {half:.2g}")
     return "; ".join(parts)
 
 
@@ -202,29 +173,31 @@ def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[st
     """The study's tolerance of some quantities: a share of their range over the box."""
     box = qmc.Sobol(len(study.factors), rng=0).random(_PILOT)
     levels = {
-        one.name: one.from_unit(2 * box[:, [column]] - 1).clip(one.low, one.high)
-        for column, one in enumerate(factorial.inputs(study))
+        axis.name: axis.from_unit(2 * box[:, [column]] - 1).clip(axis.low, axis.high)
+        for column, axis in enumerate(factorial.inputs(study))
     }
-    return {name: float(study.validation.tolerance * np.ptp(one)) for name, one in source.values(levels, names).items()}
+    ranges = {name: np.ptp(values) for name, values in source.values(levels, names).items()}
+    return {name: float(study.validation.tolerance * size) for name, size in ranges.items()}
 
 
-def _tolerances(question: Question, x: Array, source: Predicted) -> Array:
+def _tolerances(design: Designs) -> Array:
     """What the study's tolerance may make of each term."""
-    names = list(dict.fromkeys(name for term in question.terms for name in _quantities(term)))
-    sizes = allowances(question.study, source, names)
+    terms = design.question.terms
+    names = list(dict.fromkeys(name for term in terms for name in _quantities(term)))
+    sizes = allowances(design.question.study, design.predicted, names)
     out = []
-    for term in question.terms:
-        chosen = question.searched[term.drawn]
-        factors = question.factors(x[None], chosen)
-        _, _, weights = _deciding(question, factors, chosen, term, source)
+    for term in terms:
+        chosen = design.question.searched[term.drawn]
+        weights = term.weights(design.values(design.predicted, chosen, term)[0])
         own = {name: np.asarray(sizes[name]) for name in _quantities(term)}
-        out.append(float(weights @ _carried(question, factors, term, source, own)))
+        out.append(float(weights @ _carried(design, chosen, term, own)))
     return np.array(out)
 
 
-def _case(question: Question, factors: Factors, scenario: int) -> dict[str, float]:
-    """Every factor of the factorial in one scenario of one design."""
-    return {name: float(np.broadcast_to(one, shape(factors))[0, scenario]) for name, one in factors.items()}
+def _case(design: Designs, term: Term, scenario: int) -> dict[str, float]:
+    """Every factor of the factorial in one scenario of a term's verdict on one design."""
+    factors = design.factors(design.question.judged[term.drawn])
+    return {name: float(np.broadcast_to(values, shape(factors))[0, scenario]) for name, values in factors.items()}
 
 
 def _role(question: Question, name: str) -> str:
@@ -234,13 +207,13 @@ def _role(question: Question, name: str) -> str:
     return "worst case" if name in target.worst_case else "uncertain" if name in target.uncertain else "given"
 
 
-def _edges(question: Question, x: Array) -> dict[str, str]:
+def _edges(design: Designs) -> dict[str, str]:
     """Variables that stand at an end of their range, which is the study's box or a part of it that was asked for."""
     out = {}
-    for (name, one), u in zip(question.inputs.items(), x, strict=True):
+    for (name, axis), u in zip(design.question.inputs.items(), design.x[0], strict=True):
         if abs(u) > 1 - _EDGE:
-            end, (low, high) = ("upper", "lower")[int(u < 0)], _box(question, name)
-            studied = one.high == high if u > 0 else one.low == low
+            box = design.question.study.factors[name]
+            end, studied = ("upper", axis.high == box.high) if u > 0 else ("lower", axis.low == box.low)
             out[name] = f"{end} end of the {'studied range' if studied else 'range asked for'}"
     return out
 
@@ -258,12 +231,13 @@ def _status(question: Question, margin: Array, edges: Mapping[str, str], idle: S
     return "; ".join(parts)
 
 
-def _radius(question: Question, factors: Factors) -> Array | None:
+def _radius(design: Designs) -> Array | None:
     """Radius of a round punch over the scenarios, wherever the question has it; None for other profiles."""
-    profile = str(question.study.fixed.get("profile", CHOICES["profile"][0]))
-    if "radius" not in PROFILES[profile][0]:
+    fixed = design.question.study.fixed
+    if "radius" not in PROFILES[str(fixed.get("profile", CHOICES["profile"][0]))][0]:
         return None
-    return factors["radius"] if "radius" in factors else np.full((1, 1), float(question.study.fixed["radius"]))
+    factors = design.factors(design.question.judged[False])
+    return factors["radius"] if "radius" in factors else np.full((1, 1), float(fixed["radius"]))
 
 
 def _flags(corner: Mapping[str, Array], radius: Array | None) -> list[str]:
@@ -278,55 +252,3 @@ def _flags(corner: Mapping[str, Array], radius: Array | None) -> list[str]:
     if share > _SLENDER:
         flags.append(f"the contact is {share:.2g} of the radius wide: no longer a parabola")
     return flags
-
-
-def _sensitivities(question: Question, x: Array, solved: Array, near: Source, factors: list[str]) -> xr.Dataset:
-    """Elasticity of every term, and what a 1 % error costs, for every continuous variable.
-
-    By differences on ``near``, from the exact values ``solved`` at the design.
-    """
-    names = list(question.inputs)
-    design = {name: one[0] for name, one in question.physical(x[None]).items()}
-    shares = np.array([1.0, *(1 + step for _ in names for step in (-_STEP, _STEP, -_ERROR, _ERROR))])
-    varied = {name: np.full(shares.size, value) for name, value in design.items()}
-    for k, name in enumerate(names):
-        mine = slice(1 + 4 * k, 5 + 4 * k)
-        # the surrogate, where it stands in, knows no case beyond its box
-        low, high = _physical_range(name) if isinstance(near, Exact) else _box(question, name)
-        varied[name][mine] = np.clip(design[name] * shares[mine], low, high)
-    sets = question.judged
-    values = count(question, {drawn: question.at(varied, chosen) for drawn, chosen in sets.items()}, sets, near)
-    values += solved - values[0]
-    here, around = values[0], values[1:].reshape(len(names), 4, len(question.terms))
-    elasticity = np.full((len(factors), len(question.terms)), np.nan)
-    loss, cost, left = (np.full(len(factors), np.nan) for _ in range(3))
-    matters = np.ones(len(factors), dtype=bool)
-    wanted = len(question.target.objectives)
-    largest = np.abs(around).max((0, 1), initial=0.0)
-    # a share of what is next to zero says nothing
-    whole = np.where(np.abs(here) > _NOTHING * largest, here, np.nan)
-    for k, name in enumerate(names):
-        row, off = factors.index(name), around[k, 2:]
-        if design[name] == 0:
-            continue  # which has no 1 % of it
-        change = varied[name][2 + 4 * k] / varied[name][1 + 4 * k] - 1
-        with np.errstate(divide="ignore", invalid="ignore"):
-            elasticity[row] = (around[k, 1] - around[k, 0]) / whole / change if change else np.nan
-        loss[row] = max(float((question.terms[0].sign * (here[0] - off[:, 0])).max()), 0.0)
-        cost[row] = loss[row] / abs(whole[0])
-        same = np.abs(off - here) <= _NOTHING * np.maximum(np.abs(here), largest)
-        matters[row] = not np.all(same[:, :wanted])
-        margins = [-term.oriented(off[:, t]) for t, term in enumerate(question.terms) if t >= wanted]
-        left[row] = float(np.min(margins)) if margins else np.nan
-    over = {"cost": cost, "loss": loss, "matters": matters, "margin_left": left}
-    return xr.Dataset(
-        {"elasticity": (("factor", "term"), elasticity)} | {key: ("factor", one) for key, one in over.items()}
-    )
-
-
-def _physical_range(name: str) -> tuple[float, float]:
-    return FACTORS[name].low, FACTORS[name].high
-
-
-def _box(question: Question, name: str) -> tuple[float, float]:
-    return question.study.factors[name].low, question.study.factors[name].high

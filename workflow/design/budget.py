@@ -7,12 +7,13 @@ others the surrogate is believed.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.names import PEAKS
+from workflow.design.designs import Designs
 from workflow.design.question import Question
 from workflow.design.scenarios import Scenarios
 from workflow.design.sources import Exact, Factors, Predicted, Source
@@ -20,14 +21,14 @@ from workflow.design.terms import Term
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+Bools = NDArray[np.bool_]
 
 #: Searched cases of one part of a question.
 AFFORDABLE = 1000
 _MOST = 256  # of one value of one term
 _LEAST = 9  # designs of a front
 _BATCH = 12  # scenarios solved at a time, at least: a dozen cost as much as three alone
-_AWAY = 3e-7  # relative distance kept from a limit: near a kink a shift leaves 0.14 of what it corrects
-_REST = 1e-3  # share of all weight that scenarios may have which are not among those that decide
+_SAFETY = 3e-7  # relative safety margin: near a kink a shifted limit leaves 0.14 of what the shift corrects
 
 
 def names(term: Term) -> list[str]:
@@ -40,7 +41,7 @@ def asked(question: Question) -> bool:
     return any(names(term) for term in question.terms)
 
 
-class Spared:
+class Hybrid:
     """The exact solver but for what it searches for, which comes from the surrogate."""
 
     step: float | None = Exact.step
@@ -60,14 +61,14 @@ class Spared:
         return self._exact.slopes(factors, names, over)
 
 
-def spared(question: Question, predicted: Predicted, exact: Exact) -> Source:
+def affordable(designs: Designs) -> Source:
     """What stands for the exact solver where a question asks for many cases, as in difference quotients."""
-    return Spared(exact, predicted) if asked(question) else exact
+    return Hybrid(designs.exact, designs.predicted) if asked(designs.question) else designs.exact
 
 
-def away(question: Question, usual: float) -> float:
-    """Relative distance that a polish keeps from the limits; more where the surrogate leads it."""
-    return _AWAY if asked(question) else usual
+def safety(question: Question, usual: float) -> float:
+    """Safety margin that a polish keeps from the limits, relative; more where the surrogate leads it."""
+    return _SAFETY if asked(question) else usual
 
 
 def words(question: Question, cases: int, moved: bool) -> str:
@@ -82,114 +83,91 @@ def words(question: Question, cases: int, moved: bool) -> str:
 
 
 @dataclass(frozen=True)
-class Settled:
+class Counted:
     """What a term counts as at a design, exactly where it matters, and how many searched cases that took."""
 
     value: float
     cases: int
 
 
-def settle(question: Question, x: Array, term: Term, predicted: Predicted, exact: Exact) -> Settled:
-    """The exact value of a term over the many scenarios of the verdict, from those that decide it.
+def count_exactly(design: Designs, term: Term) -> Counted:
+    """What a term exactly counts as at one design over the many scenarios of the verdict, from those that decide it.
 
     The surrogate says which these are; they are solved, and so are those that decide then or may do so by the errors
     that the surrogate has shown, until none is left. Where a great many decide, as in a mean, all of the few scenarios
     of the search are solved instead, and the surrogate says what the many change.
     """
-    many, few = question.judged[term.drawn], question.searched[term.drawn]
-    if _deciding(term, _guess(question, x, many, term, predicted)).sum() <= _MOST:
-        return _solved(question, x, many, term, predicted, exact)
-    found = _solved(question, x, few, term, predicted, exact)
-    whole, part = (_row(term, _guess(question, x, one, term, predicted))[0] for one in (many, few))
-    return Settled(found.value + whole - part, found.cases)
+    many, few = design.question.judged[term.drawn], design.question.searched[term.drawn]
+    whole = design.values(design.predicted, many, term)
+    if term.deciding(whole[0]).sum() <= _MOST:
+        return _count_exactly(design, many, term, whole)
+    part = design.values(design.predicted, few, term)
+    found = _count_exactly(design, few, term, part)
+    return Counted(found.value + float(term.counted(whole)[0]) - float(term.counted(part)[0]), found.cases)
 
 
-def _solved(question: Question, x: Array, chosen: Scenarios, term: Term, predicted: Predicted, exact: Exact) -> Settled:
-    factors = question.factors(x[None], chosen)
-    values = _guess(question, x, chosen, term, predicted)
-    flat = values.ravel()
-    known, error = np.zeros(chosen.count, dtype=bool), 0.0
+def _count_exactly(design: Designs, chosen: Scenarios, term: Term, predicted: Array) -> Counted:
+    """From predicted values (1, groups, draws): batch by batch they are solved, until all that may decide are."""
+    values = predicted.copy()
+    flat, solved, error = values.ravel(), np.zeros(chosen.count, dtype=bool), 0.0
     while True:
-        value, deciding = _row(term, values)[0], _deciding(term, values)
+        value = float(term.counted(values)[0])
         away = np.abs(flat - value)
-        # what the surrogate may have put on the wrong side of those that decide, by twice its largest error so far
-        rivals = (away <= 2 * error) & ~known if known.sum() < _MOST else np.zeros_like(known)
-        missing = (deciding | rivals) & ~known
+        missing = term.deciding(values[0])
+        if solved.sum() < _MOST:
+            # what the surrogate may have put on the wrong side of those that decide, by twice its largest error so far
+            missing |= away <= 2 * error
+        missing &= ~solved
         if not missing.any():
-            return Settled(value, int(known.sum()))
-        order = np.argsort(np.where(known, np.inf, np.where(missing, -1.0, away)), kind="stable")
-        some = order[: min(max(_BATCH, int(missing.sum())), int((~known).sum()))]
-        found = _at(question, factors, chosen, some, [term], exact)[0][0]
-        error = max(error, float(np.abs(found - flat[some]).max()))
-        flat[some], known[some] = found, True
+            return Counted(value, int(solved.sum()))
+        batch = _batch(missing, solved, away)
+        found = _solve(design, chosen, batch, [term])[0][0]
+        error = max(error, float(np.abs(found - flat[batch]).max()))
+        flat[batch], solved[batch] = found, True
 
 
-def thinned(question: Question, x: Array, predicted: Predicted, share: float) -> tuple[Array, dict[bool, Indices]]:
-    """Of designs (n, d) in a row, evenly, as many as a share of all cases suffices for.
+def _batch(missing: Bools, solved: Bools, away: Array) -> Indices:
+    """Scenarios to solve next: what is missing, and up to a batch those nearest to what decides."""
+    order = np.argsort(np.where(solved, np.inf, np.where(missing, -1.0, away)), kind="stable")
+    return order[: min(max(_BATCH, int(missing.sum())), int((~solved).sum()))]
+
+
+def thinned(designs: Designs, share: float) -> tuple[Designs, dict[bool, Indices]]:
+    """Of designs in a row, evenly, as many as a share of all cases suffices for.
 
     With the scenarios of the search in which they are solved: those that decide some term at some design by the
     surrogate.
     """
-    some: dict[bool, Indices] = {}
-    for drawn, chosen in question.searched.items():
-        terms = _members(question, drawn).values()
-        values = question.values(predicted, question.factors(x, chosen), chosen, list(terms)) if terms else []
-        marks = [_deciding(term, one[None]) for term, each in zip(terms, values, strict=True) for one in each]
+    columns: dict[bool, Indices] = {}
+    for drawn, chosen in designs.question.searched.items():
+        terms = [term for term in chosen.terms.values() if names(term)]
+        found = designs.question.values(designs.predicted, designs.variables, chosen, terms) if terms else []
+        marks = [term.deciding(values) for term, every in zip(terms, found, strict=True) for values in every]
         if marks:
-            some[drawn] = np.flatnonzero(np.any(marks, 0))
-    if not some:
-        return x, some
-    count = max(_LEAST, int(share * AFFORDABLE / sum(len(one) for one in some.values())))
-    return np.asarray(x[np.unique(np.linspace(0, len(x) - 1, min(count, len(x))).astype(int))]), some
+            columns[drawn] = np.flatnonzero(np.any(marks, 0))
+    if not columns:
+        return designs, columns
+    count = max(_LEAST, int(share * AFFORDABLE / sum(len(indices) for indices in columns.values())))
+    n = len(designs.x)
+    return designs.at(designs.x[np.unique(np.linspace(0, n - 1, min(count, n)).astype(int))]), columns
 
 
-def corrected(
-    question: Question, x: Array, counted: Array, some: Mapping[bool, Indices], predicted: Predicted, exact: Exact
-) -> Array:
+def corrected(designs: Designs, counts: Array, columns: Mapping[bool, Indices]) -> Array:
     """What all terms count as at designs, (n, terms), with the scenarios that `thinned` gave solved exactly."""
-    out = counted.copy()
-    for drawn, columns in some.items():
-        chosen, members = question.searched[drawn], _members(question, drawn)
-        factors, terms = question.factors(x, chosen), list(members.values())
-        guessed = question.values(predicted, factors, chosen, terms)
-        solved = _at(question, factors, chosen, columns, terms, exact)
-        for k, term, values, found in zip(members, terms, guessed, solved, strict=True):
-            flat = np.array(values).reshape(len(x), -1)
-            flat[:, columns] = found
-            out[:, k] = term.worst(term.statistic.rows(flat.reshape(values.shape)))
+    out = counts.copy()
+    for drawn, indices in columns.items():
+        chosen = designs.question.searched[drawn]
+        terms = {place: term for place, term in chosen.terms.items() if names(term)}
+        guessed = designs.question.values(designs.predicted, designs.variables, chosen, list(terms.values()))
+        solved = _solve(designs, chosen, indices, list(terms.values()))
+        for (place, term), values, found in zip(terms.items(), guessed, solved, strict=True):
+            flat = values.reshape(len(values), -1).copy()
+            flat[:, indices] = found
+            out[:, place] = term.counted(flat.reshape(values.shape))
     return out
 
 
-def _members(question: Question, drawn: bool) -> dict[int, Term]:
-    """Terms over draws, or over corners, that ask for what is searched for, by their place."""
-    return {k: term for k, term in enumerate(question.terms) if names(term) and term.drawn == drawn}
-
-
-def _at(
-    question: Question, factors: Factors, chosen: Scenarios, columns: Indices, terms: list[Term], exact: Exact
-) -> list[Array]:
+def _solve(designs: Designs, chosen: Scenarios, columns: Indices, terms: list[Term]) -> list[Array]:
     """Exact values of some terms in some scenarios, (n, columns) each."""
-    part = {name: one[:, columns] if one.shape[1] > 1 else one for name, one in factors.items()}
-    single = replace(chosen, groups=len(columns), draws=1)
-    return [one.reshape(len(one), -1) for one in question.values(exact, part, single, terms)]
-
-
-def _guess(question: Question, x: Array, chosen: Scenarios, term: Term, predicted: Predicted) -> Array:
-    """A term on the surrogate, (1, groups, draws)."""
-    return np.array(question.values(predicted, question.factors(x[None], chosen), chosen, [term])[0])
-
-
-def _row(term: Term, values: Array) -> tuple[float, int]:
-    """The value that decides, and its row."""
-    rows = term.statistic.rows(values)[0]
-    value = float(term.worst(rows))
-    return value, int(np.flatnonzero(rows == value)[0])
-
-
-def _deciding(term: Term, values: Array) -> NDArray[np.bool_]:
-    """Which scenarios make the row that decides, the fewest that do; (scenarios,)."""
-    weights = np.abs(term.statistic.jacobian(values[0])[_row(term, values)[1]])
-    order = np.argsort(weights)
-    kept = np.ones(weights.size, dtype=bool)
-    kept[order[np.cumsum(weights[order]) <= _REST * weights.sum()]] = False
-    return kept
+    found = designs.question.values(designs.exact, designs.variables, chosen.only(columns), terms)
+    return [values.reshape(len(values), -1) for values in found]

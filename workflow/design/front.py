@@ -8,26 +8,27 @@ from numpy.typing import NDArray
 
 from surrogate.search.optimise import Optimum, Problem
 from surrogate.search.pareto import Front, front, non_dominated
-from workflow.design import assessment, budget
-from workflow.design.question import Question
-from workflow.design.sources import Exact, Predicted
+from workflow.design import assessment, budget, program
+from workflow.design.designs import Designs
 
 Array = NDArray[np.float64]
 
-_SAFE = 1e-6  # relative distance kept from the limits, beside the surrogate's own doubt
+_SAFETY = 1e-6  # relative safety margin to the limits, beside the surrogate's own doubt
 _KEPT = 1e-9  # exact excess that counts as none: the optimiser's own accuracy
 
 
-def trace(question: Question, source: Predicted, scan: int) -> Front | None:
-    """The front on the surrogate, at a distance from the limits that its uncertainty asks for; None: not feasible."""
-    problem = question.problem(source, _SAFE * question.room)
+def trace(asked: Designs, scan: int) -> Front | None:
+    """The front on the surrogate, with the safety margin that its uncertainty asks for; None: not feasible."""
+    question, predicted = asked.question, asked.predicted
+    problem = program.problem(question, predicted, _SAFETY * question.inequality)
     if not question.inputs:
-        return _point(problem, len(question.target.objectives))
-    coarse = front(problem, len(question.target.objectives), points=3, fill=1, scan=scan)
+        return _point(problem, question.objectives)
+    coarse = front(problem, question.objectives, points=3, fill=1, scan=scan)
     if coarse is None:
         return None
-    doubt = (_SAFE + assessment.doubts(question, coarse.x[len(coarse.x) // 2], source)) * question.room
-    return front(question.problem(source, doubt), len(question.target.objectives), scan=scan) or coarse
+    doubt = assessment.doubts(asked.at(coarse.x[len(coarse.x) // 2]))
+    problem = program.problem(question, predicted, (_SAFETY + doubt) * question.inequality)
+    return front(problem, question.objectives, scan=scan) or coarse
 
 
 def _point(problem: Problem, objectives: int) -> Front | None:
@@ -38,9 +39,9 @@ def _point(problem: Problem, objectives: int) -> Front | None:
     return Front(x, values, values[0], np.ones(objectives)) if excess.max(initial=-np.inf) <= 0 else None
 
 
-def measure(traced: Sequence[Front]) -> tuple[Array, Array]:
+def normalisation(traced: Sequence[Front]) -> tuple[Array, Array]:
     """Least value of every objective over some fronts together, and its range: what a compromise is measured by."""
-    values = np.concatenate([one.values for one in traced])
+    values = np.concatenate([part.values for part in traced])
     values = values[non_dominated(values)]
     span = np.ptp(values, axis=0)
     return values.min(0), np.where(span > 0, span, 1.0)
@@ -53,7 +54,7 @@ def best_of(traced: Front, problem: Problem) -> Optimum:
     return Optimum(traced.x[best], float(objective[best].min()), excess[best], True)
 
 
-def solved(question: Question, traced: Front, source: Predicted, exact: Exact, share: float = 1.0) -> xr.Dataset:
+def verified(traced: Designs, share: float = 1.0) -> xr.Dataset:
     """The front of one choice solved again exactly; what breaks a limit is left out.
 
     What is searched for, milliseconds a case, is solved in the scenarios that decide, for fewer designs if need be:
@@ -65,17 +66,15 @@ def solved(question: Question, traced: Front, source: Predicted, exact: Exact, s
         Over ``front``: ``front_exact`` and ``front_predicted`` (with ``objective``), ``front_value`` (with ``factor``:
         the variables).
     """
-    wanted = len(question.target.objectives)
-    sets, near = question.searched, budget.spared(question, source, exact)
-    x, some = budget.thinned(question, traced.x, source, share)
-    factors = {drawn: question.factors(x, chosen) for drawn, chosen in sets.items()}
-    found, guessed = (assessment.count(question, factors, sets, one) for one in (near, source))
-    found = budget.corrected(question, x, found, some, source, exact)
+    question, (designs, columns) = traced.question, budget.thinned(traced, share)
+    wanted, sets = question.objectives, question.searched
+    found, guessed = (designs.count(source, sets) for source in (budget.affordable(designs), designs.predicted))
+    found = budget.corrected(designs, found, columns)
     excess = np.stack(
-        [t.oriented(found[:, k]) for k, t in enumerate(question.terms) if t.limited] or [np.zeros(len(found))]
+        [term.oriented(found[:, k]) for k, term in enumerate(question.terms) if term.limited] or [np.zeros(len(found))]
     )
     kept = np.flatnonzero(excess.max(0) <= _KEPT)
-    variables = question.physical(x[kept]) | {
+    variables = designs.at(designs.x[kept]).variables | {
         name: np.full(kept.size, value) for name, value in question.held.items() if name in question.target.variables
     }
     return xr.Dataset(
@@ -88,13 +87,13 @@ def solved(question: Question, traced: Front, source: Predicted, exact: Exact, s
     )
 
 
-def together(parts: Mapping[str, xr.Dataset], signs: Array) -> xr.Dataset:
+def merged(parts: Mapping[str, xr.Dataset], signs: Array) -> xr.Dataset:
     """The front of all choices: what no design of any of them dominates, sorted by the first objective.
 
     Parameters
     ----------
     parts
-        What `solved` gives, by the choice in words.
+        What `verified` gives, by the choice in words.
     signs
         1 for every objective that is maximised, -1 for every other one.
 

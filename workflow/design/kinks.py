@@ -49,10 +49,10 @@ def pieces(expression: Expression, sign: float, known: Mapping[str, Array], most
         parts = [_swapped(expression, kink, branch) for branch in _branches(kink)]
         if not 1 < len(parts) <= most:
             continue
-        values = [sign * one.evaluate(known) for one in parts]
-        least = all(np.all(one >= whole - room) for one in values)
-        if least and not any(np.all(one <= whole + room) for one in values):
-            return [piece for one in parts for piece in pieces(one, sign, known, most // len(parts))]
+        values = [sign * part.evaluate(known) for part in parts]
+        least = all(np.all(value >= whole - room) for value in values)
+        if least and not any(np.all(value <= whole + room) for value in values):
+            return [piece for part in parts for piece in pieces(part, sign, known, most // len(parts))]
     return [expression]
 
 
@@ -72,5 +72,5 @@ def _swapped(tree: Expression, node: Expression, other: Expression) -> Expressio
     if isinstance(tree, Power):
         return replace(tree, base=_swapped(tree.base, node, other))
     if isinstance(tree, Call):
-        return replace(tree, arguments=tuple(_swapped(one, node, other) for one in tree.arguments))
+        return replace(tree, arguments=tuple(_swapped(argument, node, other) for argument in tree.arguments))
     return tree

@@ -6,19 +6,18 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from workflow.design.question import Question
-from workflow.design.sources import Predicted
+from workflow.design import program
+from workflow.design.designs import Designs
 
 Array = NDArray[np.float64]
 
 _MAP, _COARSE = 81, 41  # points a side of the map; fewer where every point stands for many draws
 _MANY = 128  # scenarios a point from which the map is coarse
 _SLICE = 121  # points of a slice
-_NORMAL = 1.959964
 
 
-def landscape(question: Question, x: Array, source: Predicted) -> xr.Dataset:
-    """Map and slices of the first objective through a design, (d,) in scaled coordinates.
+def landscape(design: Designs) -> xr.Dataset:
+    """Map and slices of the first objective on the surrogate, through one design.
 
     Returns
     -------
@@ -27,52 +26,53 @@ def landscape(question: Question, x: Array, source: Predicted) -> xr.Dataset:
         two continuous variables or more; ``slice_value``, ``slice_objective``, ``slice_excess``, and the least and
         largest objective over the scenarios, ``slice_low`` and ``slice_high``, over ``slice``, ``step``.
     """
-    return xr.merge([_map(question, x, source), _slices(question, x, source)])
+    return xr.merge([_map(design), _slices(design)])
 
 
-def _map(question: Question, x: Array, source: Predicted) -> xr.Dataset:
+def _map(design: Designs) -> xr.Dataset:
+    question = design.question
     names = list(question.inputs)[:2]
     if len(names) < 2:
         return xr.Dataset()
-    count = _MAP if sum(one.count for one in question.searched.values()) < _MANY else _COARSE
+    count = _MAP if sum(chosen.count for chosen in question.searched.values()) < _MANY else _COARSE
     side = np.linspace(-1.0, 1.0, count)
-    points = np.tile(x, (count * count, 1))
+    points = np.tile(design.x, (count * count, 1))
     points[:, 0], points[:, 1] = (grid.ravel() for grid in np.meshgrid(side, side, indexing="ij"))
-    objective, excess = _counted(question, points, source)
+    objective, excess = _counted(design.at(points))
     coords: dict[str, Any] = {
         f"map_{axis}": (f"map_{axis}", question.inputs[name].from_unit(side), {"factor": name})
         for axis, name in zip("xy", names, strict=True)
     }
     maps = {"map_objective": objective, "map_excess": excess}
     return xr.Dataset(
-        {name: (("map_x", "map_y"), one.reshape(count, count)) for name, one in maps.items()}, coords=coords
+        {name: (("map_x", "map_y"), values.reshape(count, count)) for name, values in maps.items()}, coords=coords
     )
 
 
-def _slices(question: Question, x: Array, source: Predicted) -> xr.Dataset:
-    side = np.linspace(-1.0, 1.0, _SLICE)
+def _slices(design: Designs) -> xr.Dataset:
+    question, side = design.question, np.linspace(-1.0, 1.0, _SLICE)
     corner, first = question.searched[False], question.terms[0]
     parts = []
-    for column, (name, one) in enumerate(question.inputs.items()):
-        points = np.tile(x, (_SLICE, 1))
+    for column, (name, axis) in enumerate(question.inputs.items()):
+        points = np.tile(design.x, (_SLICE, 1))
         points[:, column] = side
-        objective, excess = _counted(question, points, source)
-        factors = question.factors(points, corner)
-        value = question.values(source, factors, corner, [first])[0].reshape(_SLICE, -1)
+        along = design.at(points)
+        objective, excess = _counted(along)
+        values = along.values(design.predicted, corner, first).reshape(_SLICE, -1)
         columns = {
-            "slice_value": one.from_unit(side),
+            "slice_value": axis.from_unit(side),
             "slice_objective": objective,
             "slice_excess": excess,
-            "slice_low": value.min(1),
-            "slice_high": value.max(1),
+            "slice_low": values.min(1),
+            "slice_high": values.max(1),
         }
         parts.append(xr.Dataset({key: ("step", array) for key, array in columns.items()}).assign_coords(slice=name))
     return xr.concat(parts, "slice") if parts else xr.Dataset()
 
 
-def _counted(question: Question, points: Array, source: Predicted) -> tuple[Array, Array]:
-    """The first objective as it counts, and the largest excess, at scaled points (n, d)."""
-    objective, excess = question.problem(source).value(points)
-    first = question.terms[0]
-    count = objective.shape[1] // len(question.target.objectives)
-    return first.sign * objective[:, :count].min(1), excess.max(1, initial=-np.inf)
+def _counted(designs: Designs) -> tuple[Array, Array]:
+    """The first objective as it counts, and the largest excess, of every design."""
+    question = designs.question
+    objective, excess = program.problem(question, designs.predicted).value(designs.x)
+    count = objective.shape[1] // question.objectives
+    return question.terms[0].sign * objective[:, :count].min(1), excess.max(1, initial=-np.inf)

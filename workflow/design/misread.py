@@ -50,6 +50,6 @@ def _meant(term: Term, values: NDArray[np.float64]) -> str:
     if lone is None or lone.startswith("kg"):
         return "; a unit may stand behind the number"
     size = float(np.abs(values).max())
-    scales = {prefix: units.parse(f"{prefix}{lone}").factor / units.parse(lone).factor for prefix in _PREFIXES}
+    scales = {prefix: units.parse(f"{prefix}{lone}").scale / units.parse(lone).scale for prefix in _PREFIXES}
     closest = min(scales, key=lambda prefix: abs(log10(abs(term.bound) * scales[prefix] / size)))
     return f"; did you mean {term.bound:g} {closest}{lone}?"

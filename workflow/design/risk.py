@@ -1,6 +1,6 @@
-"""What a term counts as over its scenarios: rows that an optimiser bounds, with their derivatives.
+"""Risk measures: what a term counts as over its scenarios, as rows that an optimiser bounds, with their derivatives.
 
-Every function maps values of a term over scenarios, (n, groups, draws), to rows (n, r), and, for one point, to the
+Each maps values of a term over scenarios, (n, groups, draws), to rows (n, r), and, for one point, to the
 Jacobian (r, groups * draws) of the rows by the values.
 """
 
@@ -15,7 +15,7 @@ from scipy.special import betainc
 Array = NDArray[np.float64]
 
 
-class Statistic(ABC):
+class RiskMeasure(ABC):
     """A way to count scenarios."""
 
     @abstractmethod
@@ -27,8 +27,8 @@ class Statistic(ABC):
         """(groups, draws) -> (r, groups * draws)."""
 
 
-class Every(Statistic):
-    """Every scenario on its own."""
+class WorstCase(RiskMeasure):
+    """Every scenario a row of its own: the worst of them decides."""
 
     def rows(self, values: Array) -> Array:
         """The values themselves."""
@@ -40,7 +40,7 @@ class Every(Statistic):
 
 
 @dataclass(frozen=True)
-class Moments(Statistic):
+class MeanDeviation(RiskMeasure):
     """Mean plus ``deviations`` (of either sign) standard deviations of the draws, in every group."""
 
     deviations: float
@@ -58,7 +58,7 @@ class Moments(Statistic):
 
 
 @dataclass(frozen=True)
-class Quantile(Statistic):
+class Quantile(RiskMeasure):
     """Quantile of the draws in every group, smooth in the values.
 
     Source: F. E. Harrell and C. E. Davis, Biometrika 69 (1982) 635.
@@ -76,7 +76,7 @@ class Quantile(Statistic):
         return _by_group(_harrell_davis(values.shape[-1], self.share)[ranks])
 
 
-class Deviation(Statistic):
+class RelativeDeviation(RiskMeasure):
     """Relative deviations of all scenarios from their common mean, upwards and downwards."""
 
     def rows(self, values: Array) -> Array:
@@ -90,8 +90,8 @@ class Deviation(Statistic):
         """By the rule of the quotient."""
         flat = values.ravel()
         mean = flat.mean()
-        one = np.eye(flat.size) / mean - flat[:, None] / (mean**2 * flat.size)
-        return np.concatenate([one, -one])
+        upwards = np.eye(flat.size) / mean - flat[:, None] / (mean**2 * flat.size)
+        return np.concatenate([upwards, -upwards])
 
 
 @cache

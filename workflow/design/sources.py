@@ -20,7 +20,7 @@ Factors = dict[str, Array]
 
 def shape(factors: Factors) -> tuple[int, ...]:
     """(points, scenarios)."""
-    return np.broadcast_shapes(*(one.shape for one in factors.values()))
+    return np.broadcast_shapes(*(values.shape for values in factors.values()))
 
 
 class Source(Protocol):
@@ -51,11 +51,11 @@ class Exact:
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Quantities by name; factors that share a dimension are evaluated together."""
-        axes = {name: _labelled(one) for name, one in factors.items()}
+        axes = {name: _labelled(values) for name, values in factors.items()}
         solved = factorial.exact(self._study, axes, peaks=not PEAKS.keys().isdisjoint(names))
         whole = {"point": 1, "scenario": 1} | dict(solved.sizes)
         arrays = {name: solved[name].expand_dims([dim for dim in whole if dim not in solved.dims]) for name in names}
-        return {name: one.transpose("point", "scenario").values for name, one in arrays.items()}
+        return {name: array.transpose("point", "scenario").values for name, array in arrays.items()}
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
         """Not given: the question differentiates by difference quotients."""

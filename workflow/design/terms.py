@@ -12,6 +12,7 @@ from workflow.language.statements import Limit, Objective
 Array = NDArray[np.float64]
 
 _MEET = 1e-9  # distance of two bounds, over their scale, that leaves one value
+_REST = 1e-3  # share of all weight that scenarios may have which are not among those that decide
 
 
 @dataclass(frozen=True)
@@ -26,8 +27,8 @@ class Term:
         What is computed.
     sign
         An objective times its sign is maximised; a limit's excess is its sign times what is beyond the bound.
-    statistic
-        How scenarios count.
+    measure
+        How scenarios count: the risk measure.
     drawn
         Whether the scenarios are draws of the distributions rather than the corners of all ranges.
     bound
@@ -41,7 +42,7 @@ class Term:
     label: str
     expression: Expression
     sign: float
-    statistic: risk.Statistic
+    measure: risk.RiskMeasure
     drawn: bool
     bound: float = np.nan
     scale: float = 1.0
@@ -55,40 +56,59 @@ class Term:
     @property
     def units(self) -> str:
         """Unit in the interface's notation where a quantity has it, in base units otherwise."""
-        if isinstance(self.statistic, risk.Deviation):
+        if isinstance(self.measure, risk.RelativeDeviation):
             return "1"
         return self.expression.lone() or str(self.expression.unit() or "1")
 
     def meets(self, other: "Term") -> bool:
         """Whether this limit and another one of the same expression leave one value only: an equality."""
-        mine, others = (risk.Every, self.expression), (type(other.statistic), other.expression)
-        same = mine == others and isinstance(self.statistic, risk.Every)
+        same = self.expression == other.expression and all(
+            isinstance(term.measure, risk.WorstCase) for term in (self, other)
+        )
         return same and self.sign == -other.sign and abs(self.bound - other.bound) <= _MEET * self.scale
 
     def worst(self, rows: Array) -> Array:
         """The row that decides, over the last axis: the least objective, the largest use of a limit."""
         return np.asarray(rows.min(-1) if (self.sign > 0) != self.limited else rows.max(-1))
 
-    def oriented(self, rows: Array | float, slack: float = 0.0) -> Array:
-        """Rows that are maximised, or those of a limit as relative excess plus ``slack``."""
+    def counted(self, values: Array) -> Array:
+        """What values over scenarios count as: (n, groups, draws) -> (n,)."""
+        return self.worst(self.measure.rows(values))
+
+    def weights(self, values: Array) -> Array:
+        """How much every scenario weighs in the row that decides: (groups, draws) -> (scenarios,)."""
+        rows = self.measure.rows(values[None])[0]
+        row = int(np.flatnonzero(rows == self.worst(rows))[0])
+        return np.asarray(np.abs(self.measure.jacobian(values)[row]))
+
+    def deciding(self, values: Array) -> NDArray[np.bool_]:
+        """The fewest scenarios that make the row that decides: (groups, draws) -> (scenarios,)."""
+        weights = self.weights(values)
+        order = np.argsort(weights)
+        kept = np.ones(weights.size, dtype=bool)
+        kept[order[np.cumsum(weights[order]) <= _REST * weights.sum()]] = False
+        return kept
+
+    def oriented(self, rows: Array | float, safety: float = 0.0) -> Array:
+        """Rows that are maximised, or those of a limit as relative excess plus a safety margin."""
         if not self.limited:
             return np.asarray(self.sign * rows)
-        return np.asarray(self.sign * (rows - self.bound) / self.scale + slack)
+        return np.asarray(self.sign * (rows - self.bound) / self.scale + safety)
 
 
-def wanted(one: Objective, deviations: float | None) -> Term:
+def wanted(objective: Objective, deviations: float | None) -> Term:
     """The term of an objective; ``deviations`` None counts the worst case."""
-    statistic = risk.Every() if deviations is None else risk.Moments(-one.sign * deviations)
-    return Term(str(one), one.expression, one.sign, statistic, deviations is not None)
+    sign = objective.sign
+    measure = risk.WorstCase() if deviations is None else risk.MeanDeviation(-sign * deviations)
+    return Term(str(objective), objective.expression, sign, measure, deviations is not None)
 
 
-def limited(one: Limit, scale: float) -> Term:
+def limited(limit: Limit, scale: float) -> Term:
     """The term of a limit, with a scale for a bound of zero."""
-    statistic: risk.Statistic = risk.Every()
-    if one.deviation:
-        statistic = risk.Deviation()
-    elif one.probability is not None:
-        statistic = risk.Quantile(one.probability if one.upper else 1 - one.probability)
-    size = abs(one.value) or scale
-    drawn = one.probability is not None
-    return Term(str(one), one.expression, one.sign, statistic, drawn, one.value, size, one.unitless)
+    measure: risk.RiskMeasure = risk.WorstCase()
+    if limit.deviation:
+        measure = risk.RelativeDeviation()
+    elif limit.probability is not None:
+        measure = risk.Quantile(limit.probability if limit.upper else 1 - limit.probability)
+    size, drawn = abs(limit.value) or scale, limit.probability is not None
+    return Term(str(limit), limit.expression, limit.sign, measure, drawn, limit.value, size, limit.unitless)

@@ -1,8 +1,8 @@
 """The grammar of expressions, read by recursive descent. Nothing is executed.
 
     sum     := product (("+" | "-") product)*
-    product := factor (("*" | "/") factor)*
-    factor  := ("-" | "+") factor | atom ["^" integer]          ("**" is "^")
+    product := signed (("*" | "/") signed)*
+    signed  := ("-" | "+") signed | atom ["^" integer]          ("**" is "^")
     atom    := number | name | function "(" sum ("," sum)* ")" | "(" sum ")"
 
 Names are the quantities and numeric factors of the interface; functions are abs, sqrt, log, exp, min and max.
@@ -74,16 +74,16 @@ class _Parser:
         return tree
 
     def _product(self, depth: int) -> Expression:
-        tree = self._factor(depth)
+        tree = self._signed(depth)
         while sign := self._take("*", "/"):
-            tree = Operation(sign, tree, self._factor(depth))
+            tree = Operation(sign, tree, self._signed(depth))
         return tree
 
-    def _factor(self, depth: int) -> Expression:
+    def _signed(self, depth: int) -> Expression:
         if depth > DEEPEST:
             raise ValueError(f"nested more than {DEEPEST} deep")
         if sign := self._take("-", "+"):
-            inner = self._factor(depth + 1)
+            inner = self._signed(depth + 1)
             return Operation("*", Number(-1.0), inner) if sign == "-" else inner
         atom = self._atom(depth)
         if self._take("^", "**"):
@@ -97,15 +97,15 @@ class _Parser:
     def _atom(self, depth: int) -> Expression:
         if self._at >= len(self._tokens):
             raise ValueError("something is missing at its end")
-        kind, token = self._tokens[self._at]
+        group, token = self._tokens[self._at]
         self._at += 1
-        if kind == "number":
+        if group == "number":
             if not isfinite(float(token)):
                 raise ValueError(f"{token} is not a finite number")
             return Number(float(token))
-        if kind == "name" and self._take("("):
+        if group == "name" and self._take("("):
             return self._call(token, depth)
-        if kind == "name":
+        if group == "name":
             known = [*EVERY_QUANTITY, *FACTORS]
             if token not in known:
                 raise ValueError(f"{token!r} is not a quantity; {nearest(token, known)}")

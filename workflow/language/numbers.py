@@ -31,6 +31,17 @@ def number(value: float | None, digits: int = 4) -> str:
     return f"{mantissa}×10{str(power).translate(_RAISED)}".replace("-", _MINUS)
 
 
+def counted(count: float) -> str:
+    """How many there are, in groups of three digits.
+
+    Examples
+    --------
+    >>> counted(41600)
+    '41,600'
+    """
+    return f"{int(count):,}"
+
+
 def prefixed(size: float, units: str, digits: int = _DIGITS) -> tuple[float, str]:
     """What to divide values of some size by, and the unit to write then.
 

@@ -11,9 +11,6 @@ from math import isfinite
 
 from workflow.language import grammar, units
 from workflow.language.expressions import Expression
-from workflow.language.spelling import nearest
-
-__all__ = ["Limit", "Objective", "Statistic", "limit", "nearest", "objective", "statistic"]
 
 _LIMIT = re.compile(
     r"(?P<left>.+?)\s*(?P<sign><=|>=|<|>)\s*(?P<value>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\w.])\s*(?P<unit>.*?)"
@@ -113,7 +110,7 @@ def limit(text: str) -> Limit:
     if match["unit"] and expected is not None and not unit.fits(expected):
         shown = str(expected) if wrapped else expression.lone() or str(expected)
         raise ValueError(f"{text!r}: unit mismatch: the limit is in {match['unit']}, the expression in {shown}")
-    value = float(match["value"]) * unit.factor
+    value = float(match["value"]) * unit.scale
     if not isfinite(value):
         raise ValueError(f"{text!r}: {match['value']} is not a finite number")
     probability = float(match["probability"]) if match["probability"] else None

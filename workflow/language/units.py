@@ -1,4 +1,4 @@
-"""Units: ``MPa``, ``kV/mm``, ``V m N-1``, ``C m-3/2`` to a factor on SI and the exponents of metre, kilogram, ...
+"""Units: ``MPa``, ``kV/mm``, ``V m N-1``, ``C m-3/2`` to a scale on SI and the exponents of metre, kilogram, ...
 
 The notation is that of CF (a symbol with its exponent behind it, a blank between symbols), with ``/`` for the symbols
 behind it, ``%``, and the decimal prefixes of the SI (BIPM, The International System of Units, 9th edition, table 7).
@@ -38,12 +38,12 @@ _LARGEST_POWER, _LONGEST = 9, 100  # an exponent, also of its denominator; chara
 
 @dataclass(frozen=True)
 class Unit:
-    """A factor on SI and the exponents of metre, kilogram, second and ampere.
+    """A scale on SI and the exponents of metre, kilogram, second and ampere.
 
     ``symbols`` are those that it was made of, with their exponents: what a reader knows it by.
     """
 
-    factor: float
+    scale: float
     exponents: tuple[Fraction, ...]
     symbols: tuple[tuple[str, Fraction], ...] = field(default=(), compare=False)
 
@@ -57,14 +57,12 @@ class Unit:
         for symbol, power in other.symbols:
             powers[symbol] = powers.get(symbol, Fraction(0)) + power
         exponents = tuple(a + b for a, b in zip(self.exponents, other.exponents, strict=True))
-        return Unit(
-            self.factor * other.factor, exponents, tuple((one, power) for one, power in powers.items() if power)
-        )
+        return Unit(self.scale * other.scale, exponents, tuple((one, power) for one, power in powers.items() if power))
 
     def power(self, exponent: Fraction) -> "Unit":
         """The unit raised to a rational exponent."""
         symbols = tuple((one, exponent * power) for one, power in self.symbols if exponent)
-        return Unit(self.factor ** float(exponent), tuple(exponent * one for one in self.exponents), symbols)
+        return Unit(self.scale ** float(exponent), tuple(exponent * one for one in self.exponents), symbols)
 
     def fits(self, other: "Unit") -> bool:
         """Whether both measure the same kind of quantity."""
@@ -106,7 +104,7 @@ def parse(text: str) -> Unit:
         unit *= _symbol(match["symbol"]).power(-power if match["over"] else power)
         position = match.end()
         position += len(text[position:]) - len(text[position:].lstrip(" *·"))
-    if not (isfinite(unit.factor) and unit.factor > 0):
+    if not (isfinite(unit.scale) and unit.scale > 0):
         raise ValueError(f"{text!r} is beyond the range of numbers")
     return unit
 
@@ -135,7 +133,7 @@ def in_si(text: str, units: str) -> float:
     found = parse(match[2])
     if not found.fits(parse(units)):
         raise ValueError(f"{text!r}: unit mismatch: {match[2]!r} does not measure what {units!r} measures")
-    value = float(Decimal(match[1]) * Decimal(repr(found.factor))) if isfinite(float(match[1])) else float("inf")
+    value = float(Decimal(match[1]) * Decimal(repr(found.scale))) if isfinite(float(match[1])) else float("inf")
     if not isfinite(value):
         raise ValueError(f"{text!r} is not a finite number [{units}]")
     return value
@@ -143,12 +141,12 @@ def in_si(text: str, units: str) -> float:
 
 def _symbol(text: str) -> Unit:
     if text in _ALONE:
-        factor, exponents = _ALONE[text]
-        return Unit(factor, tuple(map(Fraction, exponents)))
-    for symbol, (factor, exponents) in _SYMBOLS.items():
+        scale, exponents = _ALONE[text]
+        return Unit(scale, tuple(map(Fraction, exponents)))
+    for symbol, (scale, exponents) in _SYMBOLS.items():
         if text.endswith(symbol) and text[: -len(symbol)] in _PREFIXES:
             known = "kg" if symbol == "g" else symbol
             return Unit(
-                factor * _PREFIXES[text[: -len(symbol)]], tuple(map(Fraction, exponents)), ((known, Fraction(1)),)
+                scale * _PREFIXES[text[: -len(symbol)]], tuple(map(Fraction, exponents)), ((known, Fraction(1)),)
             )
     raise ValueError(f"{text!r} is not a unit; known are {', '.join(_SYMBOLS)} with decimal prefixes, and %")

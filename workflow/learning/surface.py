@@ -101,12 +101,12 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
         A position that is not under the punch; a point outside the box.
     """
     position = np.asarray(X, dtype=np.float64)
-    factor = weights(position, quantities.predict(points, return_std=False)["pressure_exponent"])
+    weight = weights(position, quantities.predict(points, return_std=False)["pressure_exponent"])
     angle = xr.DataArray(np.arccos(-position), dims="position", coords={"position": position})
     found = fields.predict({**_named(points), "angle": angle})
     return xr.Dataset(
         {
-            f"{name}{suffix}": (found[f"{name}{suffix}"] * factor[name]).assign_attrs(FIELDS[name].attrs)
+            f"{name}{suffix}": (found[f"{name}{suffix}"] * weight[name]).assign_attrs(FIELDS[name].attrs)
             for name in NAMES
             for suffix in ("", "_std")
         }

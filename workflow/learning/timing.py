@@ -37,13 +37,13 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
     X = np.stack([array.values for array in points.values()], -1)
     one = {name: array[0] for name, array in points.items()}
     grid = dict(factorial.levels(study))
-    count, kinds = X.shape[0], len(study.combinations)
+    count, combinations = X.shape[0], len(study.combinations)
     found = {
         "cases": float(study.cases),
         "queries": float(count),
         "outputs": float(len(study.outputs)),
         "exact_per_factorial_case": seconds(lambda: factorial.exact(plain, grid)) / study.cases,
-        "exact_per_scattered_case": seconds(lambda: factorial.exact(plain, points)) / (count * kinds),
+        "exact_per_scattered_case": seconds(lambda: factorial.exact(plain, points)) / (count * combinations),
         "exact_single_case": seconds(lambda: factorial.exact(plain.narrowed(study.combinations[0]), one)),
         "surrogate_fit": seconds(lambda: training.fit(study, quantities)),
         "surrogate_mean_per_query": seconds(lambda: model.predict_array(X)) / count,
@@ -53,7 +53,7 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
     if study.dataset.peaks:
         some = {name: array[:_SEARCHED] for name, array in points.items()}
         found["exact_per_searched_case"] = seconds(lambda: factorial.exact(study, some), 1) / (
-            len(next(iter(some.values()))) * kinds
+            len(next(iter(some.values()))) * combinations
         )
     return found
 

@@ -8,7 +8,7 @@ from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.levels import counts
 from surrogate.use import validation
 from workflow.dataset import factorial
-from workflow.study.model import PHYSICS, Study
+from workflow.study.model import Study
 
 
 def compression(study: Study) -> float:
@@ -16,15 +16,10 @@ def compression(study: Study) -> float:
     return min(1e-9, 1e-3 * study.validation.tolerance)
 
 
-def origin(study: Study) -> str:
-    """What a surrogate of the study says that it was made from: its cases and the physics that answered them."""
-    return study.digest(*PHYSICS)
-
-
 def fit(study: Study, quantities: xr.Dataset) -> GridGP:
     """Gaussian process of the study's outputs on its factorial."""
     model = GridGP(study.surrogate.kernel, factorial.inputs(study), study.learned, compression=compression(study))
-    model.made_from_ = origin(study)
+    model.made_from_ = study.physics
     return model.fit(factorial.learned(study, quantities))
 
 

@@ -15,10 +15,10 @@ from storage.netcdf import read_whole
 from surrogate import load
 from workflow.dataset.slabs import CARD
 from workflow.design import answers, assessment
-from workflow.language.numbers import number, raised, shown
+from workflow.language.numbers import counted, number, raised, shown
 from workflow.learning.timing import by_quantity
 from workflow.report import datum_effect, problem, whatif
-from workflow.report.figures import listing
+from workflow.report.figures.design_kinds import kinds
 from workflow.report.svg import element, inlined
 from workflow.report.verdict import findings
 from workflow.study.datum import HANGING, length
@@ -66,8 +66,15 @@ def page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.globals |= {"kinds": listing.kinds}
-    environment.filters |= {"number": number, "seconds": _seconds, "words": _words, "si": shown, "raised": raised}
+    environment.globals |= {"kinds": kinds}
+    environment.filters |= {
+        "number": number,
+        "seconds": _seconds,
+        "words": _words,
+        "si": shown,
+        "raised": raised,
+        "counted": counted,
+    }
     content: dict[str, Any] = {
         "study": study,
         "name": name,

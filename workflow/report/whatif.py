@@ -11,7 +11,7 @@ from markupsafe import Markup
 from solver.names import EVERY_QUANTITY, FACTORS
 from surrogate import GaussianProcess
 from surrogate.gp.conformal import HALF_WIDTH
-from surrogate.gp.plain import plain
+from surrogate.gp.export import exported
 from workflow.dataset import factorial
 from workflow.design import answers, assessment, scenarios
 from workflow.design.sources import Predicted
@@ -37,7 +37,7 @@ def content(
     designs
         Answers of the study's targets, in its order, offered as starting points.
     """
-    stored = plain(model)
+    stored = exported(model)
     if stored is None:
         return None
     values = [{name: float(one["worst"].sel(factor=name)[0]) for name in model.box} for one in designs]

@@ -7,12 +7,12 @@ import sys
 from functools import cache
 
 from workflow.design import unreached
-from workflow.run import provenance, lock
+from workflow.run import lock, provenance
 from workflow.study import location, partition, planned
 from workflow.study import model as studies
 from workflow.study.model import CHECK_GROUPS, CONVERGING, PHYSICS
 
-# jobs look for modules where this process does, before the folder of their script, which has a surrogate.py of its own
+# jobs look for modules where this process does
 sys.path.insert(0, str(provenance.ROOT))
 
 STUDIES = set()  # those that this run needs
@@ -39,7 +39,7 @@ def before(theirs, ours):
 def study_named(name):
     """The checked study, on a cluster's node as it was when the run began; bad input ends the run with one line."""
     try:
-        return (workflow.remote_exec and planned.begun(name, RESULTS)) or partition.settled(studies.named(name))
+        return (workflow.remote_exec and planned.begun(name, RESULTS)) or partition.with_slabs(studies.named(name))
     except studies.InputError as error:
         raise WorkflowError(str(error))
 
@@ -54,9 +54,9 @@ def sections(*names):
     return lambda wildcards: planned.parameter(study_of(wildcards), *names)
 
 
-def targets_of(name):
+def final_files_of(name):
     """What a run of a study makes last."""
-    return [f"results/{name}/{file}" for file in study_named(name).targets]
+    return [f"results/{name}/{file}" for file in study_named(name).final_files]
 
 
 def designs_of(wildcards):
@@ -68,8 +68,8 @@ def designs_of(wildcards):
 def effects_of(study):
     if not study.effects:
         return []
-    kinds = ["effect", "interior"] if study.effects.interior else ["effect"]
-    return [f"{kind}_{name}" for name in study.effects.vary for kind in kinds]
+    fields = ["effect", "interior"] if study.effects.interior else ["effect"]
+    return [f"{field}_{name}" for name in study.effects.vary for field in fields]
 
 
 def levels_of(wildcards):
@@ -98,8 +98,8 @@ def results_of(wildcards):
     return expand("results/{study}/{file}", study=wildcards.study, file=names)
 
 
-def captions_of(*kinds):
-    return [f"workflow/report/captions/{kind}.rst" for kind in kinds]
+def captions_of(*figures):
+    return [f"workflow/report/captions/{figure}.rst" for figure in figures]
 
 
 def slabs_of(wildcards, file):

@@ -86,10 +86,10 @@ rule figure_design:
     output:
         report(
             directory("results/{study}/figures/design_{name}"),
-            patterns=["{kind}_{target}.svg"],
+            patterns=["{figure}_{target}.svg"],
             caption="../report/captions/design.rst",
             category="Design",
-            labels={"figure": "{kind}", "target": "{target}"},
+            labels={"figure": "{figure}", "target": "{target}"},
         ),
     params:
         study=sections("design"),

@@ -26,13 +26,13 @@ rule surrogate:
     priority: 1
     params:
         study=sections(*PHYSICS, "dataset", "surrogate", "validation"),
-        code=provenance.code("workflow/scripts/surrogate.py"),
+        code=provenance.code("workflow/scripts/training.py"),
     log:
         "logs/{study}/surrogate.log",
     benchmark:
         "logs/{study}/surrogate.tsv"
     script:
-        "../scripts/surrogate.py"
+        "../scripts/training.py"
 
 
 rule validation:

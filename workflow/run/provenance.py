@@ -114,8 +114,8 @@ def _file(name: str) -> Path | None:
     parts = name.split(".")
     if parts[0] not in ROOMS:
         return None
-    target = ROOT.joinpath(*parts)
-    return next((file for file in (target.with_suffix(".py"), target / "__init__.py") if file.is_file()), None)
+    path = ROOT.joinpath(*parts)
+    return next((file for file in (path.with_suffix(".py"), path / "__init__.py") if file.is_file()), None)
 
 
 def _definition(module: str, name: str) -> Path | None:

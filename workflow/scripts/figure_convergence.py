@@ -3,13 +3,9 @@
 import json
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
-from workflow.report.figures import plots
+from workflow.report.figures import convergence, style
 from workflow.run import joblog
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
+snakemake = joblog.start(globals())
 findings = json.loads(Path(snakemake.input[0]).read_text(encoding="utf-8"))
-plots.save(plots.convergence(findings["curves"]), Path(snakemake.output[0]))
+style.save(convergence.figure(findings["curves"]), Path(snakemake.output[0]))

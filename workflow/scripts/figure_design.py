@@ -2,18 +2,14 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.netcdf import read_whole
-from workflow.report.figures import design, plots
+from workflow.report.figures import design_plots, style
 from workflow.run import joblog
 from workflow.study import planned
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
-target = planned.study(snakemake.wildcards.study, snakemake.params.study).design[snakemake.wildcards.name]
+snakemake = joblog.start(globals())
+target = planned.study(snakemake).design[snakemake.wildcards.name]
 folder = Path(snakemake.output[0])
-folder.mkdir()
-for kind, figure in design.figures_of(read_whole(Path(snakemake.input[0])), target).items():
-    plots.save(figure, folder / f"{kind}_{snakemake.wildcards.name}.svg")
+folder.mkdir(exist_ok=True)
+for name, figure in design_plots.figures_of(read_whole(Path(snakemake.input[0])), target).items():
+    style.save(figure, folder / f"{name}_{snakemake.wildcards.name}.svg")

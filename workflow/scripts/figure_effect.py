@@ -2,13 +2,9 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.netcdf import read_whole
-from workflow.report.figures import plots
+from workflow.report.figures import field_panels, style
 from workflow.run import joblog
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
-plots.save(plots.effect(read_whole(Path(snakemake.input[0]))), Path(snakemake.output[0]))
+snakemake = joblog.start(globals())
+style.save(field_panels.effect(read_whole(Path(snakemake.input[0]))), Path(snakemake.output[0]))

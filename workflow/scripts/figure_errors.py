@@ -2,17 +2,13 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.netcdf import read_whole
-from workflow.report.figures import decay, intervals, plots
+from workflow.report.figures import coefficients, coverage, style, surrogate_errors
 from workflow.run import joblog
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
+snakemake = joblog.start(globals())
 validation = read_whole(Path(snakemake.input[0]))
-plots.save(decay.figure(validation), Path(snakemake.output.decay))
-plots.save(plots.errors(validation), Path(snakemake.output.errors))
-plots.save(plots.parity(validation), Path(snakemake.output.parity))
-plots.save(intervals.figure(validation), Path(snakemake.output.intervals))
+style.save(coefficients.figure(validation), Path(snakemake.output.decay))
+style.save(surrogate_errors.errors(validation), Path(snakemake.output.errors))
+style.save(surrogate_errors.parity(validation), Path(snakemake.output.parity))
+style.save(coverage.figure(validation), Path(snakemake.output.intervals))

@@ -3,15 +3,11 @@
 from contextlib import ExitStack
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.netcdf import read_whole
-from workflow.report.figures import plots
+from workflow.report.figures import field_panels, style
 from workflow.run import joblog
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
+snakemake = joblog.start(globals())
 with ExitStack() as stack:
     slabs = [stack.enter_context(read_whole(Path(file), lazy=True)) for file in snakemake.input]
-    plots.save(plots.fields(slabs), Path(snakemake.output[0]))
+    style.save(field_panels.fields(slabs), Path(snakemake.output[0]))

@@ -2,16 +2,11 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.netcdf import read_whole
-from workflow.report.figures import plots
-from workflow.report.figures import sensitivity as influence
+from workflow.report.figures import sobol, style
 from workflow.run import joblog
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
+snakemake = joblog.start(globals())
 sensitivity = read_whole(Path(snakemake.input[0]))
-plots.save(influence.indices(sensitivity), Path(snakemake.output.indices))
-plots.save(influence.main_effects(sensitivity, snakemake.params.shown), Path(snakemake.output.effects))
+style.save(sobol.indices(sensitivity), Path(snakemake.output.indices))
+style.save(sobol.main_effects(sensitivity, snakemake.params.shown), Path(snakemake.output.effects))

@@ -2,14 +2,10 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from workflow.run import joblog, provenance
 from workflow.study import location
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
+snakemake = joblog.start(globals())
 results = [Path(result) for result in snakemake.input]
 output = Path(snakemake.output[0])
 study = location.from_results(snakemake.wildcards.study, output.parent)

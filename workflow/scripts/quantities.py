@@ -2,15 +2,11 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from solver.names import EVERY_QUANTITY
 from storage.netcdf import read_whole, write_whole
 from workflow.dataset import quantities
 from workflow.run import joblog
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
+snakemake = joblog.start(globals())
 slabs = [read_whole(Path(slab), names=EVERY_QUANTITY) for slab in snakemake.input]
 write_whole(quantities.gather(slabs), Path(snakemake.output[0]))

@@ -2,19 +2,15 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.netcdf import write_whole
 from surrogate import load
 from workflow.learning import readout_trial
-from workflow.report.figures import plots, readout
+from workflow.report.figures import readout_intervals, style
 from workflow.run import joblog
 from workflow.study import planned
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
-config = planned.study(snakemake.wildcards.study, snakemake.params.study)
+snakemake = joblog.start(globals())
+config = planned.study(snakemake)
 tried = readout_trial.trial(config, config.readout[snakemake.wildcards.name], load(snakemake.input[0]))
 write_whole(tried, Path(snakemake.output.nc))
-plots.save(readout.figure(tried), Path(snakemake.output.figure))
+style.save(readout_intervals.figure(tried), Path(snakemake.output.figure))

@@ -2,21 +2,17 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.files import write_text
 from workflow.dataset import levels
 from workflow.report import page as report
 from workflow.run import joblog
 from workflow.study import planned
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
+snakemake = joblog.start(globals())
 output = Path(snakemake.output[0])
 name = snakemake.wildcards.study
 figures = [Path(figure) for figure in snakemake.input.figures]
 figures += [figure for folder in snakemake.input.folders for figure in sorted(Path(folder).glob("*.svg"))]
-config = levels.resolved(planned.study(name, snakemake.params.study), snakemake.input.levels)
+config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
 page = report.page(config, name, output.parent, figures, Path(snakemake.input.provenance), snakemake.input.levels)
 write_text(output, page)

@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.described import described
 from storage.netcdf import write_whole
 from surrogate import load
@@ -11,9 +9,7 @@ from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.use.sensitivity import sobol
 from workflow.run import joblog
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
+snakemake = joblog.start(globals())
 model = load(snakemake.input[0])
 units = [model.attrs_[name].get("units", "") for name in model.outputs_]
 found = sobol(model).assign_coords(units=("output", units))

@@ -2,14 +2,10 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from workflow.dataset import levels, slabs
 from workflow.run import joblog
 from workflow.study import planned
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
-config = levels.resolved(planned.study(snakemake.wildcards.study, snakemake.params.study), snakemake.input.levels)
+snakemake = joblog.start(globals())
+config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
 slabs.write_slab(config, int(snakemake.wildcards.slab), Path(snakemake.output[0]))

@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.netcdf import write_whole
 from surrogate import save
 from workflow.dataset import levels
@@ -11,10 +9,8 @@ from workflow.learning import surface
 from workflow.run import joblog
 from workflow.study import planned
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
-config = levels.resolved(planned.study(snakemake.wildcards.study, snakemake.params.study), snakemake.input.levels)
+snakemake = joblog.start(globals())
+config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
 model = surface.fit(config)
 save(model, Path(snakemake.output.model))
 write_whole(surface.validate(config, model), Path(snakemake.output.validation))

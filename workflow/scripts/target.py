@@ -2,17 +2,13 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.netcdf import write_whole
 from surrogate import load
 from workflow.design import search
 from workflow.run import joblog
 from workflow.study import planned
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
-config = planned.study(snakemake.wildcards.study, snakemake.params.study)
+snakemake = joblog.start(globals())
+config = planned.study(snakemake)
 answer = search.solve_target(config, snakemake.wildcards.name, load(snakemake.input[0]))
 write_whole(answer, Path(snakemake.output[0]))

@@ -3,8 +3,6 @@
 import json
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.files import write_text
 from storage.netcdf import read_whole, write_whole
 from surrogate import load
@@ -13,10 +11,8 @@ from workflow.learning import timing, training
 from workflow.run import joblog
 from workflow.study import planned
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
-config = levels.resolved(planned.study(snakemake.wildcards.study, snakemake.params.study), snakemake.input.levels)
+snakemake = joblog.start(globals())
+config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
 quantities = read_whole(Path(snakemake.input.quantities))
 model = load(snakemake.input.surrogate)
 cases = read_whole(Path(snakemake.input.cases))

@@ -2,13 +2,9 @@
 
 from pathlib import Path
 
-from snakemake.iocontainers import Snakemake
-
 from storage.files import write_text
 from workflow.report import verdict
 from workflow.run import joblog
 
-snakemake: Snakemake
-
-joblog.start(snakemake.log[0])
+snakemake = joblog.start(globals())
 write_text(Path(snakemake.output[0]), verdict.verdict([Path(file) for file in snakemake.input.checks]))

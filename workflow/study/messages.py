@@ -8,7 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from workflow.language.spelling import nearest
 
-_KINDS = ("list_type", "dict_type", "string_type")
+_NOT_OF_TYPE = ("list_type", "dict_type", "string_type")
 
 
 def first_problem(error: ValidationError, model: type[BaseModel], content: Mapping[str, Any]) -> str:
@@ -17,7 +17,7 @@ def first_problem(error: ValidationError, model: type[BaseModel], content: Mappi
     # an unknown key is named before what is missing for it
     found = next((one for one in findings if one["type"] == "extra_forbidden"), None)
     # of a list or a mapping, what is wrong within it says more than that it is not the other
-    found = found or next((one for one in findings if one["type"] not in _KINDS), findings[0])
+    found = found or next((one for one in findings if one["type"] not in _NOT_OF_TYPE), findings[0])
     place = _written(found["loc"], content)
     where = ".".join(place)
     message = found["msg"].removeprefix("Value error, ")

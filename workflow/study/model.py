@@ -1,10 +1,10 @@
 """The study: one strict model of everything that a run can be asked for."""
 
-import dataclasses
 import hashlib
 import json
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from math import prod
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -12,7 +12,7 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
-from solver import FactorError, Material, MaterialError, solve
+from solver import Material, solve
 from solver.names import EVERY_QUANTITY, PEAKS, QUANTITIES
 from workflow.study.categories import Kinds, combinations, output
 from workflow.study.location import location
@@ -44,6 +44,14 @@ CONVERGING = ("integral_equations", "finite_elements")
 PHYSICS = ("phases", "materials", "fixed", "factors", "categories")
 
 
+@dataclass(frozen=True)
+class Origin:
+    """What a study has beside the content of its file: where that is, and the study's own materials by name."""
+
+    path: Path
+    materials: dict[str, Material]
+
+
 class Study(Strict):
     """Everything that a run can be asked for; a study needs ``factors``, ``effects`` or ``verification``."""
 
@@ -66,20 +74,18 @@ class Study(Strict):
     effects: Effects | None = Field(None, description="one factor at a time, as figures")
     verification: Verification | None = Field(None, description="checks of the solver against independent methods")
 
-    _path: Path = PrivateAttr(default=Path())
-    _content: dict[str, Any] = PrivateAttr(default_factory=dict)
-    _own: dict[str, Material] = PrivateAttr(default_factory=dict)
-    _absent: set[str] = PrivateAttr(default_factory=set)
+    _origin: Origin = PrivateAttr()
+    _absent: frozenset[str] = PrivateAttr()
 
     @property
     def path(self) -> Path:
         """The file that the study was read from."""
-        return self._path
+        return self._origin.path
 
     @property
     def own_materials(self) -> dict[str, Material]:
         """The study's own materials by name."""
-        return self._own
+        return self._origin.materials
 
     @property
     def cases(self) -> int:
@@ -98,7 +104,7 @@ class Study(Strict):
         return any(axis.levels is None for axis in self.factors.values())
 
     @property
-    def targets(self) -> list[str]:
+    def final_files(self) -> list[str]:
         """Files under ``results/<study>/`` that a run makes last."""
         return ["report.html", "verdict.txt"] if self.verification else ["report.html"]
 
@@ -129,6 +135,10 @@ class Study(Strict):
         rest = {name: names for name, names in self.categories.items() if name not in kinds}
         return self.model_copy(update={"fixed": {**self.fixed, **kinds}, "categories": rest})
 
+    def model_post_init(self, origin: Any, /) -> None:
+        """Take what stands beside the file, before anything is checked: the context of the validation."""
+        self._origin = origin or Origin(Path(), {})
+
     @model_validator(mode="after")
     def _complete(self) -> Self:
         if not self.factors and self.effects is None and self.verification is None:
@@ -145,8 +155,22 @@ class Study(Strict):
             if not _LABEL.fullmatch(label):  # names files
                 part = "design" if label in self.design else "readout"
                 raise ValueError(f"{part}: {label!r} must be letters, digits and underscores, at most 60 of ASCII")
+        self._absent = self._solved()
         self._check_quantities()
         return self
+
+    def _solved(self) -> frozenset[str]:
+        """Names of the quantities that some cases lack, once the solver has answered at every corner of the box."""
+        absent: set[str] = set()
+        if self.factors:
+            ends = {name: [axis.low, axis.high] for name, axis in self.factors.items()}
+            corners = {**self.fixed, **self.categories, **ends}
+            known = solve(corners, materials=self.own_materials, phases=self.phases)
+            absent = set(QUANTITIES) - set(known.data_vars)
+        if self.effects is not None:
+            for factor in self.effects.vary:
+                solve(self.effects.case(factor), materials=self.own_materials, phases=self.phases)
+        return frozenset(absent)
 
     def _check_size(self) -> None:
         """Whether what the study asks for can be computed and stored at all."""
@@ -233,11 +257,6 @@ class Study(Strict):
             if not axis.low <= value <= axis.high:
                 raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
 
-    def corners(self) -> dict[str, Any]:
-        """Ends of the factorial's box with the fixed factors: what the solver is asked once before any work."""
-        ends = {name: [axis.low, axis.high] for name, axis in self.factors.items()}
-        return {**self.fixed, **self.categories, **ends}
-
     def digest(self, *sections: str) -> str:
         """Hash of some sections, and of own materials where the physics is among them."""
         content = self.model_dump(mode="json", include=set(sections))
@@ -246,18 +265,20 @@ class Study(Strict):
             text += json.dumps(self._plain_materials(), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
+    @property
+    def physics(self) -> str:
+        """Hash of what decides what a case is and what the solver answers, by which a surrogate knows its study."""
+        return self.digest(*PHYSICS)
+
     def frozen(self) -> dict[str, Any]:
         """The study and its own materials as plain data, from which `thawed` makes the same study again."""
-        materials, slabs = self._plain_materials(), self.dataset.slabs
-        return {"path": str(self._path), "study": self._content, "materials": materials, "slabs": slabs}
+        return {"path": str(self.path), "study": self.model_dump(mode="json"), "materials": self._plain_materials()}
 
     def _plain_materials(self) -> dict[str, dict[str, Any]]:
         """Every constant exactly: JSON gives a float the digits that tell it from its neighbours."""
         return {
-            name: {
-                entry.name: np.asarray(getattr(material, entry.name)).tolist() for entry in dataclasses.fields(material)
-            }
-            for name, material in self._own.items()
+            name: {key: np.asarray(value).tolist() for key, value in asdict(material).items()}
+            for name, material in self.own_materials.items()
         }
 
 
@@ -281,39 +302,20 @@ def load(path: str | Path) -> Study:
         One line that names file, key, value and what is allowed.
     """
     path = Path(path)
-    study = _modelled(path, read_yaml(path))
-    study._own.update(read_material(path.parent / name) for name in study.materials)
-    return _tried(path, study)
+    content = read_yaml(path)
+    names = content.get("materials")
+    known = names if isinstance(names, list) and all(isinstance(name, str) for name in names) else []
+    return _made(content, Origin(path, dict(read_material(path.parent / name) for name in known)))
 
 
 def thawed(frozen: Mapping[str, Any]) -> Study:
     """The study as it was when it was `frozen`; no file is read."""
-    path = Path(frozen["path"])
-    study = _modelled(path, frozen["study"])
-    study._own.update((name, Material(**entries)) for name, entries in frozen["materials"].items())
-    dataset = study.dataset.model_copy(update={"slabs": frozen["slabs"]})
-    return _tried(path, study.model_copy(update={"dataset": dataset}))
+    materials = {name: Material(**entries) for name, entries in frozen["materials"].items()}
+    return _made(frozen["study"], Origin(Path(frozen["path"]), materials))
 
 
-def _modelled(path: Path, content: dict[str, Any]) -> Study:
+def _made(content: dict[str, Any], origin: Origin) -> Study:
     try:
-        study = Study.model_validate(content)
+        return Study.model_validate(content, context=origin)
     except ValidationError as error:
-        raise InputError(f"{path}: {first_problem(error, Study, content)}") from None
-    study._path, study._content = path, content
-    return study
-
-
-def _tried(path: Path, study: Study) -> Study:
-    """The study, once the solver has answered at every corner of its box."""
-    try:
-        if study.factors:
-            known = solve(study.corners(), materials=study.own_materials, phases=study.phases)
-            study._absent.update(set(QUANTITIES) - set(known.data_vars))
-            study._check_quantities()
-        if study.effects is not None:
-            for factor in study.effects.vary:
-                solve(study.effects.case(factor), materials=study.own_materials, phases=study.phases)
-    except (FactorError, MaterialError, ValueError) as error:
-        raise InputError(f"{path}: {error}") from None
-    return study
+        raise InputError(f"{origin.path}: {first_problem(error, Study, content)}") from None

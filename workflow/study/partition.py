@@ -8,7 +8,7 @@ from workflow.study.model import Study
 #: What a job that solves a slab takes at most, whatever its size [MB].
 MEMORY = 1500
 
-#: Slabs of a study whose first axis is open, at most and if it does not say: `choice.choose` gives it as many levels.
+#: Slabs of a study whose first axis is open, at most and if it does not say: `levels.choose` gives it as many levels.
 MOST, USUAL = 8, 4
 
 
@@ -28,7 +28,7 @@ def count(study: Study) -> int:
     return min(study.dataset.slabs or max(1, at_once), first.levels)
 
 
-def settled(study: Study) -> Study:
+def with_slabs(study: Study) -> Study:
     """The study with the number of its slabs: a slab of one machine's count is no slab of another's."""
     if not study.factors:
         return study

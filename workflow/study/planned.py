@@ -5,12 +5,16 @@ study under the digest of another, and the next run would find nothing to be don
 """
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from workflow.run import lock
 from workflow.study import model as studies
 from workflow.study import partition
 from workflow.study.model import Study
 from workflow.study.reading import InputError
+
+if TYPE_CHECKING:
+    from snakemake.iocontainers import Snakemake
 
 
 def parameter(study: Study, *sections: str) -> str:
@@ -19,24 +23,29 @@ def parameter(study: Study, *sections: str) -> str:
     return f"{' '.join(names)}: {study.digest(*names)}"
 
 
-def study(name: str, parameter: str) -> Study:
-    """The study of a job, by the `parameter` of its rule.
+def study(job: "Snakemake") -> Study:
+    """The study of a job, whose rule has it as wildcard ``study`` and its `parameter` as ``study``.
 
     Raises
     ------
     InputError
         The study has been changed since the job was planned, and the run that planned it has left no copy.
     """
-    sections, _, digest = parameter.partition(": ")
-    found = begun(name)
+    name, (sections, _, digest) = job.wildcards.study, job.params.study.partition(": ")
+    found = begun(name, _results(name, Path(job.output[0])))
     if found is None or found.digest(*sections.split()) != digest:
-        found = partition.settled(studies.named(name))
+        found = partition.with_slabs(studies.named(name))
     if found.digest(*sections.split()) == digest:
         return found
     raise InputError(f"{found.path}: was changed ({sections}) after this job was planned; run the study again")
 
 
-def begun(name: str, results: str | Path = lock.RESULTS) -> Study | None:
+def begun(name: str, results: str | Path) -> Study | None:
     """The study as it was when its run began; None where there is no run."""
     frozen = lock.begun(name, results)
     return None if frozen is None else studies.thawed(frozen)
+
+
+def _results(name: str, output: Path) -> Path:
+    """The folder of all results, by a job's output in it: below the prefix of a module that uses the Snakefile."""
+    return next(one.parent for one in output.parents if (one.parent.name, one.name) == (lock.RESULTS.name, name))

@@ -56,7 +56,7 @@ def error(quantity: str, text: str) -> tuple[float, float]:
     except ValueError as problem:
         raise ValueError(f"measured: {quantity}: {problem}") from None
     if match["unit"] == "%":
-        return 0.0, float(match["value"]) * unit.factor
+        return 0.0, float(match["value"]) * unit.scale
     if match["unit"] and not unit.fits(units.parse(UNITS[quantity])):
         raise ValueError(f"measured: {quantity}: unit mismatch: {text!r} for a quantity in {UNITS[quantity]}")
-    return float(match["value"]) * unit.factor, 0.0
+    return float(match["value"]) * unit.scale, 0.0

@@ -140,7 +140,9 @@ class Effects(Strict):
         """Factors of one effect: a material and a composite replace each other, and a profile takes what is its own."""
         case: dict[str, Any] = {**self.baseline, factor: self.vary[factor]}
         profiles = case.get("profile", "cylinder")
-        taken = {name for kind in np.atleast_1d(profiles) for names in PROFILES.get(str(kind), ()) for name in names}
+        taken = {
+            name for profile in np.atleast_1d(profiles) for names in PROFILES.get(str(profile), ()) for name in names
+        }
         of_others = {name for names in PROFILES.values() for name in (*names[0], *names[1])} - taken - {factor}
         other = {
             "material": ("composite", "volume_fraction"),

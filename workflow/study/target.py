@@ -1,5 +1,6 @@
 """One design question of a study, as its model: what is wanted, over which factors, under which limits."""
 
+from functools import lru_cache
 from math import prod
 from typing import Annotated, Self
 
@@ -15,6 +16,10 @@ from workflow.study.types import FactorName, InputName, Interval, Number, Strict
 CUT = 3.0  # a normal distribution ends this many standard deviations from its mean
 MOST_CHOICES = 200
 Texts = Annotated[list[str], Field(max_length=4)]
+
+# the model keeps the texts, as its file and its copies have them: each is parsed once, by its first reader
+_objective = lru_cache(maxsize=512)(statements.objective)
+_limit = lru_cache(maxsize=512)(statements.limit)
 
 
 class Variable(Strict):
@@ -108,21 +113,19 @@ class Target(Strict):
     @property
     def continuous(self) -> list[str]:
         """Those of a range."""
-        return [name for name, one in self.variables.items() if name in FACTORS and not one.choices]
+        return [name for name, variable in self.variables.items() if name in FACTORS and not variable.choices]
 
     @property
     def objectives(self) -> list[statements.Objective]:
         """What is wanted, parsed; two or more make a Pareto front."""
         maximise = [self.maximise] if isinstance(self.maximise, str) else self.maximise
         minimise = [self.minimise] if isinstance(self.minimise, str) else self.minimise
-        return [statements.objective(text) for text in maximise] + [
-            statements.objective(text, maximise=False) for text in minimise
-        ]
+        return [*map(_objective, maximise), *(_objective(text, maximise=False) for text in minimise)]
 
     @property
     def limits(self) -> list[statements.Limit]:
         """The limits, parsed, in the study's order."""
-        return [statements.limit(text) for text in self.subject_to]
+        return [_limit(text) for text in self.subject_to]
 
     @property
     def statistic(self) -> statements.Statistic:
@@ -135,7 +138,7 @@ class Target(Strict):
             raise ValueError("maximise or minimise: missing; one must be given")
         if not self.variables:
             raise ValueError("over: needs at least one factor")
-        texts = [str(one) for one in self.limits]
+        texts = [str(limit) for limit in self.limits]
         for text in texts:
             if texts.count(text) > 1:
                 raise ValueError(f"subject_to: {text!r} is given twice")
@@ -149,7 +152,7 @@ class Target(Strict):
                 raise ValueError(f"subject_to: {limit}: a probability needs uncertain factors")
             if limit.deviation and not (self.uncertain or self.worst_case):
                 raise ValueError(f"subject_to: {limit}: a deviation needs worst_case or uncertain factors")
-        combinations = prod(len(one.choices) or 1 for one in self.variables.values())
+        combinations = prod(len(variable.choices) or 1 for variable in self.variables.values())
         if combinations > MOST_CHOICES:
             raise ValueError(f"over: {combinations} combinations of choices are more than {MOST_CHOICES}")
         return self
@@ -167,5 +170,5 @@ class Target(Strict):
 
     def names(self) -> list[str]:
         """Names in objectives and limits."""
-        parsed = [*(one.expression for one in self.objectives), *(one.expression for one in self.limits)]
-        return list(dict.fromkeys(name for expression in parsed for name in expression.names()))
+        goals, limits = [goal.expression for goal in self.objectives], [limit.expression for limit in self.limits]
+        return list(dict.fromkeys(name for expression in goals + limits for name in expression.names()))

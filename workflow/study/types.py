@@ -15,10 +15,10 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
-def _one_of(names: list[str], kind: str) -> AfterValidator:
+def _one_of(names: list[str], what: str) -> AfterValidator:
     def check(name: str) -> str:
         if name not in names:
-            raise ValueError(f"{name!r} is not a {kind}; {nearest(name, names)}")
+            raise ValueError(f"{name!r} is not a {what}; {nearest(name, names)}")
         return name
 
     return AfterValidator(check)

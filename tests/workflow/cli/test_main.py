@@ -13,7 +13,7 @@ import surrogate
 from solver import solve
 from solver.names import FIELDS, INTERIOR, QUANTITIES
 from storage.netcdf import read_whole
-from tests.workflow.conftest import Project
+from tests.workflow.conftest import SMALL, Project
 from workflow.cli import main
 
 
@@ -217,6 +217,9 @@ def test_query_gives_the_exact_answer_beside_its_own(
     assert main.main(["query", path, "--at", at, "--exact", "small"]) == 0
     assert f"exact {float(exact['peak_pressure']): .10g}" in capsys.readouterr().out
     assert "the study's factors are" in complaint(capsys, "query", path, "--at", at, "--exact", "parametric")
+    other = write(tmp_path / "another.yaml", SMALL.replace("fibrous", "laminate"))
+    line = complaint(capsys, "query", path, "--at", at, "--exact", other)
+    assert f"--exact: {other}: the surrogate was made from another study, or another state of it" in line
     assert "study: 'smal' is unknown" in complaint(capsys, "query", path, "--at", at, "--exact", "smal")
 
 

@@ -43,7 +43,7 @@ def test_chosen_levels_reach_the_tolerance(tmp_path: Path) -> None:
     assert config.cases == 0
     chosen = levels.choose(config)
     write_whole(chosen, tmp_path / "levels.nc")
-    ready = levels.resolved(config, [tmp_path / "levels.nc"])
+    ready = levels.with_levels(config, [tmp_path / "levels.nc"])
     assert not ready.open
     assert {name: axis.levels for name, axis in ready.factors.items()} == dict(
         zip(chosen["input"].values, chosen["levels"].values, strict=True)
@@ -64,7 +64,7 @@ def test_chosen_levels_reach_the_tolerance(tmp_path: Path) -> None:
 
 def test_nothing_open_nothing_chosen(tmp_path: Path) -> None:
     config = study(tmp_path)
-    assert levels.resolved(config, []) is config
+    assert levels.with_levels(config, []) is config
 
 
 def test_the_first_axis_has_a_level_for_every_slab(tmp_path: Path) -> None:

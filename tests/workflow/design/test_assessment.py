@@ -13,7 +13,7 @@ from solver import solve
 from workflow.dataset import factorial
 from workflow.design import assessment, search
 from workflow.learning import training
-from workflow.report.figures.design import figures_of
+from workflow.report.figures.design_plots import figures_of
 from workflow.study import model as studies
 from workflow.study.target import Target
 

@@ -21,6 +21,7 @@ from verification.oracles.half_plane import CONSTANTS
 from workflow.cli import questions
 from workflow.dataset import factorial
 from workflow.design import budget, search
+from workflow.design.designs import Designs
 from workflow.design.question import Question
 from workflow.design.sources import Exact, Factors, Predicted, shape
 from workflow.learning import training
@@ -271,14 +272,14 @@ def closed(friction: Array) -> Array:
         ({"minimise": "peak_principal_tension", "uncertain": DRAWN, "robust": "mean - 2 std"}, 256, 1e-4),
     ],
 )
-def test_few_exact_cases_settle_what_many_would_say(words: dict[str, object], most: int, accuracy: float) -> None:
+def test_few_exact_cases_tell_what_many_would_say(words: dict[str, object], most: int, accuracy: float) -> None:
     question, known = Question(STUDY, target(**words)), Known()
-    term = next(one for one in question.terms if budget.names(one))
-    found = budget.settle(question, np.zeros(2), term, Guessed(), known)
+    term = next(term for term in question.terms if budget.names(term))
+    found = budget.count_exactly(Designs(question, Guessed(), known, np.zeros((1, 2))), term)
     assert found.cases == known.cases <= most
     chosen = question.judged[term.drawn]
     every = closed(chosen.values["friction"]).reshape(1, chosen.groups, chosen.draws)
-    assert found.value == pytest.approx(float(term.worst(term.statistic.rows(every)[0])), rel=accuracy)
+    assert found.value == pytest.approx(float(term.counted(every)[0]), rel=accuracy)
 
 
 def test_the_best_choice_that_holds_exactly_is_taken(low: GaussianProcess) -> None:

@@ -1,4 +1,4 @@
-"""Scenarios, statistics and derivatives of design questions against closed forms and difference quotients."""
+"""Scenarios, risk measures and derivatives of design questions against closed forms and difference quotients."""
 
 import re
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from scipy import stats
 
 from surrogate import GridGP, Input
 from workflow.dataset import factorial
-from workflow.design import risk, scenarios, search
+from workflow.design import program, risk, scenarios, search
 from workflow.design.question import Question, ask
 from workflow.design.sources import Exact, Factors, Predicted
 from workflow.study.model import Study, load
@@ -58,19 +58,19 @@ def test_derivatives_are_those_of_differences(study: Study, model: GridGP, name:
     question = ask(study, name, TARGETS[name], Predicted(model))
     x = np.array([0.3, -0.2, 0.4])[: len(question.inputs)]
     for source, step, room in ((Predicted(model), 1e-5, 1e-6), (Exact(study), 1e-3, 1e-4)):
-        problem = question.problem(source)
+        problem = program.problem(question, source)
         around = np.concatenate([x + step * np.eye(x.size), x - step * np.eye(x.size)])
         for value, slope in zip(problem.value(around), problem.slope(x), strict=True):
             quotient = ((value[: x.size] - value[x.size :]) / (2 * step)).T
             np.testing.assert_allclose(slope, quotient, rtol=room, atol=room * np.abs(quotient).max())
 
 
-def test_statistics_of_draws_are_those_of_the_distributions() -> None:
+def test_risk_measures_of_draws_are_those_of_the_distributions() -> None:
     target = TARGETS["drawn"].model_copy(update={"worst_case": {}})
     drawn = scenarios.draws(target, 4096).values["load"]
     normal = stats.truncnorm(-3, 3, 1e4, 1e3)
     values = drawn.reshape(1, 1, -1)
-    assert risk.Moments(-2.0).rows(values)[0, 0] == pytest.approx(normal.mean() - 2 * normal.std(), rel=1e-4)
+    assert risk.MeanDeviation(-2.0).rows(values)[0, 0] == pytest.approx(normal.mean() - 2 * normal.std(), rel=1e-4)
     for share in (0.05, 0.5, 0.99):
         assert risk.Quantile(share).rows(values)[0, 0] == pytest.approx(normal.ppf(share), rel=5e-4)
 
@@ -89,16 +89,18 @@ def test_quantiles_of_distributions(distribution: Distribution, exact: Any) -> N
     np.testing.assert_allclose(distribution.support, (exact.ppf(0), exact.ppf(1)))
 
 
-@pytest.mark.parametrize("statistic", [risk.Every(), risk.Moments(-2.0), risk.Quantile(0.9), risk.Deviation()])
-def test_jacobians_of_statistics(statistic: risk.Statistic) -> None:
+@pytest.mark.parametrize(
+    "measure", [risk.WorstCase(), risk.MeanDeviation(-2.0), risk.Quantile(0.9), risk.RelativeDeviation()]
+)
+def test_jacobians_of_risk_measures(measure: risk.RiskMeasure) -> None:
     values = np.random.default_rng(1).uniform(1, 2, (3, 8))
-    jacobian = statistic.jacobian(values)
+    jacobian = measure.jacobian(values)
     step = 1e-6
     for k in range(values.size):
         moved = np.stack([values, values])
         moved[0].flat[k] += step
         moved[1].flat[k] -= step
-        rows = statistic.rows(moved)
+        rows = measure.rows(moved)
         np.testing.assert_allclose(jacobian[:, k], (rows[0] - rows[1]) / (2 * step), atol=1e-8)
 
 

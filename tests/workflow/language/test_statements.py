@@ -179,7 +179,7 @@ def test_statistics_of_the_objective() -> None:
 def test_every_unit_of_the_interface_is_known() -> None:
     assert set(UNITS) == {*EVERY_QUANTITY, *FACTORS}
     for text in UNITS.values():
-        assert units.parse(text).factor == 1.0
+        assert units.parse(text).scale == 1.0
 
 
 @pytest.mark.parametrize(
@@ -207,7 +207,7 @@ def test_units_beyond_numbers_are_refused(text: str, reason: str) -> None:
 def test_units_agree_with_the_si_brochure(one: str, other: str, ratio: float) -> None:
     a, b = units.parse(one), units.parse(other)
     assert a.fits(b)
-    assert a.factor / b.factor == pytest.approx(ratio, rel=1e-14)
+    assert a.scale / b.scale == pytest.approx(ratio, rel=1e-14)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
 from workflow.dataset import slabs as dataset
 from workflow.report import problem, svg
-from workflow.report.figures import design, plots, sensitivity
+from workflow.report.figures import design_plots, field_panels, sobol, style, surrogate_errors
 from workflow.study import partition
 from workflow.study.model import load
 
@@ -35,7 +35,7 @@ def test_the_number_of_slabs_does_not_change_the_figure_of_fields(factors: str, 
             parts.append(read_whole(tmp_path / f"{index}.nc"))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            plots.save(plots.fields(parts), tmp_path / "fields.svg")
+            style.save(field_panels.fields(parts), tmp_path / "fields.svg")
         drawn.add((tmp_path / "fields.svg").read_bytes())
     assert len(drawn) == 1
 
@@ -51,9 +51,9 @@ def test_no_text_is_cut_and_no_power_of_ten_stands_apart_from_its_ticks(ran: Pro
     study, folder = load(ran.folder / "config/small.yaml"), ran.folder / "results/small"
     answer, long = read_whole(folder / "design/sensor.nc"), "abs(voltage_sensitivity) * (contact_trailing + radius) / 2"
     answer.attrs["objective"] = long
-    drawn = [*design.figures_of(answer, study.design["sensor"]).values()]
-    drawn += [plots.parity(read_whole(folder / "validation.nc"))]
-    drawn += [sensitivity.main_effects(read_whole(folder / "sensitivity.nc"), study.of_interest)]
+    drawn = [*design_plots.figures_of(answer, study.design["sensor"]).values()]
+    drawn += [surrogate_errors.parity(read_whole(folder / "validation.nc"))]
+    drawn += [sobol.main_effects(read_whole(folder / "sensitivity.nc"), study.of_interest)]
     seen = ""
     for figure in drawn:
         figure.canvas.draw()

@@ -9,11 +9,13 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
 from solver.names import PEAKS
 from workflow.study import schema
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError, read_material, read_yaml
+from workflow.study.sections import Effects
 
 QUICKSTART = Path("config/quickstart.yaml")
 
@@ -241,11 +243,17 @@ def test_a_material_has_a_name_that_figures_and_files_bear(tmp_path: Path, name:
 
 
 def test_positions_never_touch_the_edges() -> None:
-    X = Study.model_validate({"title": "t", "factors": {}, "effects": {"baseline": {}, "vary": {"friction": [0.1]}}})
-    assert X.effects is not None
-    values = X.effects.positions.values()
+    values = Effects(baseline={}, vary={"friction": [0.1]}).positions.values()
     assert np.all(np.diff(values) > 0)
     assert not np.any(np.abs(values) == 1)
+
+
+def test_a_study_is_complete_when_it_is_made() -> None:
+    content = {"title": "t", "factors": {"friction": {"low": 0.0, "high": 0.5}}}
+    fixed = {"load": 1e4, "radius": 0.1, "electric": "insulating"}
+    with pytest.raises(ValidationError, match="material: missing"):
+        Study.model_validate({**content, "fixed": fixed})
+    assert "voltage" not in Study.model_validate({**content, "fixed": {**fixed, "material": "PZT-4"}}).quantities
 
 
 def test_digest_follows_its_sections_only(tmp_path: Path) -> None:

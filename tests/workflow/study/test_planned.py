@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from snakemake.iocontainers import InputFiles, Log, OutputFiles, Params, ResourceList, Snakemake, Wildcards
 
 from tests.workflow.conftest import SMALL, Project
 from workflow.run import lock
@@ -31,8 +32,15 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Study]:
     Path("config").mkdir()
     Path("config/mine.yaml").write_text(MATERIAL, encoding="utf-8")
     Path("config/own.yaml").write_text(OWN, encoding="utf-8")
-    yield partition.settled(named("own"))
+    yield partition.with_slabs(named("own"))
     lock.release()
+
+
+def job(parameter: str, prefix: str = "") -> Snakemake:
+    """A job of the study with one output, as its script sees it."""
+    wildcards, params = Wildcards(fromdict={"study": "own"}), Params(fromdict={"study": parameter})
+    files = InputFiles(), OutputFiles(toclone=[f"{prefix}results/own/fields/slab_0.nc"])
+    return Snakemake(*files, params, wildcards, 1, ResourceList(), Log(), {}, "slab", None)
 
 
 def edit(file: str, old: str, new: str) -> None:
@@ -42,45 +50,45 @@ def edit(file: str, old: str, new: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("file", "old", "new"),
+    ("file", "old", "new", "prefix"),
     [
-        ("config/own.yaml", "load: 1e5", "load: 2e5"),
-        ("config/mine.yaml", "c44: 7.7e+10", "c44: 7.70000000001e+10"),
-        ("config/own.yaml", "load: 1e5", "load: ["),
+        ("config/own.yaml", "load: 1e5", "load: 2e5", ""),
+        ("config/mine.yaml", "c44: 7.7e+10", "c44: 7.70000000001e+10", "mee/"),
+        ("config/own.yaml", "load: 1e5", "load: [", ""),
     ],
-    ids=["study", "material", "broken"],
+    ids=["study", "material, as a module", "broken"],
 )
-def test_an_edit_while_the_run_lasts_reaches_no_job(own: Study, file: str, old: str, new: str) -> None:
+def test_an_edit_while_the_run_lasts_reaches_no_job(own: Study, file: str, old: str, new: str, prefix: str) -> None:
     parameter = planned.parameter(own, *PHYSICS)
-    lock.claim({"own": own.frozen()})
+    lock.claim({"own": own.frozen()}, f"{prefix}results")
     edit(file, old, new)
-    found = planned.study("own", parameter)
+    found = planned.study(job(parameter, prefix))
     assert found.fixed["load"] == 1e5
     assert found.own_materials["mine"].c44 == 7.7e10
     lock.release()
     with pytest.raises(InputError, match=r"^config/own\.yaml: ") as caught:
-        planned.study("own", parameter)
+        planned.study(job(parameter, prefix))
     assert "\n" not in str(caught.value)
 
 
 def test_without_a_copy_of_the_start_an_edited_study_is_refused(own: Study) -> None:
     parameter = planned.parameter(own, *PHYSICS)
     edit("config/own.yaml", "Own", "My own")
-    assert planned.study("own", parameter).title == "My own material"  # not among what the job was planned with
+    assert planned.study(job(parameter)).title == "My own material"  # not among what the job was planned with
     with pytest.raises(InputError, match=r"own\.yaml: was changed \(.*title.*\) after this job was planned; run"):
-        planned.study("own", planned.parameter(own))
+        planned.study(job(planned.parameter(own)))
 
 
 @pytest.mark.parametrize("text", ["", '{"study": {"title"', "[]"])
 def test_what_a_killed_run_has_left_half_written_is_not_believed(own: Study, text: str) -> None:
     Path("results/own").mkdir(parents=True)
     Path("results/own/.running").write_text(text, encoding="utf-8")
-    assert planned.study("own", planned.parameter(own)).digest(*PHYSICS) == own.digest(*PHYSICS)
+    assert planned.study(job(planned.parameter(own))).digest(*PHYSICS) == own.digest(*PHYSICS)
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda path: path.stem)
 def test_every_study_thaws_as_it_was_frozen(path: Path) -> None:
-    study = partition.settled(load(path))
+    study = partition.with_slabs(load(path))
     again = thawed(study.frozen())
     assert again.digest(*Study.model_fields) == study.digest(*Study.model_fields)
     assert again.quantities == study.quantities
@@ -89,17 +97,17 @@ def test_every_study_thaws_as_it_was_frozen(path: Path) -> None:
 def test_the_digest_tells_materials_apart_to_the_last_bit(own: Study) -> None:
     next_one = float(np.nextafter(7.7e10, 1e11))
     edit("config/mine.yaml", "c44: 7.7e+10", f"c44: {next_one!r}")
-    other = partition.settled(named("own"))
+    other = partition.with_slabs(named("own"))
     assert other.digest(*PHYSICS) != own.digest(*PHYSICS)
     assert other.digest("factors") == own.digest("factors")
 
 
 def test_a_slab_is_of_the_count_that_it_was_planned_with(own: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})
-    one = partition.settled(named("own"))
+    one = partition.with_slabs(named("own"))
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1})
     monkeypatch.setattr("os.sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 2**22}.__getitem__)
-    two = partition.settled(named("own"))
+    two = partition.with_slabs(named("own"))
     assert (partition.count(one), partition.count(two)) == (1, 2)
     assert one.digest("dataset") != two.digest("dataset")
     assert partition.count(thawed(one.frozen())) == 1  # on a node with more cores than the login node
@@ -128,8 +136,7 @@ def test_every_script_that_needs_a_study_takes_the_one_it_was_planned_with() -> 
         if "workflow.study.planned" in names:
             calls = [ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.Call)]
             [call] = [call for call in calls if call.startswith("planned.")]
-            assert call.startswith("planned.study("), script
-            assert call.endswith(", snakemake.params.study)"), script
+            assert call == "planned.study(snakemake)", script
             assert re.search(r"^        study=sections\(", text, re.MULTILINE), rule
             checked += 1
     assert checked >= 14
@@ -138,7 +145,7 @@ def test_every_script_that_needs_a_study_takes_the_one_it_was_planned_with() -> 
 def test_a_node_of_a_cluster_works_on_the_study_of_the_start(copy: Callable[[str], Project], ran: Project) -> None:
     project, slab = copy("node"), "results/small/fields/slab_0.nc"
     lock.claim(
-        {"small": partition.settled(load(project.folder / "config/small.yaml")).frozen()}, project.folder / "results"
+        {"small": partition.with_slabs(load(project.folder / "config/small.yaml")).frozen()}, project.folder / "results"
     )
     try:
         (project.folder / "config/small.yaml").write_text(SMALL.replace("fibrous", "laminate"), encoding="utf-8")

@@ -2,73 +2,104 @@
 "use strict";
 
 (function () {
-  const tip = document.createElement("div");
-  tip.className = "tip";
-  tip.hidden = true;
-  document.body.append(tip);
+  const REACH = 0.12, ON_CURVE = 0.03; // shares of a panel's height within which a curve is meant, beside no map and over one
+  const MARGIN = 8; // pixels between the words and the end of the page
 
-  const forward = (scale, value) => (scale.log ? Math.log10(value) : value);
-  const place = (scale, value) => {
-    const [low, high] = scale.limits.map((end) => forward(scale, end));
-    return (forward(scale, value) - low) / (high - low);
-  };
-  const split = (label) => {
-    const match = /^(.*?)\s*\[([^\]]*)\]/.exec(label);
-    return match ? [match[1], ` ${match[2]}`] : [label, ""];
-  };
-  const named = (label, value) => {
-    const [name, unit] = split(label);
-    return `${name ? `${name}: ` : ""}${digits(value, 5)}${unit}`;
-  };
+  // Where a value lies along an axis, and where a pointer lies in a panel, both from 0 to 1.
+  function place(scale, value) {
+    const forward = scale.log ? Math.log10 : (one) => one;
+    const [low, high] = scale.limits.map(forward);
+    return (forward(value) - low) / (high - low);
+  }
 
-  function nearestOfCurves(axes, u, v, aspect) {
-    let best = null;
+  const within = (share) => share >= -0.01 && share <= 1.01;
+
+  // "load [kN]" and 5 as "load: 5 kN".
+  function named(label, value) {
+    const [, name, unit] = /^(.*?)\s*(?:\[([^\]]*)\])?$/.exec(label);
+    return `${name ? `${name}: ` : ""}${digits(value, 5)}${unit ? ` ${unit}` : ""}`;
+  }
+
+  function wordsOfPoint({ x, y, names }, curve, k) {
+    const height = names.length ? names[Math.round(curve.y[k])] || "" : named(y.label, curve.y[k]);
+    return [curve.label, named(x.label, curve.x[k]), height];
+  }
+
+  // The point of all curves that is nearest to a pointer, if it is within reach.
+  function nearest(axes, pointer, aspect, reach) {
+    let best = { distance: reach };
     for (const curve of axes.curves) {
       for (let k = 0; k < curve.x.length; k++) {
         const s = place(axes.x, curve.x[k]), t = place(axes.y, curve.y[k]);
-        if (!(s >= -0.01 && s <= 1.01 && t >= -0.01 && t <= 1.01)) continue;
-        const distance = Math.hypot((s - u) * aspect, t - v);
-        if (!best || distance < best.distance) best = { distance, s, t, lines: [curve.label, named(axes.x.label, curve.x[k]), axes.names.length ? axes.names[Math.round(curve.y[k])] || "" : named(axes.y.label, curve.y[k])] };
+        const distance = Math.hypot((s - pointer.s) * aspect, t - pointer.t);
+        if (within(s) && within(t) && distance < best.distance) best = { distance, s, t, curve, k };
       }
     }
-    return best && best.distance < 0.12 ? best : null;
+    return best.curve && { s: best.s, t: best.t, lines: wordsOfPoint(axes, best.curve, best.k) };
   }
 
-  function valueOfMap(axes, u, v) {
-    const { x, y, values, label } = axes.map;
-    const closest = (scale, list, share) => list.reduce((best, one, k) => (Math.abs(place(scale, one) - share) < Math.abs(place(scale, list[best]) - share) ? k : best), 0);
-    const i = closest(axes.x, x, u), j = closest(axes.y, y, v);
-    return { s: u, t: v, lines: [named(label, values[j * x.length + i]), named(axes.x.label, x[i]), named(axes.y.label, y[j])] };
+  function closest(scale, values, share) {
+    const distance = (k) => Math.abs(place(scale, values[k]) - share);
+    return values.reduce((best, _, k) => (distance(k) < distance(best) ? k : best), 0);
   }
 
-  for (const svg of document.querySelectorAll("svg.figure")) {
-    const stored = svg.querySelector("metadata.hover");
-    if (!stored) continue;
-    let described = null;
+  function valueOfMap({ x: across, y: up, map: { x, y, values, label } }, { s, t }) {
+    const i = closest(across, x, s), j = closest(up, y, t);
+    return { s, t, lines: [named(label, values[j * x.length + i]), named(across.label, x[i]), named(up.label, y[j])] };
+  }
+
+  // What is told at a pointer: a point of a curve, or the value of the map below it.
+  function told(axes, pointer, aspect) {
+    if (!axes.map) return nearest(axes, pointer, aspect, REACH);
+    return nearest(axes, pointer, aspect, ON_CURVE) || valueOfMap(axes, pointer);
+  }
+
+  function showWords(tip, lines, event) {
+    tip.replaceChildren(...lines.filter(Boolean).map((line) => Object.assign(document.createElement("div"), { textContent: line })));
+    tip.hidden = false;
+    const most = document.documentElement.clientWidth - tip.offsetWidth - MARGIN;
+    tip.style.left = `${Math.max(Math.min(event.pageX + 14, most), MARGIN / 2)}px`;
+    tip.style.top = `${event.pageY + 16}px`;
+  }
+
+  // Lets a figure answer; what it knows is read at the first move of a pointer over it.
+  function watch(svg, stored, tip) {
     const mark = document.createElementNS("http://www.w3.org/2000/svg", "circle");
     mark.setAttribute("class", "mark");
     mark.setAttribute("r", "3.5");
     const [, , width, height] = svg.getAttribute("viewBox").split(" ").map(Number);
-    const leave = () => { tip.hidden = true; mark.remove(); };
-    svg.addEventListener("pointermove", (event) => {
+    let described = null;
+
+    function leave() {
+      tip.hidden = true;
+      mark.remove();
+    }
+
+    function move(event) {
       described = described || JSON.parse(stored.textContent);
       const frame = svg.getBoundingClientRect();
       const X = (event.clientX - frame.left) / frame.width, Y = (event.clientY - frame.top) / frame.height;
-      const axes = described.find(({ box }) => X >= box[0] && X <= box[2] && Y >= box[1] && Y <= box[3]);
+      const axes = described.find(({ box: [x0, y0, x1, y1] }) => X >= x0 && X <= x1 && Y >= y0 && Y <= y1);
       if (!axes) return leave();
-      const [x0, y0, x1, y1] = axes.box, u = (X - x0) / (x1 - x0), v = (y1 - Y) / (y1 - y0);
-      const aspect = ((x1 - x0) * width) / ((y1 - y0) * height);
-      const found = axes.map ? nearestOfCurves(axes, u, v, aspect) && nearestOfCurves(axes, u, v, aspect).distance < 0.03 ? nearestOfCurves(axes, u, v, aspect) : valueOfMap(axes, u, v) : nearestOfCurves(axes, u, v, aspect);
+      const [x0, y0, x1, y1] = axes.box, wide = (x1 - x0) * width, high = (y1 - y0) * height;
+      const found = told(axes, { s: (X - x0) / (x1 - x0), t: (y1 - Y) / (y1 - y0) }, wide / high);
       if (!found) return leave();
-      tip.replaceChildren(...found.lines.filter(Boolean).map((line) => Object.assign(document.createElement("div"), { textContent: line })));
-      tip.hidden = false;
-      const left = Math.min(event.pageX + 14, document.documentElement.clientWidth - tip.offsetWidth - 8);
-      tip.style.left = `${Math.max(left, 4)}px`;
-      tip.style.top = `${event.pageY + 16}px`;
-      mark.setAttribute("cx", (x0 + found.s * (x1 - x0)) * width);
-      mark.setAttribute("cy", (y1 - found.t * (y1 - y0)) * height);
+      showWords(tip, found.lines, event);
+      mark.setAttribute("cx", x0 * width + found.s * wide);
+      mark.setAttribute("cy", y1 * height - found.t * high);
       svg.append(mark);
-    });
+    }
+
+    svg.addEventListener("pointermove", move);
     svg.addEventListener("pointerleave", leave);
+  }
+
+  const tip = document.createElement("div");
+  tip.className = "tip";
+  tip.hidden = true;
+  document.body.append(tip);
+  for (const svg of document.querySelectorAll("svg.figure")) {
+    const stored = svg.querySelector("metadata.hover");
+    if (stored) watch(svg, stored, tip);
   }
 })();

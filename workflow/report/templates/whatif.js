@@ -66,8 +66,7 @@ function startWhatIf(root) {
   function showInputs(values) {
     model.inputs.forEach((input, k) => {
       const out = root.querySelector(`output[data-input="${input.name}"]`), value = values[input.name];
-      const shown = engineering(value, input.units);
-      out.textContent = `${digits(value / shown.size, 4)} ${shown.units}`.trim();
+      out.textContent = said(value, input.units, 4);
       out.dataset.value = String(value);
       sliders[k].setAttribute("aria-valuetext", out.textContent);
     });

@@ -13,7 +13,7 @@ from surrogate.gp.model import GaussianProcess
 FORMAT = 1
 
 
-def plain(model: GaussianProcess) -> dict[str, Any] | None:
+def exported(model: GaussianProcess) -> dict[str, Any] | None:
     """Return everything that mean and standard deviation need, as what JSON can hold.
 
     Arrays are ``{"shape": [...], "data": base64 of little-endian float64}``, so that no digit is lost.
@@ -28,7 +28,7 @@ def plain(model: GaussianProcess) -> dict[str, Any] | None:
     dict or None
         None for a model of other kernels than "chebyshev", which only Python evaluates.
     """
-    if not isinstance(model, GridGP) or not all(isinstance(one, ChebyshevFactor) for one in model.factors_):
+    if not isinstance(model, GridGP) or not all(isinstance(factor, ChebyshevFactor) for factor in model.factors_):
         return None
     calibration = model.calibration_
     return {
@@ -54,7 +54,7 @@ def plain(model: GaussianProcess) -> dict[str, Any] | None:
         ],
         "order": list(model.order_),
         "cores": [_array(core) for core in model.train_.cores],
-        "factors": [one.plain() for one in model.factors_ if isinstance(one, ChebyshevFactor)],
+        "factors": [factor.exported() for factor in model.factors_ if isinstance(factor, ChebyshevFactor)],
         "offset": _array(model.offset_),
         "scale": _array(model.scale_),
         "amplitude": _array(model.amplitude_),

@@ -6,10 +6,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from surrogate.gp.conformal import HALF_WIDTH
 from workflow.language.numbers import prefixed
-from workflow.report.figures.plots import BLUE, ORANGE, by_ratio, factor_scale, styled
+from workflow.report.figures.style import BLUE, ORANGE, by_ratio, factor_scale, styled
 
-_WIDTH = 1.959964  # standard deviations of the 95 % interval
 _SHOWN = 4
 
 
@@ -61,7 +61,7 @@ def main_effects(sensitivity: xr.Dataset, outputs: list[str]) -> Figure:
 
 def _curve(ax: Axes, one: xr.Dataset, name: str, size: float) -> None:
     value, effect = one["value"].values / factor_scale(name, one["value"].values)[0], one["main_effect"].values / size
-    reach = _WIDTH * one["main_effect_std"].values / size
+    reach = HALF_WIDTH * one["main_effect_std"].values / size
     ax.fill_between(value, effect - reach, effect + reach, color=BLUE, alpha=0.25, lw=0)
     ax.plot(value, effect, color=BLUE, lw=1.4)
     ax.axhline(0, color="black", lw=0.5)

@@ -6,8 +6,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from solver.names import FACTORS
-from workflow.language.numbers import prefixed, raised
-from workflow.report.figures.plots import BLUE, GREY, styled
+from workflow.language.numbers import number, prefixed, raised
+from workflow.report.figures.style import BLUE, GREY, styled
 
 _SHOWN = 150  # cases in the figure
 
@@ -33,5 +33,5 @@ def figure(tried: xr.Dataset) -> Figure:
             ax.set_yscale("log")
         ax.set_xlabel(f"true {name}" + (f" [{units}]" if units else ""))
         ax.set_ylabel(f"inferred {name}" + (f" [{units}]" if units else ""))
-        ax.set_title(f"{100 * float(tried['coverage'].sel(factor=name)):.1f} % of {tried.sizes['case']} within")
+        ax.set_title(f"{number(100 * float(tried['coverage'].sel(factor=name)), 3)} % of {tried.sizes['case']} within")
     return drawn

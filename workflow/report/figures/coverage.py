@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from workflow.report.figures.plots import BLUE, GREY, ORANGE, styled
+from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
 
 _COLUMNS = 4
 _NOMINAL = 0.95

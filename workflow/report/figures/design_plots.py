@@ -7,20 +7,27 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from solver.names import FACTORS
 from workflow.design.contact_fields import SURFACE
 from workflow.language.numbers import label, number, prefixed
+from workflow.report.figures.contours import below
+from workflow.report.figures.design_kinds import kinds
 from workflow.report.figures.hover import attach_map
-from workflow.report.figures.listing import kinds
-from workflow.report.figures.plots import BLUE, GREY, ORANGE, by_ratio, factor_scale, styled, ticked
+from workflow.report.figures.style import (
+    BLUE,
+    GREY,
+    NEAR_EDGE,
+    ORANGE,
+    Array,
+    by_ratio,
+    factor_scale,
+    field_label,
+    styled,
+    ticked,
+)
 from workflow.report.svg import INK
 from workflow.study.target import Target
-
-Array = NDArray[np.float64]
-
-_NEAR = 0.02  # distance in X from an edge within which a singular field is cut
 
 
 def figures_of(answer: xr.Dataset, target: Target) -> dict[str, Figure]:
@@ -124,41 +131,25 @@ def _contact(answer: xr.Dataset) -> Figure:
     for k, name in enumerate(surface):
         ax = figure.add_subplot(grid[0, k * width : (k + 1) * width])
         values = answer[f"field_{name}"].values
-        away = (np.abs(np.abs(X) - 1) > _NEAR) & (np.abs(X) < 3)
-        size, units = prefixed(float(np.abs(values[away]).max()), _units(answer[f"field_{name}"]))
+        away = (np.abs(np.abs(X) - 1) > NEAR_EDGE) & (np.abs(X) < 3)
+        size, words = field_label(answer[f"field_{name}"].rename(name), float(np.abs(values[away]).max()))
         for part in (X < -1, np.abs(X) < 1, X > 1):
             ax.plot(X[part], values[part] / size, color=BLUE, lw=1.5)
         ends = np.array([min(values[away].min(), 0.0), max(values[away].max(), 0.0)]) / size
         # no charge enters an insulating punch: D_y is zero all along
         ax.set_ylim(*(ends + np.array([-0.06, 0.06]) * (np.ptp(ends) or 1.0)))
         ax.set_xlim(-3, 3)
-        ax.set_title(f"{_FIELDS[name]} [{units}]")
+        ax.set_title(words)
         ax.set_ylabel("")
         ax.set_xlabel("(x - c)/h")
     for k, name in enumerate(inside):
         ax = figure.add_subplot(grid[1, k * (12 // len(inside)) : (k + 1) * (12 // len(inside))])
-        _inside(figure, ax, answer[f"inside_{name}"], f"{_FIELDS[name]} below")
+        field = answer[f"inside_{name}"].rename(name).transpose("y", "x")
+        size, words = below(figure, [ax], [field], "below")
+        attach_map(ax, field["x"].values, field["y"].values, field.values / size, words)
+        ax.set_xlabel("(x - c)/h")
+        ax.set_ylabel("y/h")
     return figure
-
-
-def _inside(figure: Figure, ax: Axes, field: xr.DataArray, title: str) -> None:
-    values = field.transpose("y", "x").values
-    # the edges of a conducting punch are singular: the scale leaves out the topmost percent
-    low, high = np.quantile(values, [0.005, 0.99])
-    signed = low < -0.02 * high
-    size, units = prefixed(float(max(abs(low), abs(high))), _units(field))
-    bound = max(abs(low), abs(high)) / size or 1.0
-    levels = bound * np.linspace(-1.0 if signed else 0.0, 1.0, 15)
-    x, y = field["x"].values, field["y"].values
-    filled = ax.contourf(x, y, values / size, levels, cmap="RdBu_r" if signed else "viridis", extend="both")
-    filled.set_rasterized(True)
-    ax.plot([-1, 1], [0, 0], color=INK, lw=2.5, solid_capstyle="butt", clip_on=False)
-    ax.set_aspect("equal")
-    ax.grid(visible=False)
-    ax.set_xlabel("(x - c)/h")
-    ax.set_ylabel("y/h")
-    attach_map(ax, x, y, values / size, f"{title} [{units}]")
-    figure.colorbar(filled, ax=ax, label=f"{title} [{units}]", format=ticked, pad=0.01)
 
 
 @styled
@@ -205,13 +196,6 @@ _DRAWN: dict[str, Callable[[xr.Dataset], Figure]] = {
     "contact": _contact,
     "front": _front,
 }
-_FIELDS = {
-    "contact_pressure": "contact pressure",
-    "electric_displacement_y": "$D_y$",
-    "magnetic_induction_y": "$B_y$",
-    "stress_xx": "$\\sigma_{xx}$",
-    "von_mises": "von Mises stress",
-}
 
 
 def _star(answer: xr.Dataset, kind: str = "design") -> str:
@@ -231,7 +215,3 @@ def _factor_axis(ax: Axes, which: str, name: str, values: Array) -> None:
         (ax.set_xscale if which == "x" else ax.set_yscale)("log")
     words = label(FACTORS[name].long_name, factor_scale(name, values)[1], 40)
     (ax.set_xlabel if which == "x" else ax.set_ylabel)(words)
-
-
-def _units(field: xr.DataArray) -> str:
-    return str(field.attrs["units"])

@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from workflow.report.figures.plots import BLUE, GREY, ORANGE, styled
+from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
 
 _COLUMNS = 3
 _FLOOR = 1e-17

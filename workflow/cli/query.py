@@ -1,0 +1,95 @@
+"""``meecontact query``: what a surrogate says at some points, printed or as a table, beside the exact answers."""
+
+import argparse
+import csv
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+import surrogate
+from storage.files import output, regular, writing
+from surrogate import GaussianProcess
+from workflow.cli import predictions
+from workflow.cli.casetable import Table, read_cases
+from workflow.cli.pointtable import predicted
+from workflow.cli.words import pairs, say
+from workflow.dataset import factorial
+from workflow.study import location
+from workflow.study import model as studies
+from workflow.study.reading import InputError, one_line
+
+_ROWS = 4096  # of an answer that are written at a time
+
+
+def query(options: argparse.Namespace) -> None:
+    """Print the answer at one point, or write a table of answers, as the options say.
+
+    Raises
+    ------
+    InputError, FormatError
+        Options, points or a study that do not fit the surrogate; a file that is none; in one line.
+    """
+    regular(options.surrogate)
+    model = surrogate.load(options.surrogate)
+    if (options.table is None) == (options.at is None):
+        raise InputError("query: give either a table AT.csv or --at NAME=VALUE,...")
+    if options.table is not None and options.output is None:
+        raise InputError("query: a table needs -o OUT.csv")
+    if options.output is not None:
+        inputs = [path for path in (options.surrogate, options.table) if path is not None]
+        options.output = output(options.output, *inputs)
+    if options.at is not None:
+        values = {name: np.array([value]) for name, value in pairs(options.at).items()}
+        table = Table("--at", values, np.empty(0, dtype=np.int64))
+    else:
+        table = read_cases(options.table)
+    answer = predicted(model, table, extrapolate=options.extrapolate)
+    if model.calibration_ is None:
+        say("not calibrated: this surrogate's intervals may hold far less than 95 %")
+    if options.exact is not None:
+        answer = _with_exact(answer, model, table, studies.named(location.given(options.exact)))
+    if options.output is None:
+        _print_answer(answer, list(model.outputs_))
+    else:
+        _write_answer(options.output, table.columns, answer)
+        say(f"wrote {options.output}: {answer.sizes['point']} points, {len(model.outputs_)} outputs")
+
+
+def _with_exact(answer: xr.Dataset, model: GaussianProcess, table: Table, study: studies.Study) -> xr.Dataset:
+    """The answer with ``<output>_exact`` beside every output."""
+    if set(model.box) != set(study.factors):
+        raise InputError(
+            f"--exact: the study's factors are {', '.join(study.factors)}; the surrogate's {', '.join(model.box)}"
+        )
+    if model.made_from_ not in ("", study.physics):  # "": nobody has said
+        raise InputError(f"--exact: {study.path}: the surrogate was made from another study, or another state of it")
+    points = {name: xr.DataArray(values, dims="point") for name, values in table.columns.items()}
+    exact = factorial.learned(study, factorial.exact(study, points))
+    return answer.assign({f"{name}_exact": exact[name] for name in model.outputs_})
+
+
+def _print_answer(answer: xr.Dataset, outputs: list[str]) -> None:
+    if "extrapolated" in answer and bool(answer["extrapolated"].values[0]):
+        print("extrapolated: the point lies outside the trained box; its intervals are not to be trusted")
+    said = predictions.table(answer, outputs)
+    for name in outputs:
+        exact = f"  exact {float(answer[f'{name}_exact'].values[0]): .10g}" if f"{name}_exact" in answer else ""
+        print(one_line(f"{said[name]}{exact}  {answer[name].attrs.get('units', '')}"))
+
+
+def _write_answer(path: Path, points: Mapping[str, NDArray[Any]], answer: xr.Dataset) -> None:
+    columns = {**points, **{str(name): answer[name].values for name in answer.data_vars}}
+    with writing(path) as file:
+        header = io.StringIO()
+        csv.writer(header, lineterminator="\n").writerow(columns)
+        file.write(header.getvalue().encode())
+        for begin in range(0, answer.sizes["point"], _ROWS):
+            some = [values[begin : begin + _ROWS] for values in columns.values()]
+            plain = [one.astype(int if one.dtype == bool else float).tolist() for one in some]
+            lines = (",".join(map(repr, row)) + "\n" for row in zip(*plain, strict=True))  # every digit of a float
+            file.write("".join(lines).encode())

@@ -1,0 +1,34 @@
+"""What options say, as numbers and pairs, and what is told beside the answers."""
+
+import sys
+
+from workflow.study.reading import InputError, number, one_line
+
+
+def say(message: str) -> None:
+    """Tell what was done: beside the answers, which go to standard output."""
+    print(one_line(message), file=sys.stderr)
+
+
+def numbers(where: str, text: str) -> list[float]:
+    """Numbers between commas; `InputError` names `where` and the part that is none."""
+    values = []
+    for part in text.split(","):
+        try:
+            values.append(number(part))
+        except ValueError:
+            raise InputError(f"{where}: {part.strip()!r} is not a number") from None
+    return values
+
+
+def pairs(text: str) -> dict[str, float]:
+    """``NAME=VALUE`` between commas, of the option ``--at``; `InputError` names the part that is none."""
+    found: dict[str, float] = {}
+    for part in text.split(","):
+        name, equals, value = part.partition("=")
+        if not equals:
+            raise InputError(f"--at: {part.strip()!r} is not of the form NAME=VALUE")
+        if name.strip() in found:
+            raise InputError(f"--at: {name.strip()}: given twice")
+        found[name.strip()] = numbers(f"--at: {name.strip()}", value)[0]
+    return found

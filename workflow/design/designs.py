@@ -1,0 +1,55 @@
+"""Designs of a question, with the sources that tell what they come to: what search, front and verdict hand on."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workflow.design.question import Question
+from workflow.design.scenarios import Scenarios
+from workflow.design.sources import Exact, Factors, Predicted, Source
+from workflow.design.terms import Term
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Designs:
+    """Designs of one question.
+
+    Attributes
+    ----------
+    question
+        What they answer.
+    predicted, exact
+        The surrogate and the exact solver, for the question's categories.
+    x
+        Scaled variables, (n, d).
+    """
+
+    question: Question
+    predicted: Predicted
+    exact: Exact
+    x: Array
+
+    @cached_property
+    def variables(self) -> dict[str, Array]:
+        """The design variables, (n,) each."""
+        return self.question.physical(self.x)
+
+    def at(self, x: Array) -> "Designs":
+        """Others of the same question, (n, d) or one (d,)."""
+        return replace(self, x=np.atleast_2d(x))
+
+    def factors(self, chosen: Scenarios) -> Factors:
+        """Every factor of the factorial, over (designs, scenarios)."""
+        return self.question.factors(self.variables, chosen)
+
+    def values(self, source: Source, chosen: Scenarios, term: Term) -> Array:
+        """A term over some scenarios, (designs, groups, draws)."""
+        return self.question.values(source, self.variables, chosen, [term])[0]
+
+    def count(self, source: Source, sets: dict[bool, Scenarios]) -> Array:
+        """What every term counts as, (designs, terms)."""
+        return self.question.count(source, self.variables, sets)

@@ -1,0 +1,80 @@
+"""What small errors in building a design cost: elasticities, and the loss and the margins after an error of 1 %."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from solver.names import FACTORS
+from workflow.design import budget
+from workflow.design.designs import Designs
+from workflow.design.question import Question
+from workflow.design.sources import Exact, Source
+
+Array = NDArray[np.float64]
+
+_STEP = 1e-3  # relative step of elasticities
+_ERROR = 0.01  # relative error in building a variable
+_SHARES = 1 + np.array([-_STEP, _STEP, -_ERROR, _ERROR])
+_NOTHING = 1e-9  # share of the goal that counts as no change
+
+
+def sensitivities(design: Designs, exact: Array, factors: list[str]) -> xr.Dataset:
+    """Elasticity of every term, and what a 1 % error costs, for every continuous variable among the factors.
+
+    By differences on what stands for the exact solver, from the exact values at the design, (terms,).
+    """
+    question, source = design.question, budget.affordable(design)
+    varied = _varied(design, source)
+    counts = question.count(source, varied, question.judged)
+    counts += exact - counts[0]
+    around = counts[1:].reshape(len(varied), len(_SHARES), len(exact))
+    largest = np.abs(around).max((0, 1), initial=0.0)
+    unknown = {"elasticity": np.full(len(exact), np.nan), "cost": np.nan, "loss": np.nan} | {
+        "matters": True,
+        "margin_left": np.nan,
+    }
+    effects = {
+        name: _effects(question, values[1 + 4 * k : 5 + 4 * k], counts[0], around[k], largest)
+        for k, (name, values) in enumerate(varied.items())
+        if values[0] != 0  # which has no 1 % of it
+    }
+    rows = [effects.get(name, unknown) for name in factors]
+    return xr.Dataset(
+        {
+            key: (("factor", "term") if key == "elasticity" else "factor", np.array([row[key] for row in rows]))
+            for key in unknown
+        }
+    )
+
+
+def _varied(design: Designs, source: Source) -> dict[str, Array]:
+    """Variables at the design, then one after another moved by the shares, (1 + 4 d,) each."""
+    count = 1 + len(_SHARES) * len(design.variables)
+    varied = {name: np.full(count, nominal) for name, (nominal,) in design.variables.items()}
+    for k, (name, values) in enumerate(varied.items()):
+        # the surrogate, where it stands in, knows no case beyond its box
+        limits = FACTORS[name] if isinstance(source, Exact) else design.question.study.factors[name]
+        values[1 + 4 * k : 5 + 4 * k] = np.clip(values[0] * _SHARES, limits.low, limits.high)
+    return varied
+
+
+def _effects(question: Question, moved: Array, here: Array, around: Array, largest: Array) -> dict[str, Any]:
+    """Of one variable at four values: what the terms count as at the design, (terms,), and there, (4, terms)."""
+    # a share of what is next to zero says nothing
+    whole = np.where(np.abs(here) > _NOTHING * largest, here, np.nan)
+    change = moved[1] / moved[0] - 1
+    with np.errstate(divide="ignore", invalid="ignore"):
+        elasticity = (around[1] - around[0]) / whole / change if change else np.full(len(here), np.nan)
+    wanted, erred = question.objectives, around[2:]
+    loss = max(float((question.terms[0].sign * (here[0] - erred[:, 0])).max()), 0.0)
+    same = np.abs(erred - here) <= _NOTHING * np.maximum(np.abs(here), largest)
+    margins = [-term.oriented(erred[:, k]) for k, term in enumerate(question.terms) if term.limited]
+    return {
+        "elasticity": elasticity,
+        "cost": loss / abs(whole[0]),
+        "loss": loss,
+        "matters": not np.all(same[:, :wanted]),
+        "margin_left": float(np.min(margins)) if margins else np.nan,
+    }

@@ -1,0 +1,96 @@
+"""Polish of candidates on the exact solver: limits are shifted until a design stands its verdict."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workflow.design import assessment, budget
+from workflow.design.candidate import Candidate
+from workflow.design.designs import Designs
+from workflow.design.sources import Source
+
+Array = NDArray[np.float64]
+
+_ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios say
+_SAFETY = 1e-10  # relative safety margin, beyond rounding
+_NEAR = 1e-6  # relative distance at which a limit binds
+_LOST = 0.01  # share of the objective that no polish costs
+
+
+def first_feasible(ranked: list[Candidate]) -> Candidate:
+    """The best choice that stays feasible on the exact solver, or else the first one, polished."""
+    first, spent = None, 0
+    for candidate in ranked:
+        polished = _polish(candidate)
+        first, spent = first or polished, spent + polished.cases
+        if polished.best.feasible:
+            return polished
+        if not candidate.best.feasible or spent > budget.AFFORDABLE:
+            break
+    return first or ranked[0]
+
+
+@dataclass(frozen=True)
+class _Excess:
+    """Relative excess of every limit at one design.
+
+    Attributes
+    ----------
+    judged, searched
+        Over the many scenarios of the verdict, exactly, and the few of the search, on what polishes; (k,).
+    cases
+        Searched cases that this took.
+    """
+
+    judged: Array
+    searched: Array
+    cases: int
+
+    @property
+    def kept(self) -> NDArray[np.bool_]:
+        """Which limits hold in the verdict."""
+        return self.judged <= assessment.ROUNDING
+
+    def agrees(self, safety: Array) -> bool:
+        """Whether all limits hold, and those bind in the verdict that bound the search with its safety margins."""
+        bound = self.searched + safety > -_NEAR
+        return bool(np.all(self.kept & ((self.judged > -_NEAR) | ~bound)))
+
+
+def _excess(design: Designs, source: Source) -> _Excess:
+    limits = [term for term in design.question.terms if term.limited]
+    values, cases = assessment.exactly(design, limits)
+    judged = [float(term.oriented(value)) for term, value in zip(limits, values, strict=True)]
+    return _Excess(np.array(judged), assessment.excesses(design, source), cases)
+
+
+def _polish(found: Candidate) -> Candidate:
+    """The same on the exact solver, until the many scenarios of the verdict say what the few of the search say.
+
+    What is too costly for the optimiser it takes from the surrogate, shifted to what the exact solver says.
+    """
+    question, source = found.question, budget.affordable(found.asked)
+    usual = budget.safety(question, _SAFETY) * question.inequality
+    rounds = _ROUNDS if question.inputs else 0
+    now, last, safety, spent = found, None, np.zeros(len(question.inequality)), 0
+    for k in range(rounds + 1):
+        excess = _excess(now.design, source)
+        spent += excess.cases
+        if last is not None and _lost(last, now):
+            break
+        last = now if np.all(excess.kept) else last
+        done = not now.best.feasible or excess.agrees(safety)
+        if (k > 0 and done) or k == rounds or spent + excess.cases > budget.AFFORDABLE:
+            break
+        # what a few scenarios make of a limit differs from what many do: shift it by that
+        safety = excess.judged - excess.searched + usual
+        now = now.improved(source, safety)
+    best = replace(now.best, feasible=False) if last is None else last.best
+    moved = rounds > 0 and last is not found
+    return replace(found, best=best, cases=spent, polish=budget.words(question, spent, moved))
+
+
+def _lost(last: Candidate, now: Candidate) -> bool:
+    """Whether the objective fell more than a polish costs: a search that went astray."""
+    return now.best.objective < last.best.objective - _LOST * last.size(last.best.objective)

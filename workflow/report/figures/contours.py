@@ -1,0 +1,34 @@
+"""A field below the punch as filled contours: one scale for all that stand side by side."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from workflow.report.figures.style import field_label, ticked
+from workflow.report.svg import INK
+
+_LEVELS = 15
+
+
+def below(figure: Figure, axes: Sequence[Axes], fields: Sequence[xr.DataArray], where: str = "") -> tuple[float, str]:
+    """Fields of one name over ``x`` and ``y``, each on its axes, with one colour bar; its unit's size and its label.
+
+    The edges of a conducting punch are singular: the scale leaves out the topmost percent.
+    """
+    low, high = np.quantile([field.values for field in fields], [0.005, 0.99])
+    signed = low < -0.02 * high
+    bound = float(max(abs(low), abs(high)))
+    size, label = field_label(fields[0], bound, where)
+    levels = (bound / size or 1.0) * np.linspace(-1.0 if signed else 0.0, 1.0, _LEVELS)
+    for ax, field in zip(axes, fields, strict=True):
+        x, y, values = field["x"].values, field["y"].values, field.transpose("y", "x").values / size
+        filled = ax.contourf(x, y, values, levels, cmap="RdBu_r" if signed else "viridis", extend="both")
+        filled.set_rasterized(True)  # a tenth of the bytes of the outlines
+        ax.plot([-1, 1], [0, 0], color=INK, lw=2.5, solid_capstyle="butt", clip_on=False)
+        ax.set_aspect("equal")
+        ax.grid(visible=False)
+    figure.colorbar(filled, ax=list(axes), label=label, format=ticked, pad=0.01, shrink=0.9)
+    return size, label

@@ -1,0 +1,41 @@
+"""Figure of the report: errors of the independent methods over their effort."""
+
+from itertools import cycle
+from typing import Any
+
+import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
+
+from workflow.language import numbers
+from workflow.report.figures.style import styled
+
+#: Figures of convergence: title, and whether the effort is on a logarithmic axis.
+_CONVERGENCE = {
+    "collocation_terms": ("collocation, polynomial profiles", False),
+    "collocation_circle": ("collocation, the whole circle", False),
+    "fem_fields": ("finite elements, given tractions", True),
+    "fem_contact": ("finite elements, unilateral contact", True),
+}
+
+
+@styled
+def figure(curves: list[dict[str, Any]]) -> Figure:
+    """Errors of an independent method over its effort, a panel for each problem."""
+    names = list(dict.fromkeys(curve["figure"] for curve in curves))
+    made, axes = plt.subplots(1, len(names), figsize=(5.2 * len(names), 4.2), squeeze=False)
+    for ax, name in zip(axes.flat, names, strict=True):
+        title, logarithmic = _CONVERGENCE[name]
+        shown = [curve for curve in curves if curve["figure"] == name]
+        for marker, curve in zip(cycle("os^vD<>P"), shown):
+            ax.plot(curve["x"], curve["error"], marker=marker, ms=4, lw=1.2, label=curve["label"])
+        ax.set_yscale("log")
+        if logarithmic:
+            ax.set_xscale("log")
+        ticks = sorted({x for curve in shown for x in curve["x"]})
+        ax.set_xticks(ticks, [numbers.number(x) for x in ticks])
+        ax.minorticks_off()
+        ax.set_xlabel(shown[0]["effort"])
+        ax.set_title(title)
+        ax.legend()
+    axes[0, 0].set_ylabel("error against the closed form")
+    return made

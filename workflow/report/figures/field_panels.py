@@ -1,0 +1,117 @@
+"""Figures of the report: exact fields along the surface and below the punch, while one factor varies."""
+
+from collections.abc import Sequence
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from solver.names import FACTORS
+from workflow.language import numbers
+from workflow.report.figures.contours import below
+from workflow.report.figures.style import GREY, NEAR_EDGE, Array, field_label, styled
+
+#: Fields that the parametric study shows, in the paper's order.
+SHOWN = (
+    "contact_pressure",
+    "electric_displacement_y",
+    "magnetic_induction_y",
+    "stress_xx",
+    "electric_displacement_x",
+    "magnetic_induction_x",
+)
+
+
+@styled
+def fields(slabs: Sequence[xr.Dataset]) -> Figure:
+    """Surface fields of a few cases: every factor in its middle but the second, or the only one, which varies.
+
+    The slabs are parts of the whole along its first axis; their number does not change the figure.
+    """
+    first, *others = (str(dim) for dim in slabs[0]["contact_pressure"].dims if dim != "position")
+    if not others:
+        return _field_panels(xr.concat(slabs, first), first)
+    varied = others[0]
+    starts = np.cumsum([0, *(slab.sizes[first] for slab in slabs)])
+    sizes = {first: int(starts[-1]), **{name: slabs[0].sizes[name] for name in others[1:]}}
+    # categories have no middle: the first of their names
+    places = {name: size // 2 if name in FACTORS else 0 for name, size in sizes.items()}
+    holds = int(np.searchsorted(starts, places[first], side="right")) - 1
+    chosen = slabs[holds].isel({**places, first: places[first] - starts[holds]})
+    held = ", ".join(f"{name.replace('_', ' ')} {_said(name, chosen[name].item())}" for name in places)
+    figure = _field_panels(chosen, varied)
+    figure.suptitle(f"one case a curve: {held}", fontsize=9)
+    return figure
+
+
+def _said(factor: str, value: float | str) -> str:
+    return value if isinstance(value, str) else numbers.shown(value, FACTORS[factor].units, digits=4)
+
+
+@styled
+def effect(data: xr.Dataset) -> Figure:
+    """Effect of one factor on the six surface fields of the paper's parametric study."""
+    varied = next(str(dim) for dim in data["contact_pressure"].dims if dim != "position")
+    return _field_panels(data, varied)
+
+
+@styled
+def interior(data: xr.Dataset) -> Figure:
+    """Contours below the punch: a row for each field, on one scale, a column for each value of the factor."""
+    varied = next(str(dim) for dim in data.dims if dim not in ("x", "y"))
+    names, values = data.attrs["fields"].split(), data[varied].values
+    size = (3.3 * len(values) + 1.0, 0.4 + 2.0 * len(names))
+    figure, axes = plt.subplots(len(names), len(values), figsize=size, squeeze=False, sharex=True, sharey=True)
+    for row, name in zip(axes, names, strict=True):
+        below(figure, row, [data[name].sel({varied: value}) for value in values])
+        row[0].set_ylabel("y/h")
+    for ax, value in zip(axes[0], values, strict=True):
+        ax.set_title(f"{varied.replace('_', ' ')} = {_said(varied, value)}")
+    for ax in axes[-1]:
+        ax.set_xlabel("(x - c)/h")
+    return figure
+
+
+def _field_panels(data: xr.Dataset, varied: str) -> Figure:
+    values = data[varied].values
+    numeric = np.issubdtype(values.dtype, np.number)
+    colours = (
+        plt.get_cmap("viridis")(np.linspace(0.0, 0.88, len(values)))
+        if numeric
+        else plt.get_cmap("tab10")(np.arange(len(values)) % 10)
+    )
+    figure, axes = plt.subplots(2, 3, figsize=(10.5, 5.6))
+    X = data["position"].values
+    for ax, name in zip(axes.flat, SHOWN, strict=True):
+        curves = data[name].transpose(varied, "position").values
+        inside_only = name in ("contact_pressure", "electric_displacement_y", "magnetic_induction_y")
+        shown = np.abs(X) < 1 if inside_only else np.abs(X) < np.inf
+        away = shown & (np.abs(np.abs(X) - 1) > NEAR_EDGE)
+        size, label = field_label(data[name], float(np.abs(curves[:, away]).max()))
+        curves = curves / size
+        for curve, value, colour in zip(curves, values, colours, strict=False):
+            text = _said(varied, value)
+            for part in (X < -1, np.abs(X) < 1, X > 1):  # no line across an edge
+                use = part & shown
+                if use.any():
+                    ax.plot(X[use], curve[use], color=colour, lw=1.4, label=text if part[X.size // 2] else None)
+        ax.set_ylabel(label)
+        _bounded(ax, curves[:, away])
+        for edge in (-1, 1):
+            ax.axvline(edge, color=GREY, lw=0.7, ls=":")
+        if not inside_only:
+            ax.set_xlim(-3, 3)
+    for ax in axes[1]:
+        ax.set_xlabel("X = (x - c)/h   (trailing edge at X = 1)")
+    handles = axes[0, 0].get_legend_handles_labels()
+    figure.legend(*handles, loc="outside right upper", title=varied.replace("_", " "))
+    return figure
+
+
+def _bounded(ax: Axes, curves: Array) -> None:
+    """Set the range by the curves away from the edges: a square-root singularity has no peak."""
+    low, high = min(float(curves.min()), 0.0), max(float(curves.max()), 0.0)
+    pad = 0.06 * (high - low) or 1.0
+    ax.set_ylim(low - pad, high + pad)

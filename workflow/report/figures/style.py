@@ -1,0 +1,98 @@
+"""Style and scales that the figures share, and their files: SVG without date, so that equal data give equal bytes."""
+
+import io
+import re
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+
+mpl.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from solver.names import FACTORS
+from storage.files import write_bytes
+from workflow.language import numbers
+from workflow.report.figures import hover
+from workflow.report.svg import INK, PAPER
+
+Array = NDArray[np.float64]
+
+#: Style of every figure of the report.
+STYLE: dict[Any, Any] = {
+    "figure.constrained_layout.use": True,
+    "font.size": 9,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlesize": 9.5,
+    # no power of ten apart from its ticks: values are scaled by a prefix that stands in the label
+    "axes.formatter.limits": (-15, 15),
+    "axes.formatter.useoffset": False,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+    "svg.hashsalt": "meecontact",
+    **dict.fromkeys(("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color"), INK),
+    "hatch.color": INK,
+    "hatch.linewidth": 0.5,
+    **dict.fromkeys(("figure.facecolor", "axes.facecolor", "savefig.facecolor"), PAPER),
+}
+_OUTLINE, _DECIMALS = re.compile(rb'\sd="[^"]*"'), re.compile(rb"(\.\d\d)\d+")
+styled = mpl.rc_context(STYLE)
+NEAR_EDGE = 0.02  # distance in X from an edge within which a singular field is cut
+BLUE, ORANGE, GREY = "#2166ac", "#d95f02", "#8a8a8a"
+
+#: How fields are named on axes; the others by their own names.
+_FIELDS = {
+    "contact_pressure": "contact pressure",
+    "principal_tension": "largest principal stress",
+    "von_mises": "von Mises stress",
+    "stress_xx": "$\\sigma_{xx}$",
+    "stress_yy": "$\\sigma_{yy}$",
+    "stress_xy": "$\\sigma_{xy}$",
+    "electric_displacement_x": "$D_x$",
+    "electric_displacement_y": "$D_y$",
+    "magnetic_induction_x": "$B_x$",
+    "magnetic_induction_y": "$B_y$",
+}
+
+
+def field_label(field: xr.DataArray, size: float, where: str = "") -> tuple[float, str]:
+    """What to divide a field by where values of some size are shown, and its label with the unit then."""
+    scale, units = numbers.prefixed(size, str(field.attrs["units"]), digits=2)
+    name = _FIELDS.get(str(field.name), str(field.name).replace("_", " "))
+    return scale, numbers.label(f"{name} {where}", units, 60)
+
+
+def ticked(value: float, _place: int) -> str:
+    """A tick of a colour bar."""
+    return numbers.number(value, 3)
+
+
+def by_ratio(values: Array) -> bool:
+    """Whether values of a factor are spread by ratio, as those of a logarithmic one are."""
+    return bool(values[0] > 0 and not np.allclose(np.diff(values), np.diff(values)[0]))
+
+
+def factor_scale(name: str, values: Array) -> tuple[float, str]:
+    """What to divide a factor by on its axis, and its unit there; a logarithmic axis has powers of ten of its own."""
+    if by_ratio(values):
+        return 1.0, numbers.raised(FACTORS[name].units)
+    return numbers.prefixed(float(np.abs(values).max()), FACTORS[name].units)
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure as SVG, with what a pointer over it can say; whole or not at all."""
+    drawn = io.BytesIO()
+    with mpl.rc_context(STYLE):  # the salt of the ids acts while saving
+        said = f'<metadata class="hover">{hover.metadata(figure)}</metadata>\n</svg>'.encode()
+        figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": "meecontact"})
+    plt.close(figure)
+    outlines = _OUTLINE.sub(lambda one: _DECIMALS.sub(rb"\1", one[0]), drawn.getvalue())  # half of the bytes
+    write_bytes(path, said.join(outlines.rsplit(b"</svg>", 1)))

@@ -1,0 +1,72 @@
+"""What Snakemake would give to a script, for one that is run alone: in an editor, in a debugger, from the shell.
+
+``python workflow/scripts/card.py results/quickstart/datacard.json`` makes that file from the files that are there. The
+Snakefile is read, and no job is started.
+"""
+
+import logging
+import re
+import sys
+from pathlib import Path
+
+from snakemake.api import Workflow  # first: Snakemake's modules import each other in a circle
+from snakemake.dag import DAG
+from snakemake.exceptions import WorkflowError
+from snakemake.iocontainers import Snakemake
+from snakemake.jobs import Job
+from snakemake.logging import LoggerManager
+from snakemake.settings.types import (
+    ConfigSettings,
+    DAGSettings,
+    OutputSettings,
+    ResourceSettings,
+    StorageSettings,
+    WorkflowSettings,
+)
+
+SNAKEFILE = Path(__file__).parents[1] / "Snakefile"
+
+
+def job(script: Path, file: str = "") -> Snakemake:
+    """The job of a script's rule that makes a file, with its input, output, params, wildcards and log.
+
+    Parameters
+    ----------
+    script
+        Of ``workflow/scripts/``.
+    file
+        One output of the rule, relative to the current folder, where ``results/`` lies.
+
+    Raises
+    ------
+    SystemExit
+        No file, or one that the rule does not make, in one line; what the Snakefile refuses, in Snakemake's words.
+    """
+    try:
+        workflow = _workflow()
+        rule = next(one for one in workflow.rules if one.script and Path(one.script).name == script.name)
+        if not rule.is_producer(file):
+            made = re.sub(r",[^{}]*}", "}", ", ".join(rule.output))  # without what a wildcard may be
+            raise WorkflowError(f"{script.name}: {file!r} is not one of {made}")
+        found = Job(rule, DAG(workflow, rules=[rule]), rule.get_wildcards(file), targetfile=file)
+    except WorkflowError as error:
+        sys.exit(str(error))
+    for path in map(Path, found.output):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    names = found.input, found.output, found.params, found.wildcards
+    return Snakemake(*names, found.threads, found.resources, found.log, workflow.config, rule.name, None)
+
+
+def _workflow() -> Workflow:
+    """The rules of the Snakefile, read and not run."""
+    workflow = Workflow(
+        config_settings=ConfigSettings(),
+        resource_settings=ResourceSettings(cores=1),
+        workflow_settings=WorkflowSettings(),
+        storage_settings=StorageSettings(),
+        dag_settings=DAGSettings(rerun_triggers=frozenset()),
+        storage_provider_settings={},
+        logger_manager=LoggerManager(logging.getLogger("snakemake"), OutputSettings()),
+    )
+    workflow.include(SNAKEFILE)
+    return workflow
