@@ -31,6 +31,7 @@ FILES = {
         "tests/workflow/report/test_datum_effect.py",
         "tests/workflow/report/test_figures.py",
         "tests/workflow/report/test_page.py",
+        "tests/workflow/run/test_standin.py",
         "tests/workflow/study/test_planned.py",
     ),
     "undisturbed": ("tests/faults/test_disk.py", "tests/faults/test_tampered.py", "tests/faults/test_together.py"),
@@ -53,16 +54,13 @@ def group(file: str) -> str:
     return next((run for run, files in FILES.items() if file in files), file)
 
 
-class ByGroup(LoadScopeScheduling):
-    """Hands out whole groups of tests, in the order of collection."""
-
-    def _split_scope(self, nodeid: str) -> str:
-        return group(nodeid.partition("::")[0])
-
-
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeScheduling | None:
-    """Put groups in the place of xdist's files; another `--dist` stays what it is."""
-    return ByGroup(config, log) if config.getvalue("dist") == "loadfile" else None
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Hand out groups in the place of xdist's files; another `--dist` stays what it is."""
+    if config.getvalue("dist") != "loadfile":
+        return None
+    scheduler = LoadScopeScheduling(config, log)
+    scheduler._split_scope = lambda nodeid: group(nodeid.partition("::")[0])
+    return scheduler
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
