@@ -31,10 +31,11 @@ FILES = {
         "tests/workflow/report/test_datum_effect.py",
         "tests/workflow/report/test_figures.py",
         "tests/workflow/report/test_page.py",
+        "tests/workflow/run/test_standin.py",
         "tests/workflow/study/test_planned.py",
     ),
     "undisturbed": ("tests/faults/test_disk.py", "tests/faults/test_tampered.py", "tests/faults/test_together.py"),
-    "quickstart": ("tests/faults/test_killed.py", "tests/test_docs.py", "tests/test_documents.py"),
+    "quickstart_run": ("tests/faults/test_killed.py", "tests/test_docs.py", "tests/test_documents.py"),
 }
 
 #: What takes longest begins first, so that the last groups to end are short.
@@ -53,16 +54,13 @@ def group(file: str) -> str:
     return next((run for run, files in FILES.items() if file in files), file)
 
 
-class ByGroup(LoadScopeScheduling):
-    """Hands out whole groups of tests, in the order of collection."""
-
-    def _split_scope(self, nodeid: str) -> str:
-        return group(nodeid.partition("::")[0])
-
-
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeScheduling | None:
-    """Put groups in the place of xdist's files; another `--dist` stays what it is."""
-    return ByGroup(config, log) if config.getvalue("dist") == "loadfile" else None
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Hand out groups in the place of xdist's files; another `--dist` stays what it is."""
+    if config.getvalue("dist") != "loadfile":
+        return None
+    scheduler = LoadScopeScheduling(config, log)
+    scheduler._split_scope = lambda nodeid: group(nodeid.partition("::")[0])
+    return scheduler
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -79,7 +77,7 @@ def _rank(name: str) -> int:
 
 
 @pytest.fixture(scope="session")
-def quickstart(copy: Callable[[str], Project]) -> Project:
+def quickstart_run(copy: Callable[[str], Project]) -> Project:
     """A copy in which the quickstart has run to its report without any fault; look, and change nothing."""
     project = copy("quickstart")
     project.run("meecontact", "run", "quickstart", "--cores", "2")

@@ -17,11 +17,11 @@ BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
 
 
 @pytest.fixture(scope="module")
-def folder(quickstart: Project, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the quickstart's surrogate in its place, and nothing else."""
     folder = tmp_path_factory.mktemp("readme")
     (folder / "results/quickstart").mkdir(parents=True)
-    shutil.copy(quickstart.folder / "results/quickstart/surrogate.nc", folder / "results/quickstart")
+    shutil.copy(quickstart_run.folder / "results/quickstart/surrogate.nc", folder / "results/quickstart")
     return folder
 
 

@@ -33,8 +33,8 @@ def survives(project: Project, expected: dict[str, bytes], kills: int, dice: ran
 
 
 @pytest.mark.soakable
-def test_kills_lose_nothing(copy: Callable[[str], Project], quickstart: Project) -> None:
+def test_kills_lose_nothing(copy: Callable[[str], Project], quickstart_run: Project) -> None:
     kills = 100 if os.environ.get("MEECONTACT_SOAK") else 5
-    project, expected = copy("killed"), contents(quickstart, STUDY)
+    project, expected = copy("killed"), contents(quickstart_run, STUDY)
     assert survives(project, expected, kills, random.Random(kills)) == expected
     assert all((project.folder / "results" / STUDY / name).is_file() for name in NOT_COMPARED)
