@@ -101,7 +101,8 @@ class Cases:
             if values.dtype == object:
                 values = np.array([_label(value) for value in values.flat]).reshape(values.shape)
             factor = FACTORS.get(name)
-            attrs = {"units": factor.units, "long_name": factor.long_name} if factor else {}
+            words = factor.long_name if factor else f"{name} of the case"
+            attrs = {"units": factor.units if factor else "1", "long_name": words}
             out[name] = xr.Variable(array.dims, values, attrs)
         return out
 
