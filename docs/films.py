@@ -20,7 +20,8 @@ _CYLINDER = Profile.cylinder(np.array(0.05))
 
 def numbers() -> dict[str, float]:
     """What the page says, by name; SI."""
-    return _thick() | _reciprocal() | _charged() | _insulated()
+    titanate = {f"{name}, BaTiO3": value for name, value in _thick(solver.find("BaTiO3")).items()}
+    return _thick(MIXED) | titanate | _reciprocal() | _charged() | _insulated()
 
 
 def _film(stack: Stack, friction: float = 0.0, load: float = 1e5, charge: float = 0.0) -> FilmContact:
@@ -29,15 +30,15 @@ def _film(stack: Stack, friction: float = 0.0, load: float = 1e5, charge: float 
     return FilmContact(of, _CYLINDER, np.array([load]), np.array([[charge, 0.0]]), np.array(1.0))
 
 
-def _thick() -> dict[str, float]:
+def _thick(material: solver.Material) -> dict[str, float]:
     """Half-length on a film ten half-lengths thick over that of the half-plane of its material, less 1."""
-    sliding = Sliding(HalfPlane(MIXED), np.array(0.3), np.array([True, True]))
+    sliding = Sliding(HalfPlane(material), np.array(0.3), np.array([True, True]))
     load, charges = np.array([1e5]), np.zeros((1, 2))
     exact = float(np.ravel(Contact(sliding, _CYLINDER, load, charges).half_width)[0])
     stacks = {
-        "rigid": Stack((Layer(MIXED, 10 * exact),)),
-        "bonded": Stack((Layer(MIXED, 10 * exact, "bonded"),), STEEL),
-        "grounded": Stack((Layer(MIXED, 10 * exact, "grounded"),), STEEL),
+        "rigid": Stack((Layer(material, 10 * exact),)),
+        "bonded": Stack((Layer(material, 10 * exact, "bonded"),), STEEL),
+        "grounded": Stack((Layer(material, 10 * exact, "grounded"),), STEEL),
     }
     found = {}
     for name, stack in stacks.items():

@@ -121,7 +121,10 @@ def test_linear_grading_converges() -> None:
     np.testing.assert_allclose(found[:, [0, 3, 4], 0], finer[:, [0, 3, 4], 0], rtol=1e-8)
     np.testing.assert_allclose(found[:, [0, 3, 4], 1:], finer[:, [0, 3, 4], 1:], rtol=5e-7)  # their small couplings
     size = np.max(np.abs(finer[:, 6:10]), axis=1, keepdims=True)
-    assert np.all(np.abs(found - finer)[:, 6:10] < 2e-3 * size)  # edge intensities: like M^-2 (section 9)
+    assert np.all(np.abs(found - finer)[:, 6:10] < 2e-3 * size)  # edge intensities: like M^-2 (films, section 9)
+    size = np.max(np.abs(finer[:, 10:12]), axis=1, keepdims=True)
+    miss = np.max(np.abs(found - finer)[:, 10:12] / size, axis=(0, 1))  # edge stress, by slope, T and J: like M^-1.5
+    assert np.all(miss < [1e-3, 2e-2, 2e-2]), miss
 
 
 def test_staircases_tend_to_the_graded_film() -> None:
