@@ -130,7 +130,8 @@ def test_on_the_surface_they_are_the_surface_fields(name: str, speed: float) -> 
     names |= {f"{kind}_{axis}": f"{kind}_{axis}" for kind in GROUPS[1:3] for axis in "xy"}
     for inside, outside in names.items():
         scale = float(np.max(np.abs(surface[outside])))
-        np.testing.assert_allclose(body[inside], surface[outside], rtol=1e-11, atol=1e-12 * scale, err_msg=inside)
+        # 1.1e-12 on one kind of processor, less on another
+        np.testing.assert_allclose(body[inside], surface[outside], rtol=1e-11, atol=4e-12 * scale, err_msg=inside)
     scale = float(np.max(surface["contact_pressure"]))
     np.testing.assert_allclose(-body["stress_yy"], surface["contact_pressure"], rtol=1e-11, atol=1e-12 * scale)
 
