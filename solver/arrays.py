@@ -13,6 +13,8 @@ ComplexArray = NDArray[np.complex128]
 Points = TypeVar("Points", Array, ComplexArray)
 Scalar = TypeVar("Scalar", bound=np.generic)
 
+_LONGEST = 60  # characters of a value that a message quotes
+
 
 def is_finite(value: object) -> bool:
     """Whether a plain value is a real number, no truth value, that floating point holds."""
@@ -20,6 +22,12 @@ def is_finite(value: object) -> bool:
         return not isinstance(value, bool | np.bool_) and isinstance(value, Real) and bool(np.isfinite(float(value)))
     except OverflowError:
         return False
+
+
+def shown(value: object) -> str:
+    """A value at fault as messages quote it: in one line, and no more than its beginning."""
+    text = str(value)
+    return repr(text if len(text) <= _LONGEST else f"{text[:_LONGEST]}...")
 
 
 def dot(one: Array, two: Array) -> Array:

@@ -101,6 +101,12 @@ FIELDS: dict[str, Described] = {
 #: Fields with a square-root singularity at the edges, also given times sqrt|1 - X^2| as ``<name>_regular``.
 SINGULAR = tuple(FIELDS)[2:]
 
+#: What is given of them then.
+REGULAR: dict[str, Described] = {
+    f"{name}_regular": Described(FIELDS[name].units, f"{FIELDS[name].long_name}, times sqrt|1 - X^2|")
+    for name in SINGULAR
+}
+
 #: Fields inside the half-plane over (case factors..., y, x), as :func:`solver.solve_interior` gives them unasked.
 INTERIOR: dict[str, Described] = {
     "stress_xx": Described("Pa", "stress sigma_xx"),
@@ -127,6 +133,9 @@ INTERIOR_ON_REQUEST: dict[str, Described] = {
     "strain_yy": Described("1", "strain epsilon_yy"),
     "strain_xy": Described("1", "tensor shear strain epsilon_xy"),
 }
+
+#: Every field inside the half-plane there is.
+EVERY_INTERIOR = {**INTERIOR, **INTERIOR_ON_REQUEST}
 
 #: Fields inside the half-plane that need c12.
 NEED_C12 = ("stress_zz", "von_mises", "principal_tension")

@@ -14,7 +14,8 @@ import xarray as xr
 import solver
 from verification.cases import SIH_SONG, Array, constants
 from verification.findings import Check, Curve, Findings, Sizes, Timing, check, off
-from verification.oracles import collocation, precise, profile
+from verification.oracles import collocation, profile
+from verification.oracles.collocated import fields
 from verification.oracles.surface_response import SurfaceResponse, surface_response
 from verification.oracles.weighted_chebyshev import end_proof_nodes
 
@@ -133,14 +134,10 @@ def _collocated(name: str, case: dict[str, Any], terms: int, surface: SurfaceRes
 
 
 def _answers(numerical: collocation.Contact, surface: SurfaceResponse, datum: float) -> dict[str, Array]:
-    """What the collocation says of a case, named as in ``interface.md``."""
-    tractions, transforms = numerical.tractions(X), numerical.transforms(X)
-    t, transform = (np.vstack([numerical.problem.friction * rows[0], rows]) for rows in (tractions, transforms))
-    along = surface.along_surface(t, transform)
+    """What the collocation says of a case, by name."""
     response = zip(("depth", "voltage", "magnetic_potential"), numerical.punch_response(datum), strict=True)
     ends = {"contact_trailing": np.array(numerical.trailing), "contact_leading": np.array(numerical.leading)}
-    rows = (-t[1], t[0], t[2], t[3], along[0], along[2], along[3])
-    return {**ends, **{k: np.array(v) for k, v in response}, **dict(zip(precise.FIELDS, rows, strict=True))}
+    return {**ends, **{name: np.array(value) for name, value in response}, **fields(numerical, surface, X)}
 
 
 def _difference(found: xr.Dataset, expected: dict[str, Array]) -> float:

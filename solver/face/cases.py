@@ -1,104 +1,162 @@
-"""From checked factors to contacts of one kind and back to labelled arrays: what the labelled faces share."""
+"""The one way through the face: checked factors, one body for the cases of a kind, labelled outputs, put together.
+
+An entrance (:func:`solver.solve`, :func:`solver.solve_interior`) says which outputs of a body it asks for, and nothing
+about how the cases are told apart, aligned or labelled. Which body the cases lie on is decided by ``face/bodies.py``.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from solver.arrays import Array
-from solver.face.factors import FactorError, align, contact_of
-from solver.halfplane.contact import Contact
-from solver.halfplane.precision import warn_of_rounding
-from solver.halfplane.pressing import ContactError
+from solver.arrays import Array, BoolArray, stack
+from solver.face.attributes import attributes, of_output
+from solver.face.factors import FactorError
 from solver.halfplane.profile import Profile
-from solver.material.constants import Material, MaterialError
-from solver.names import FACTORS
+from solver.material.constants import Material
+from solver.names import CHOICES, FACTORS, Described
 
 _OF_A_KIND = ("profile", "corner")  # one of each at a time; what varies is solved part by part
 
 
-def contact_of_cases(
-    arrays: Mapping[str, xr.DataArray], materials: Mapping[str, Material], phases: Sequence[str | Material]
-) -> tuple[Contact, Array, tuple[str, ...], tuple[int, ...]]:
-    """Contact and datum of cases of one kind; names and sizes of their dimensions.
+@dataclass(frozen=True, eq=False)
+class Cases:
+    """Cases by their factors.
 
-    Raises
-    ------
-    FactorError
-        What cannot be a case, a contact that does not exist among it.
-
-    Warns
-    -----
-    PrecisionWarning
-        Rounding costs digits: constants many decades apart, a speed next to the limiting one.
+    Parameters
+    ----------
+    arrays
+        Checked factors, by name.
+    materials
+        Own materials by name, beside the built-in ones.
+    phases
+        Phase one and phase two of a composite.
     """
-    aligned, sizes = align(arrays)
-    with np.errstate(all="ignore"):  # what is not finite is named in the outputs
-        contact, datum = contact_of(aligned, materials, phases)
-        try:
-            _ = contact.pressing
-        except ContactError as error:
-            raise FactorError(str(error)) from None
-    warn_of_rounding(contact.halfplane)
-    return contact, datum, tuple(sizes), tuple(sizes.values())
+
+    arrays: Mapping[str, xr.DataArray]
+    materials: Mapping[str, Material]
+    phases: Sequence[str | Material]
+
+    @cached_property
+    def sizes(self) -> dict[str, int]:
+        """Dimensions of the cases."""
+        return {str(dim): size for array in self.arrays.values() for dim, size in array.sizes.items()}
+
+    @cached_property
+    def values(self) -> dict[str, NDArray[Any]]:
+        """Factors with one axis for each dimension, of length one where the factor does not vary."""
+        aligned = {}
+        for name, array in self.arrays.items():
+            present = [dim for dim in self.sizes if dim in array.dims]
+            shape = [array.sizes.get(dim, 1) for dim in self.sizes]
+            aligned[name] = array.transpose(*present).values.reshape(shape)
+        return aligned
+
+    def number(self, name: str) -> Array:
+        """A numeric factor, or its default; 0 where it has none."""
+        return self.values.get(name, np.array(FACTORS[name].default or 0.0))
+
+    @property
+    def charges(self) -> Array:
+        """Electric and magnetic charge; (..., 2)."""
+        return stack(self.number("charge"), self.number("magnetic_charge"))
+
+    @property
+    def conducts(self) -> BoolArray:
+        """Whether the punch conducts (electric, magnetic); (..., 2)."""
+        fields = (self.values.get(name, np.array(CHOICES[name][0])) for name in ("electric", "magnetic"))
+        return stack(*(field == "conducting" for field in fields))
+
+    @property
+    def profile(self) -> Profile:
+        """The one profile of cases of a kind."""
+        kind, corner = (self._one(name) for name in _OF_A_KIND)
+        if isinstance(kind, Profile):
+            return kind
+        if kind == "cylinder":
+            return Profile.cylinder(self.number("radius"))
+        if kind == "flat":
+            moment = self.number("moment") if "moment" in self.values else None
+            return Profile.flat(self.number("width"), self.number("slope"), moment)
+        if kind == "wedge":
+            return Profile.wedge(self.number("slope"), corner)
+        return Profile.half_cylinder(self.number("radius"), corner)
+
+    def _one(self, name: str) -> Any:
+        """A named choice that all cases share, or its default."""
+        return self.values[name].flat[0] if name in self.values else CHOICES[name][0]
+
+    @property
+    def coordinates(self) -> dict[str, xr.Variable]:
+        """The factors as coordinates with units, and labels of the cases; materials and own profiles by name."""
+        out: dict[str, xr.Variable] = {}
+        for name, array in self.arrays.items():
+            labels = [dim for dim in array.dims if dim in array.coords and dim not in self.arrays]
+            out |= {str(dim): array.coords[dim].variable for dim in labels}
+            values = array.values
+            if values.dtype == object:
+                values = np.array([_label(value) for value in values.flat]).reshape(values.shape)
+            factor = FACTORS.get(name)
+            attrs = {"units": factor.units, "long_name": factor.long_name} if factor else {}
+            out[name] = xr.Variable(array.dims, values, attrs)
+        return out
+
+    def labelled(
+        self,
+        values: Mapping[str, Array],
+        described: Mapping[str, Described],
+        of: str,
+        axes: Mapping[str, xr.Variable] | None = None,
+    ) -> dict[str, xr.Variable]:
+        """Outputs over the dimensions of the cases and own axes; what does not vary is a broadcast view.
+
+        Raises
+        ------
+        FactorError
+            An output is not finite in some case, for these factors ``of``: no file ever holds such a value unawares.
+        """
+        own = {name: axis.size for name, axis in (axes or {}).items()}
+        found = {}
+        for name, value in values.items():
+            if not np.all(np.isfinite(value)):
+                raise FactorError(f"{name}: not finite for these {of}")
+            whole = np.broadcast_to(value, (*self.sizes.values(), *own.values()))
+            found[name] = xr.Variable((*self.sizes, *own), whole, of_output(described[name], self.arrays))
+        return found
+
+    def solved(self, title: str, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
+        """The part of each kind of case, put together, with global attributes."""
+        return self._by_kind(part).assign_attrs(attributes(title, self.arrays, self.phases))
+
+    def _by_kind(self, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
+        """The part of each profile and corner, put together along the dimension that they vary on."""
+        for name in _OF_A_KIND:
+            kinds = self.arrays[name].values if name in self.arrays else np.empty(0)
+            if kinds.size < 2 or len(found := list(dict.fromkeys(kinds.flat))) < 2:
+                continue
+            if kinds.ndim > 1:
+                raise FactorError(f"{name}: varies along {kinds.ndim} dimensions; give it along one")
+            dim = self.arrays[name].dims[0]
+            places = [np.flatnonzero(kinds == kind) for kind in found]
+            solved = [self._selected(str(dim), place)._by_kind(part) for place in places]
+            shared = [key for key in solved[0].data_vars if all(key in one for one in solved)]
+            whole = xr.concat(
+                [one[shared] for one in solved],
+                dim, data_vars="all", coords="minimal", compat="override", join="override",
+            )  # fmt: skip
+            return whole.isel({dim: np.argsort(np.concatenate(places))})
+        return part(self)
+
+    def _selected(self, dim: str, places: NDArray[np.intp]) -> Self:
+        arrays = self.arrays.items()
+        return replace(self, arrays={k: a.isel({dim: places}) if dim in a.dims else a for k, a in arrays})
 
 
-def by_kind(arrays: dict[str, xr.DataArray], part: Callable[[dict[str, xr.DataArray]], xr.Dataset]) -> xr.Dataset:
-    """The part of each profile and corner, put together along the dimension that they vary on."""
-    for name in _OF_A_KIND:
-        kinds = arrays[name].values if name in arrays else np.empty(0)
-        if kinds.size < 2 or len(found := list(dict.fromkeys(kinds.flat))) < 2:
-            continue
-        if kinds.ndim > 1:
-            raise FactorError(f"{name}: varies along {kinds.ndim} dimensions; give it along one")
-        dim = arrays[name].dims[0]
-        places = [np.flatnonzero(kinds == kind) for kind in found]
-        solved = []
-        for place in places:
-            some = {key: array.isel({dim: place}) if dim in array.dims else array for key, array in arrays.items()}
-            solved.append(by_kind(some, part))
-        shared = [key for key in solved[0].data_vars if all(key in one for one in solved)]
-        whole = xr.concat(
-            [one[shared] for one in solved], dim, data_vars="all", coords="minimal", compat="override", join="override"
-        )
-        return whole.isel({dim: np.argsort(np.concatenate(places))})
-    return part(arrays)
-
-
-def coordinates(arrays: Mapping[str, xr.DataArray]) -> dict[str, xr.Variable]:
-    """The factors as coordinates with units, and labels of the cases; materials and own profiles by name."""
-    out: dict[str, xr.Variable] = {}
-    for name, array in arrays.items():
-        out |= {str(dim): array.coords[dim].variable for dim in array.dims if dim in array.coords and dim not in arrays}
-        values = array.values
-        if values.dtype == object:
-            names = [
-                v.name if isinstance(v, Material) else "own" if isinstance(v, Profile) else str(v) for v in values.flat
-            ]
-            values = np.array(names).reshape(values.shape)
-        factor = FACTORS.get(name)
-        attrs = {"units": factor.units, "long_name": factor.long_name} if factor else {}
-        out[name] = xr.Variable(array.dims, values, attrs)
-    return out
-
-
-def require_c12(material: Material, names: Sequence[str]) -> None:
-    """Raise if any output is named and the material has no c12 in some case.
-
-    Raises
-    ------
-    MaterialError
-    """
-    if names and np.any(np.isnan(material.c12)):
-        raise MaterialError(f"{material.name}: c12: missing; {names[0]} needs it [Pa]")
-
-
-def require_finite(name: str, value: Array, of: str) -> None:
-    """Raise if an output is not finite in some case, so that no file ever holds such a value unawares.
-
-    Raises
-    ------
-    FactorError
-    """
-    if not np.all(np.isfinite(value)):
-        raise FactorError(f"{name}: not finite for these {of}")
+def _label(value: object) -> str:
+    if isinstance(value, Material):
+        return value.name
+    return "own" if isinstance(value, Profile) else str(value)

@@ -9,15 +9,12 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import Array
-from solver.face.attributes import attributes, of_output
-from solver.face.cases import by_kind, contact_of_cases, coordinates, require_c12, require_finite
+from solver.face.bodies import body_of
+from solver.face.cases import Cases
 from solver.face.factors import FactorError, checked
-from solver.halfplane.interior import LINEAR, interior_parts, principal_tension, von_mises
-from solver.halfplane.potentials import POTENTIALS, potentials
 from solver.material.constants import Material
-from solver.names import INTERIOR, INTERIOR_ON_REQUEST, NEED_C12
+from solver.names import EVERY_INTERIOR
 
-_COMBINED = {"von_mises": von_mises, "principal_tension": principal_tension}
 _ALONG_X = {"units": "1", "long_name": "position (x - c)/h along the surface"}
 _ALONG_Y = {"units": "1", "long_name": "height y/h over the surface"}
 
@@ -56,42 +53,19 @@ def solve_interior(
     MaterialError
         Unknown or inadmissible material, or one without c12 when a field asked for needs it.
     """
-    arrays = checked(factors)
+    cases = Cases(checked(factors), materials, phases)
     grid_x, grid_y = _grid(x, y)
-    known = {**INTERIOR, **INTERIOR_ON_REQUEST}
     for name in fields or ():
-        if name not in known:
-            raise FactorError(f"fields: {name!r} is not one of {', '.join(known)}")
+        if name not in EVERY_INTERIOR:
+            raise FactorError(f"fields: {name!r} is not one of {', '.join(EVERY_INTERIOR)}")
+    axes = {"y": xr.Variable("y", grid_y, _ALONG_Y), "x": xr.Variable("x", grid_x, _ALONG_X)}
 
-    def part(arrays: dict[str, xr.DataArray]) -> xr.Dataset:
-        contact, datum, dims, shape = contact_of_cases(arrays, materials, phases)
-        material = contact.halfplane.material
-        if np.any(np.isnan(material.c12)):
-            require_c12(material, [name for name in fields or () if name in NEED_C12])
-            wanted = [name for name in fields or INTERIOR if name not in NEED_C12]
-        else:
-            wanted = list(fields or INTERIOR)
-        combined = [name for name in wanted if name in _COMBINED]
-        needed = [name for name in LINEAR if name in wanted or (combined and name in LINEAR[:4])]
-        points_y, points_x = (points.ravel() for points in np.meshgrid(grid_y, grid_x, indexing="ij"))
-        with np.errstate(all="ignore"):  # what is not finite is named below
-            whole = interior_parts(contact, points_x, points_y, tuple(needed)).whole(contact)
-            values = {name: whole[..., k, :] for k, name in enumerate(needed)}
-            if set(POTENTIALS) & set(wanted):
-                of_fields = potentials(contact, points_x, points_y, datum)
-                values |= {name: of_fields[..., k, :] for k, name in enumerate(POTENTIALS)}
-            for name in combined:
-                values[name] = _COMBINED[name](*(values[stress] for stress in LINEAR[:4]))
-        size = (*shape, grid_y.size, grid_x.size)
-        out = xr.Dataset(coords={**coordinates(arrays), "y": ("y", grid_y, _ALONG_Y), "x": ("x", grid_x, _ALONG_X)})
-        for name in wanted:
-            require_finite(name, values[name], "factors and points (overflow)")
-            value = values[name].reshape(*values[name].shape[:-1], grid_y.size, grid_x.size)
-            out[name] = ((*dims, "y", "x"), np.broadcast_to(value, size), of_output(known[name], arrays))
-        return out
+    def part(cases: Cases) -> xr.Dataset:
+        values = body_of(cases).interior(grid_x, grid_y, fields)
+        found = cases.labelled(values, EVERY_INTERIOR, "factors and points (overflow)", axes)
+        return xr.Dataset(found, cases.coordinates | axes)
 
-    title = "exact fields inside a magneto-electro-elastic half-plane below a sliding punch"
-    return by_kind(arrays, part).assign_attrs(attributes(title, arrays, phases))
+    return cases.solved("exact fields inside a magneto-electro-elastic half-plane below a sliding punch", part)
 
 
 def _grid(x: Iterable[float], y: Iterable[float]) -> tuple[Array, Array]:

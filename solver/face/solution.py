@@ -9,15 +9,13 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import Array
-from solver.face.attributes import attributes, of_output
-from solver.face.cases import by_kind, contact_of_cases, coordinates, require_c12, require_finite
+from solver.face.bodies import body_of
+from solver.face.cases import Cases
 from solver.face.factors import FactorError, checked
-from solver.halfplane.contact import Contact
-from solver.halfplane.fields import surface_fields
-from solver.halfplane.peaks import peak_principal_tension, peak_von_mises
-from solver.halfplane.quantities import quantities
 from solver.material.constants import Material
-from solver.names import EVERY_QUANTITY, FIELDS, PEAKS, SINGULAR
+from solver.names import EVERY_QUANTITY, FIELDS, REGULAR
+
+_ALONG = {"units": "1", "long_name": "surface position X = (x - c)/h"}
 
 
 def solve(
@@ -68,57 +66,22 @@ def solve(
     MaterialError
         Unknown or inadmissible material.
     """
-    arrays = checked(factors)
+    cases = Cases(checked(factors), materials, phases)
     X = None if positions is None else _positions(positions)
 
-    def part(arrays: dict[str, xr.DataArray]) -> xr.Dataset:
-        contact, datum, dims, shape = contact_of_cases(arrays, materials, phases)
-        with np.errstate(all="ignore"):  # what is not finite is named below
-            values = quantities(contact, datum)
-        if peaks:
-            values |= _peaks(contact)
-        for name, value in values.items():
-            require_finite(name, value, "factors (contact as wide as the datum, or overflow)")
-        out = xr.Dataset(
-            {
-                name: (dims, np.broadcast_to(value, shape), of_output(EVERY_QUANTITY[name], arrays))
-                for name, value in values.items()
-            },
-            coords=coordinates(arrays),
-        )
-        return out if X is None else _with_fields(out, contact, X, dims, shape, regular=regular)
+    def part(cases: Cases) -> xr.Dataset:
+        body, coordinates = body_of(cases), cases.coordinates
+        values = body.quantities() | (body.peaks() if peaks else {})
+        found = cases.labelled(values, EVERY_QUANTITY, "factors (contact as wide as the datum, or overflow)")
+        if X is not None:
+            coordinates |= (axis := {"position": xr.Variable("position", X, _ALONG)})
+            fields = body.surface(X, regular=regular)
+            found |= cases.labelled(fields, FIELDS | REGULAR, "factors and positions (overflow)", axis)
+        return xr.Dataset(found, coordinates)
 
-    title = "exact solution of a punch sliding on a magneto-electro-elastic half-plane"
-    out = by_kind(arrays, part).assign_attrs(attributes(title, arrays, phases))
+    out = cases.solved("exact solution of a punch sliding on a magneto-electro-elastic half-plane", part)
     first = [name for name in EVERY_QUANTITY if name in out]
     return out[[*first, *(name for name in out.data_vars if name not in first)]]
-
-
-def _peaks(contact: Contact) -> dict[str, Array]:
-    require_c12(contact.halfplane.material, list(PEAKS))
-    largest = peak_von_mises(contact)
-    tension = peak_principal_tension(contact)
-    return dict(zip(PEAKS, (largest.value, largest.depth, tension.value), strict=True))
-
-
-def _with_fields(
-    out: xr.Dataset, contact: Contact, X: Array, dims: tuple[str, ...], shape: tuple[int, ...], *, regular: bool
-) -> xr.Dataset:
-    """The data set with the surface fields at positions X."""
-    with np.errstate(all="ignore"):  # what is not finite is named below
-        fields = surface_fields(contact, X)
-    position = {"position": ("position", X, {"units": "1", "long_name": "surface position X = (x - c)/h"})}
-    found: dict[str, Any] = {}
-    for name, described in FIELDS.items():
-        with np.errstate(all="ignore"):
-            value = getattr(fields, name).values if name in SINGULAR else getattr(fields, name)
-        require_finite(name, value, "factors and positions (overflow)")
-        found[name] = ((*dims, "position"), np.broadcast_to(value, (*shape, X.size)), described.attrs)
-        if regular and name in SINGULAR:
-            attrs = {"units": described.units, "long_name": f"{described.long_name}, times sqrt|1 - X^2|"}
-            whole = np.broadcast_to(getattr(fields, name).regular, (*shape, X.size))
-            found[f"{name}_regular"] = ((*dims, "position"), whole, attrs)
-    return out.assign_coords(position).assign(found)
 
 
 def _positions(positions: Iterable[float]) -> Array:

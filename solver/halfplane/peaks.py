@@ -8,6 +8,8 @@ as 1/r, and a far field of one direction is largest at the least depth: the scan
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,11 +26,12 @@ Grid = tuple[Array, Array]
 _BODY: Grid = (np.concatenate([-_ACROSS[:0:-1], _ACROSS]), np.asarray(-DEPTH * 1.4 ** np.arange(11)))
 _LINES: tuple[Grid, Grid] = ((_AWAY, _LEAST), (-_AWAY[::-1], _LEAST))
 _CHUNK = 4_000_000  # stresses of a scan held at a time
-_MAXIMA = 3  # local maxima of a scan that are climbed, the the highest ones
+_MAXIMA = 3  # local maxima of a scan that are climbed, the highest ones
 _RIVAL = 0.1  # of the largest stress: how far below the highest a local maximum of the scan is still climbed
 _STEPS = 40
 _CLOSE = 1e-5  # step of Newton's iteration over distance to the edges and depth; the next is of its square
 _STENCIL = np.array([(i, j) for j in (-1, 0, 1) for i in (-1, 0, 1)], dtype=np.float64)
+_TINY = np.finfo(float).tiny
 _NOTHING = 1e-12  # of the pressure scale: a tension below it is none
 
 Measure = Callable[[Array, Array, Array, Array], Array]
@@ -62,26 +65,61 @@ def peak_principal_tension(contact: Contact) -> Peak:
 def _peak(contact: Contact, measure: Measure, x: Array, y: Array) -> tuple[Array, Array]:
     """Largest measure over the pressure scale, and its depth over h, from starting points (..., start)."""
     reach, moved = np.full_like(x, 0.2), np.full_like(x, np.inf)
-    held_x, held_y, held = x, y, np.full_like(x, -np.inf)  # the highest place so far of every start
+    highest = _Place(x, y, np.full_like(x, -np.inf))  # of every start, so far
     for _ in range(_STEPS):
-        step = np.clip(reach / 8, 1e-4, 0.02)
-        along, over = step * np.hypot(np.minimum(np.abs(x - 1), np.abs(x + 1)), y), -step * y
-        points = (x[..., None] + along[..., None] * _STENCIL[:, 0], y[..., None] + over[..., None] * _STENCIL[:, 1])
-        flat = [p.reshape(*x.shape[:-1], -1) for p in points]
-        around = measure(*_stresses(contact, *flat)).reshape(points[0].shape)
-        up = around[..., 4] >= held
-        close = (moved < _CLOSE) | ((around[..., 4] < _NOTHING) & (np.hypot(x, y) > _AWAY[0]))  # to zero at infinity
-        held_x, held_y, held = np.where(up, x, held_x), np.where(up, y, held_y), np.where(up, around[..., 4], held)
-        if np.all(close):
+        stencil = _Stencil(x, y, np.clip(reach / 8, 1e-4, 0.02))
+        around = stencil.measured(contact, measure)
+        here = _Place(x, y, around[..., 4])
+        up = here.value >= highest.value
+        highest = _Place(*(np.where(up, new, old) for new, old in zip(here, highest, strict=True)))
+        to_zero = (here.value < _NOTHING) & (np.hypot(x, y) > _AWAY[0])  # at infinity
+        if np.all((moved < _CLOSE) | to_zero):
             break
-        dx, dy = _climb(around, (-DEPTH - y) / over, reach / step)
-        length = np.hypot(dx, dy) * step
+        dx, dy = _newton_step(around, (-DEPTH - y) / stencil.down, reach / stencil.step)
+        length = np.hypot(dx, dy) * stencil.step
         # what went down goes back and tries again with a quarter of the reach
-        x, y = np.where(up, x + dx * along, held_x), np.where(up, np.minimum(y + dy * over, -DEPTH), held_y)
+        x = np.where(up, x + dx * stencil.across, highest.x)
+        y = np.where(up, np.minimum(y + dy * stencil.down, -DEPTH), highest.y)
         reach = np.where(up, np.clip(2 * length, 1e-6, reach), moved / 4)
         moved = np.where(up, length, moved / 4)
-    top = np.argmax(held, -1)[..., None]
-    return np.take_along_axis(held, top, -1)[..., 0], -np.take_along_axis(held_y, top, -1)[..., 0]
+    top = np.argmax(highest.value, -1)[..., None]
+    return np.take_along_axis(highest.value, top, -1)[..., 0], -np.take_along_axis(highest.y, top, -1)[..., 0]
+
+
+class _Place(NamedTuple):
+    """A point of every start and the measure there; (..., start)."""
+
+    x: Array
+    y: Array
+    value: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Stencil:
+    """Nine points around (x, y), (...): a step is a share of the distance to the edges across, of the depth down."""
+
+    x: Array
+    y: Array
+    step: Array
+
+    @cached_property
+    def across(self) -> Array:
+        """Spacing in x."""
+        x, y = self.x, self.y
+        return self.step * np.hypot(np.minimum(np.abs(x - 1), np.abs(x + 1)), y)
+
+    @cached_property
+    def down(self) -> Array:
+        """Spacing in y."""
+        return -self.step * self.y
+
+    def measured(self, contact: Contact, measure: Measure) -> Array:
+        """The measure at the nine points, row by row from the deepest; (..., 9)."""
+        x = self.x[..., None] + self.across[..., None] * _STENCIL[:, 0]
+        y = self.y[..., None] + self.down[..., None] * _STENCIL[:, 1]
+        cases = self.x.shape[:-1]
+        stresses = _stresses(contact, x.reshape(*cases, -1), y.reshape(*cases, -1))
+        return measure(*stresses).reshape(x.shape)
 
 
 def _stresses(contact: Contact, x: Array, y: Array) -> list[Array]:
@@ -144,27 +182,49 @@ def _is_top(grid: Array) -> BoolArray:
     return top
 
 
-def _climb(around: Array, ceiling: Array, reach: Array) -> tuple[Array, Array]:
-    """Newton step up, in steps of the stencil, no longer than the reach and not above the ceiling; each (...)."""
-    sw, s, se, w, _, e, nw, n, ne = np.moveaxis(around, -1, 0)
-    centre = around[..., 4]
-    gx, gy = (e - w) / 2, (n - s) / 2
-    xx, yy, xy = e + w - 2 * centre, n + s - 2 * centre, (ne - nw - se + sw) / 4
-    mean, half = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
-    floor = 1e-3 * (np.abs(mean) + half) + np.finfo(float).tiny
-    # eigenvalues made negative, so that the step goes up from a saddle too
-    high, low = -np.maximum(np.abs(mean + half), floor), -np.maximum(np.abs(mean - half), floor)
-    angle = np.arctan2(2 * xy, xx - yy) / 2
-    c, s_ = np.cos(angle), np.sin(angle)
-    along, over = -(c * gx + s_ * gy) / high, -(-s_ * gx + c * gy) / low
-    dx, dy = c * along - s_ * over, s_ * along + c * over
+def _newton_step(around: Array, ceiling: Array, reach: Array) -> tuple[Array, Array]:
+    """Step up, in steps of the stencil, no longer than the reach and not above the ceiling; each (...)."""
+    gradient, curvature = _derivatives(around)
+    dx, dy = _uphill(gradient, curvature)
     # at the ceiling the step is along it; its own curvature counts there
     held = dy > ceiling
-    alone = -(gx + xy * ceiling) / -np.maximum(np.abs(xx), floor)
+    (gx, _), (xx, _, xy) = gradient, curvature
+    alone = -(gx + xy * ceiling) / -np.maximum(np.abs(xx), _least_curvature(curvature))
     dx, dy = np.where(held, alone, dx), np.where(held, ceiling, dy)
     length = np.hypot(dx, dy)
-    short = np.minimum(length, reach) / np.maximum(length, np.finfo(float).tiny)
+    short = np.minimum(length, reach) / np.maximum(length, _TINY)
     return dx * short, np.where(held & (length <= reach), ceiling, dy * short)
+
+
+def _derivatives(around: Array) -> tuple[tuple[Array, Array], tuple[Array, Array, Array]]:
+    """Gradient (x, y) and curvature (xx, yy, xy) by differences on the stencil; each (...)."""
+    sw, s, se, w, centre, e, nw, n, ne = np.moveaxis(around, -1, 0)
+    gradient = (e - w) / 2, (n - s) / 2
+    return gradient, (e + w - 2 * centre, n + s - 2 * centre, (ne - nw - se + sw) / 4)
+
+
+def _uphill(gradient: tuple[Array, Array], curvature: tuple[Array, Array, Array]) -> tuple[Array, Array]:
+    """Newton step with the eigenvalues of the curvature made negative, so that it goes up from a saddle too."""
+    (gx, gy), (xx, yy, xy) = gradient, curvature
+    mean, half = _mean_and_half(curvature)
+    least = _least_curvature(curvature)
+    high, low = -np.maximum(np.abs(mean + half), least), -np.maximum(np.abs(mean - half), least)
+    angle = np.arctan2(2 * xy, xx - yy) / 2
+    cos, sin = np.cos(angle), np.sin(angle)
+    along, over = -(cos * gx + sin * gy) / high, -(-sin * gx + cos * gy) / low
+    return cos * along - sin * over, sin * along + cos * over
+
+
+def _mean_and_half(curvature: tuple[Array, Array, Array]) -> tuple[Array, Array]:
+    """The eigenvalues of the curvature are mean +- half."""
+    xx, yy, xy = curvature
+    return (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
+
+
+def _least_curvature(curvature: tuple[Array, Array, Array]) -> Array:
+    """Sizes of curvature below it count as it."""
+    mean, half = _mean_and_half(curvature)
+    return 1e-3 * (np.abs(mean) + half) + _TINY
 
 
 def _chunks(shape: tuple[int, ...], each: int) -> Iterator[tuple[slice, ...]]:

@@ -4,8 +4,10 @@ In units of the half-width, x = c + h X, the slope is ``g' = s G(X)`` and ``sigm
 ``P = -(h s / lam) int S dX``. Two smooth edges ask for a balance besides, a corner for its own place.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import comb
+from typing import Self
 
 import numpy as np
 
@@ -146,55 +148,89 @@ def _centre(smooth: tuple[bool, bool], angle: FrictionAngle, n: int) -> Array:
 
 def _searched(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -> Pressing:
     """Any other slope: Newton's iteration for log h and c / h, from the contact of the steepest power alone."""
-    smooth = profile.smooth
-    powers = [k for k, c in enumerate(profile.slope) if np.any(c) and (k % 2 or not all(smooth))]
-    if not powers:
-        raise ContactError(_NO_ODD_POWER)
-    n = powers[-1]
-    start = _similar(Profile((*(np.zeros(()),) * n, profile.slope[n]), smooth), angle, lam, load)
-    half, centre = np.broadcast_arrays(*(np.asarray(v) for v in (start.half_width, start.centre + 0 * load)))
-    half, centre = np.array(half + 0 * sum(profile.slope)), np.array(centre + 0 * sum(profile.slope))
-
-    def slopes(half: Array, centre: Array) -> tuple[Array, Array, Array]:
-        """g'(h (X + c/h)) and its derivatives in log h and c / h."""
-        powers = [c[..., None] * (half[..., None] ** k) for k, c in enumerate(profile.slope)]
-        size = len(powers)
-
-        def whole(*terms: Array) -> Array:
-            return np.asarray(sum(np.pad(t, [(0, 0)] * (t.ndim - 1) + [(0, size - t.shape[-1])]) for t in terms))
-
-        value = whole(*(p * _shifted_power(centre, k) for k, p in enumerate(powers)))
-        by_width = whole(*(k * p * _shifted_power(centre, k) for k, p in enumerate(powers)))
-        slopes = [k * p * _shifted_power(centre, k - 1) for k, p in enumerate(powers) if k]
-        return value, by_width, whole(*slopes) if slopes else 0 * value
-
+    half, centre = _first_guess(profile, angle, lam, load)
     for _ in range(_NEWTON_STEPS):
-        value, by_width, by_centre = slopes(half, centre)
-        shapes = [Shape.of_slope(angle, smooth, g) for g in (value, by_width, by_centre)]
-        total, total_by_width, total_by_centre = (s.total for s in shapes)
-        if not np.all(total < 0):
-            raise ContactError("slope: no contact of this punch carries the load without tension")
-        miss = np.log(-half * total / (lam * load))
-        by = 1 + total_by_width / total, total_by_centre / total
-        if all(smooth):
-            off, off_width, off_centre = (imbalance(angle, g) for g in (value, by_width, by_centre))
-        else:
-            off, off_width, off_centre = 0 * miss, 0 * miss, 1 + 0 * miss
-        determinant = by[0] * off_centre - by[1] * off_width
-        width_step = (miss * off_centre - by[1] * off) / determinant
-        centre_step = (by[0] * off - miss * off_width) / determinant
+        equations = _Equations.at(profile, angle, lam * load, half, centre)
+        width_step, centre_step = equations.steps
         half = half * np.exp(-np.clip(width_step, -2, 2))
         centre = centre - np.clip(centre_step, -1, 1)
         if np.all(np.abs(width_step) + np.abs(centre_step) <= 64 * _TOLERANCE):
             break
     else:
         raise ContactError("slope: no contact of this punch carries the load")
-    width_rate, centre_rate = off_centre / determinant, -off_width / determinant
-    value, by_width, by_centre = slopes(half, centre)
+    width_rate, centre_rate = equations.rates
+    value, by_width, by_centre = _slopes(profile, half, centre)
     change = width_rate[..., None] * by_width + centre_rate[..., None] * by_centre
-    shape, shape_rate = (Shape.of_slope(angle, smooth, g) for g in (value, change))
-    one = np.ones(())
-    return Pressing(half, centre, one, value, np.zeros(1), shape, shape_rate, width_rate, centre_rate)
+    shape, shape_rate = (Shape.of_slope(angle, profile.smooth, g) for g in (value, change))
+    return Pressing(half, centre, np.ones(()), value, np.zeros(1), shape, shape_rate, width_rate, centre_rate)
+
+
+def _first_guess(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -> tuple[Array, Array]:
+    """h and c / h under the steepest power of the slope that presses alone, in the shape of all cases."""
+    powers = [k for k, c in enumerate(profile.slope) if np.any(c) and (k % 2 or not all(profile.smooth))]
+    if not powers:
+        raise ContactError(_NO_ODD_POWER)
+    n = powers[-1]
+    alone = _similar(Profile((*(np.zeros(()),) * n, profile.slope[n]), profile.smooth), angle, lam, load)
+    half, centre, *_ = np.broadcast_arrays(alone.half_width, alone.centre, load, *profile.slope)
+    return half, centre
+
+
+@dataclass(frozen=True, eq=False)
+class _Equations:
+    """The two equations of an extent, 0 where they hold: the load, and the balance of smooth edges.
+
+    Each is its value and its derivatives in log h and c / h; (...).
+    """
+
+    load: tuple[Array, Array, Array]
+    balance: tuple[Array, Array, Array]
+
+    @classmethod
+    def at(cls, profile: Profile, angle: FrictionAngle, loaded: Array, half: Array, centre: Array) -> Self:
+        """The equations at h and c / h, of ``loaded = lam P``."""
+        slopes = _slopes(profile, half, centre)
+        total, by_width, by_centre = (Shape.of_slope(angle, profile.smooth, g).total for g in slopes)
+        if not np.all(total < 0):
+            raise ContactError("slope: no contact of this punch carries the load without tension")
+        miss = np.log(-half * total / loaded)
+        off, off_by_width, off_by_centre = 0 * miss, 0 * miss, 1 + 0 * miss  # a corner stays in its place
+        if all(profile.smooth):
+            off, off_by_width, off_by_centre = (imbalance(angle, g) for g in slopes)
+        return cls((miss, 1 + by_width / total, by_centre / total), (off, off_by_width, off_by_centre))
+
+    @property
+    def determinant(self) -> Array:
+        """Of the derivatives."""
+        return self.load[1] * self.balance[2] - self.load[2] * self.balance[1]
+
+    @property
+    def steps(self) -> tuple[Array, Array]:
+        """Newton's steps in log h and c / h, to be taken off."""
+        (miss, by_width, by_centre), (off, off_by_width, off_by_centre) = self.load, self.balance
+        in_width = (miss * off_by_centre - by_centre * off) / self.determinant
+        return in_width, (by_width * off - miss * off_by_width) / self.determinant
+
+    @property
+    def rates(self) -> tuple[Array, Array]:
+        """Derivatives of log h and c / h in log P."""
+        return self.balance[2] / self.determinant, -self.balance[1] / self.determinant
+
+
+def _slopes(profile: Profile, half: Array, centre: Array) -> tuple[Array, Array, Array]:
+    """Coefficients of g'(h (X + c/h)) in powers of X, and of its derivatives in log h and c / h; (..., power)."""
+    terms = [c * half**k for k, c in enumerate(profile.slope)]
+    in_width = [k * term for k, term in enumerate(terms)]
+    size = len(terms)
+    return _shifted(terms, centre, size), _shifted(in_width, centre, size), _shifted(in_width[1:], centre, size)
+
+
+def _shifted(terms: Sequence[Array], centre: Array, size: int) -> Array:
+    """Coefficients of sum_k terms[k] (X + centre)^k in powers of X, with zeros up to a size; (..., size)."""
+    out: Array = np.zeros((*np.broadcast_shapes(centre.shape, *(term.shape for term in terms)), size))
+    for k, term in enumerate(terms):
+        out[..., : k + 1] += term[..., None] * _shifted_power(centre, k)
+    return out
 
 
 def _refuse_tension(pressing: Pressing) -> None:

@@ -7,6 +7,7 @@ from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
 
+from solver.arrays import shown
 from solver.material.constants import Material, MaterialError
 
 
@@ -40,5 +41,5 @@ def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Mate
     if name not in known:
         near = get_close_matches(name, known, 1, 0.5)
         hint = f"did you mean {near[0]!r}? " if near else ""
-        raise MaterialError(f"material: {name!r} is unknown; {hint}known are {', '.join(known)}")
+        raise MaterialError(f"material: {shown(name)} is unknown; {hint}known are {', '.join(known)}")
     return known[name]

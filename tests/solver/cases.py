@@ -1,15 +1,11 @@
-"""What the tests of the solver share: constants as plain numbers, and the comparison with the 50-digit oracle."""
+"""What the tests of the solver share: a case with every term, and comparisons with the 50-digit oracle."""
 
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-import solver
-from verification.oracles.half_plane import CONSTANTS
 from verification.oracles.precise import Solution
-
-SIH_SONG = "BaTiO3-CoFe2O4 50:50"
 
 #: A case with every term at work: friction, both charges, a datum that is not one.
 CHARGED: dict[str, Any] = {
@@ -37,11 +33,6 @@ def assert_finite(out: xr.Dataset) -> None:
     """Not one NaN or infinity."""
     for name in closed_form(out):
         assert np.isfinite(out[name]).all(), name
-
-
-def constants(material: solver.Material) -> dict[str, float]:
-    """Plane constants of a material without case axes, SI units."""
-    return {name: float(getattr(material, name)) for name in CONSTANTS}
 
 
 def assert_agrees(found: xr.Dataset, exact: Solution, rtol: float = 1e-11) -> None:

@@ -8,12 +8,13 @@ import pytest
 from mpmath import isnan
 
 from verification.oracles import collocation, precise, profile
+from verification.oracles.collocated import fields, quantities
 from verification.oracles.sample_materials import SIH_SONG
-from verification.oracles.surface_response import Array, SurfaceResponse, surface_response
+from verification.oracles.surface_response import Array, SurfaceResponse, reduced, surface_response
 from verification.oracles.weighted_chebyshev import end_proof_nodes
 
-CONDUCTED = [(1, 2), (1,), (2,), ()]
 POSITIONS = np.array([-1.7, -1.001, -0.95, 0.2, 0.95, 1.001, 4.0])
+CONDUCTED = [(1, 2), (1,), (2,), ()]
 
 
 def problem(
@@ -51,45 +52,12 @@ def test_collocation_and_50_digits_agree(friction: float, speed: float, conducte
         positions=POSITIONS.tolist(),
     )
     found = collocation.solve(case)
-    for name, value in quantities(found, surface).items():
+    for name, value in quantities(found, surface, 0.2).items():
         if not isnan(exact.quantities[name]):
             assert value == pytest.approx(float(exact.quantities[name]), rel=1e-12, abs=1e-300), name
-    for name, values in fields(found, surface).items():
+    for name, values in fields(found, surface, POSITIONS).items():
         reference = np.array(exact.fields[name], dtype=float)
         np.testing.assert_allclose(values, reference, rtol=1e-12, atol=2e-12 * np.max(np.abs(reference)), err_msg=name)
-
-
-def quantities(found: collocation.Contact, surface: SurfaceResponse) -> dict[str, float]:
-    """What collocation can tell of the quantities of interface.md."""
-    depth, voltage, magnetic_potential = found.punch_response(0.2)
-    alpha, h, near = found.problem.weights()[0][0], found.half_width, np.array([1e-24])
-    trailing, leading = (found._tractions(*sides)[:, 0] for sides in ((near, 2 - near), (2 - near, near)))
-    to_intensity = np.sqrt(2 * np.pi * h * near[0])
-    edges = np.zeros((4, 2))
-    edges[0] = found.problem.friction * found.transforms(np.array([1.0, -1.0]))[0]  # an ordinary integral there
-    tension, compression = surface.along_surface(np.zeros((4, 2)), edges)[0]
-    return {
-        "contact_trailing": found.trailing,
-        "contact_leading": found.leading,
-        "pressure_exponent": alpha,
-        "peak_pressure": -found.tractions(np.array([1 - 2 * alpha]))[0, 0],  # where alpha/(a-x) = (1-alpha)/(x+b)
-        "depth": depth,
-        "voltage": voltage,
-        "magnetic_potential": magnetic_potential,
-        "electric_edge_intensity_trailing": to_intensity * trailing[1],
-        "electric_edge_intensity_leading": to_intensity * leading[1],
-        "magnetic_edge_intensity_trailing": to_intensity * trailing[2],
-        "magnetic_edge_intensity_leading": to_intensity * leading[2],
-        "trailing_tension": tension,
-        "leading_compression": compression,
-    }
-
-
-def fields(found: collocation.Contact, surface: SurfaceResponse) -> dict[str, Array]:
-    t, transform = found.tractions(POSITIONS), found.transforms(POSITIONS)
-    t, transform = (np.vstack([found.problem.friction * rows[0], rows]) for rows in (t, transform))
-    along = surface.along_surface(t, transform)
-    return dict(zip(precise.FIELDS, (-t[1], t[0], t[2], t[3], along[0], along[2], along[3]), strict=True))
 
 
 SHAPES = {
@@ -120,13 +88,6 @@ def test_collocation_satisfies_the_equations_off_its_points(name: str, conducted
     size = np.abs(case.N) @ np.abs(transform)
     kept = [0, *conducted]
     assert np.max(np.abs(answer / size)[kept]) < 1e-11
-
-
-def reduced(surface: SurfaceResponse, friction: float) -> tuple[float, float]:
-    inverse_n = np.linalg.inv(surface.normal_compliance / (s := np.outer([1, 1e10, 1e8], [1, 1e10, 1e8])))
-    lam = 1 / inverse_n[0, 0]
-    kap = lam * inverse_n[0] @ (surface.shear_coupling / s[0])
-    return lam, float(np.arctan2(1.0, -friction * kap / lam)) / np.pi
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.8])

@@ -30,12 +30,12 @@ FIELDS = (
 
 @dataclass(frozen=True)
 class Solution:
-    """Quantities and surface fields of a case, named as in interface.md.
+    """Quantities and surface fields of a case, named as in ``solver.names``.
 
     Attributes
     ----------
     quantities : dict of str to mpf
-        All of interface.md but the three peaks over the interior. What needs the potential of a field that the punch
+        All of them but the three peaks over the interior. What needs the potential of a field that the punch
         does not conduct is NaN.
     fields : dict of str to list of mpf
         ``FIELDS``, one value per position.
@@ -59,7 +59,7 @@ def solve(
     speed: float = 0.0,
     positions: Sequence[float] = (),
 ) -> Solution:
-    """One case of the circular punch; factors, units and names of interface.md.
+    """One case of the circular punch; factors and outputs as in ``solver.names``, SI units.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def _surface(state: Contact, X: mpf) -> list[mpf]:
 
 
 def _response(state: Contact, datum: mpf) -> dict[str, mpf]:
-    """Punch response (theory section 6, by quadrature) and its tangents (interface.md, by differences)."""
+    """Punch response (theory section 6, by quadrature) and its tangents (by differences)."""
     depth, voltage, magnetic_potential = state.punch_response(datum)
     slope = {name: _tangent(state, datum, name) for name in ("load", "charge", "magnetic_charge")}
     bare = replace(state, charge=mpf(0), magnetic_charge=mpf(0))

@@ -77,3 +77,11 @@ def _angular_integrals(Q: Array, R: Array, T: Array) -> tuple[Array, Array]:
     S, L = n1.mean(axis=0), (q + r @ n1).mean(axis=0)
     compliance = np.linalg.inv(L)
     return -S @ compliance, compliance
+
+
+def reduced(surface: SurfaceResponse, friction: float) -> tuple[float, float]:
+    """lam and alpha of a punch that conducts both fields."""
+    inverse_n = np.linalg.inv(surface.normal_compliance / (s := np.outer([1, 1e10, 1e8], [1, 1e10, 1e8])))
+    lam = 1 / inverse_n[0, 0]
+    kap = lam * inverse_n[0] @ (surface.shear_coupling / s[0])
+    return lam, float(np.arctan2(1.0, -friction * kap / lam)) / np.pi

@@ -125,6 +125,18 @@ def test_material_that_is_no_name(value: Any) -> None:
     refused(GOOD | {"material": value}, "material: ", str(value))
 
 
+def test_what_is_no_value_is_quoted_by_its_beginning() -> None:
+    """Above all the mapping of all materials in place of one, which is 9 kB of text."""
+    everything = solver.materials()
+    for factors in ({"material": everything}, {"profile": everything}, {"load": everything}, {"width": [everything]}):
+        with pytest.raises(solver.FactorError) as caught:
+            solver.solve(GOOD | factors)
+        assert str(caught.value).startswith(f'{next(iter(factors))}: "{str(everything)[:20]}')
+        assert len(str(caught.value)) < 200
+    refused(GOOD | {"material": everything}, "give the name of one, or a Material")
+    refused(MIXED, "phases: ", "give the name of one, or a Material", phases=("steel", 3))
+
+
 @pytest.mark.parametrize("name", ["composite", "profile", "electric", "magnetic"])
 def test_unknown_choice(name: str) -> None:
     refused(case("volume_fraction") | {name: "fibros"}, f"{name}: 'fibros' is not one of")

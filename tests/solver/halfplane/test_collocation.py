@@ -5,7 +5,8 @@ import pytest
 from numpy.typing import NDArray
 
 import solver
-from tests.solver.cases import CHARGED, SIH_SONG, constants
+from tests.solver.cases import CHARGED
+from verification.cases import SIH_SONG, constants
 from verification.oracles import collocation, profile
 from verification.oracles.surface_response import SurfaceResponse, surface_response
 

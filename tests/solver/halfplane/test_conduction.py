@@ -7,17 +7,11 @@ import pytest
 from mpmath import isnan
 
 import solver
+from verification.cases import SIH_SONG, constants
 from verification.oracles import precise
-from verification.oracles.half_plane import CONSTANTS
 
-SIH_SONG = "BaTiO3-CoFe2O4 50:50"
 POSITIONS = [-250.0, -1.7, -1.0001, -0.95, 0.2, 0.95, 1.0001, 4.0]
 KINDS = ("conducting", "insulating")
-
-
-def plain(name: str) -> dict[str, float]:
-    material = solver.find(name)
-    return {constant: float(getattr(material, constant)) for constant in (*CONSTANTS, "rho")}
 
 
 @pytest.mark.parametrize("magnetic", KINDS)
@@ -28,7 +22,7 @@ def test_conduction_agrees_with_50_digits(name: str, friction: float, electric: 
     case |= {"charge": 1e-6 * (electric == KINDS[0]), "magnetic_charge": -2e-3 * (magnetic == KINDS[0])}
     kinds: dict[str, Any] = {"electric": electric, "magnetic": magnetic}
     found = solver.solve({"material": name, **case, **kinds}, POSITIONS)
-    exact = precise.solve(plain(name), **case, **kinds, positions=POSITIONS)
+    exact = precise.solve(constants(solver.find(name)), **case, **kinds, positions=POSITIONS)
     for quantity, value in exact.quantities.items():
         if isnan(value):
             assert quantity not in found

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 import solver
-from tests.solver.cases import CHARGED, SIH_SONG, assert_agrees, closed_form
+from tests.solver.cases import CHARGED, assert_agrees, closed_form
+from verification.cases import SIH_SONG
 from verification.oracles import precise
 from verification.oracles.surface_response import surface_response
 

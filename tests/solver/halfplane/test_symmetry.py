@@ -7,9 +7,10 @@ import xarray as xr
 from hypothesis import given
 
 import solver
-from tests.solver.cases import CHARGED, SIH_SONG, closed_form
-from tests.solver.cases import constants as plain
+from tests.solver.cases import CHARGED, closed_form
 from tests.solver.strategies import PROPERTY, constants, loads, materials
+from verification.cases import SIH_SONG
+from verification.cases import constants as plain
 from verification.oracles import precise
 
 POSITIONS = np.array([-30.0, -1.01, -0.98, -0.3, 0.3, 0.98, 1.01, 30.0])

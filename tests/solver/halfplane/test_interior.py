@@ -8,19 +8,14 @@ import xarray as xr
 
 import solver
 from solver.names import INTERIOR, INTERIOR_ON_REQUEST
+from verification.cases import SIH_SONG, constants
 from verification.oracles import collocation, interior, profile
-from verification.oracles.half_plane import CONSTANTS
 from verification.oracles.surface_response import surface_response
 from verification.oracles.weighted_chebyshev import end_proof_nodes
 
-SIH_SONG = "BaTiO3-CoFe2O4 50:50"
 POINTS = [(0.0, -0.7), (0.9, -0.1), (-1.2, -0.1), (3.0, -5.0), (1.0, -0.02), (-200.0, -30.0)]
 ALL = [*INTERIOR, *INTERIOR_ON_REQUEST]
 GROUPS = ("stress", "electric_displacement", "magnetic_induction", "electric_field", "magnetic_field", "strain")
-
-
-def plain(material: solver.Material) -> dict[str, float]:
-    return {name: float(getattr(material, name)) for name in (*CONSTANTS, "c12", "rho")}
 
 
 def at_points(factors: dict[str, Any], points: list[tuple[float, float]], **options: Any) -> xr.Dataset:
@@ -68,7 +63,7 @@ def test_fields_agree_with_50_digit_eigenvectors(name: str) -> None:
     material, speed, conducted = CASES[name]
     case: dict[str, Any] = {"radius": 0.05, "load": 1e5, "friction": 0.4}
     case |= {"charge": 1e-6 * (1 in conducted), "magnetic_charge": 1e-3 * (2 in conducted), "speed": speed}
-    exact = interior.solve(plain(material), POINTS, **case, conducted=conducted)
+    exact = interior.solve(constants(material), POINTS, **case, conducted=conducted)
     kinds = {field: "conducting" if i in conducted else "insulating" for i, field in ((1, "electric"), (2, "magnetic"))}
     found = at_points({"material": material, **case, **kinds}, POINTS, fields=ALL)
     if name in ("isotropic", "moving, isotropic"):  # nothing couples: what is not loaded is zero
@@ -86,7 +81,7 @@ def test_profiles_agree_with_quadrature_of_collocated_tractions(kind: str, corne
         "half_cylinder": ({"radius": 0.05, "corner": corner}, profile.half_cylinder(0.05, corner)),
     }
     factors, shape = shapes[kind]
-    surface = surface_response(plain(material))
+    surface = surface_response(constants(material))
     contact = collocation.solve(
         collocation.Problem(surface.normal_compliance, surface.shear_coupling, shape, 0.5, 1e5, 1e-6, 1e-3)
     )

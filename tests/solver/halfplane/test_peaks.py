@@ -8,8 +8,8 @@ from scipy.optimize import fmin, minimize_scalar
 
 import solver
 from solver.names import PEAKS
+from verification.cases import SIH_SONG
 
-SIH_SONG = "BaTiO3-CoFe2O4 50:50"
 BASE: dict[str, Any] = {"radius": 0.05, "load": 1e5}
 
 CASES: list[dict[str, Any]] = [

@@ -8,9 +8,10 @@ import xarray as xr
 
 import solver
 from solver.names import EVERY_QUANTITY, FIELDS, INTERIOR, INTERIOR_ON_REQUEST
-from tests.solver.cases import CHARGED, SIH_SONG, assert_same
+from tests.solver.cases import CHARGED, assert_same
+from verification.cases import SIH_SONG
 
-#: Units of interface.md.
+#: Units as documented.
 FIELD_UNITS = {
     "contact_pressure": "Pa",
     "shear_traction": "Pa",

@@ -10,10 +10,11 @@ from scipy.optimize import brentq
 import solver
 from solver.halfplane.speed import limiting_speed, transonic_speed
 from solver.halfplane.surface import HalfPlane
-from tests.solver.test_conduction import POSITIONS, SIH_SONG, plain
+from verification.cases import SIH_SONG, constants
 from verification.oracles import precise
 from verification.oracles.half_plane import half_plane
 
+POSITIONS = [-250.0, -1.7, -1.0001, -0.95, 0.2, 0.95, 1.0001, 4.0]
 BOTH = np.array([True, True])
 
 
@@ -30,7 +31,7 @@ def test_moving_punch_agrees_with_50_digits(name: str, share: float) -> None:
         "datum": 0.2,
     }
     found = solver.solve({"material": name, **case, "speed": speed}, POSITIONS)
-    exact = precise.solve(plain(name), **case, speed=speed, positions=POSITIONS)
+    exact = precise.solve(constants(solver.find(name)), **case, speed=speed, positions=POSITIONS)
     for quantity, value in exact.quantities.items():
         np.testing.assert_allclose(found[quantity].item(), float(value), rtol=1e-10, err_msg=quantity)
     for field, values in exact.fields.items():
@@ -56,7 +57,7 @@ def test_limiting_speed_of_isotropic_solids_is_that_of_rayleigh_waves() -> None:
 @pytest.mark.parametrize("name", [SIH_SONG, "BaTiO3", "PZT-5H"])
 def test_at_the_limiting_speed_the_restricted_tensor_is_singular(name: str) -> None:
     def stiffness(speed: mpf) -> mpf:
-        N = half_plane(plain(name), float(speed)).normal_compliance
+        N = half_plane(constants(solver.find(name)), float(speed)).normal_compliance
         return 1 / (N[0, 0] - (N[0, 1:3] * mp.inverse(N[1:3, 1:3]) * N[1:3, 0])[0])
 
     limit = float(limiting_speed(solver.find(name), BOTH))
@@ -68,8 +69,8 @@ def test_at_the_limiting_speed_the_restricted_tensor_is_singular(name: str) -> N
 @pytest.mark.parametrize("name", [SIH_SONG, "BaTiO3", "PZT-5H"])
 def test_at_the_transonic_speed_a_root_becomes_real(name: str) -> None:
     speed = float(transonic_speed(solver.find(name)))
-    half = half_plane(plain(name))
-    inertia = mpf(plain(name)["rho"]) * mpf(speed) ** 2
+    half = half_plane(constants(solver.find(name)))
+    inertia = mpf(constants(solver.find(name))["rho"]) * mpf(speed) ** 2
     units = mp.diag([1, 1, mpf(10) ** 10, mpf(10) ** 8])
 
     def determinant(angle: mpf, factor: float) -> mpf:

@@ -10,7 +10,7 @@ import solver
 from solver.halfplane.precision import TOLERATED, rounding
 from solver.halfplane.speed import limiting_speed
 from solver.halfplane.surface import HalfPlane
-from tests.solver.test_conduction import plain
+from verification.cases import constants
 from verification.oracles.half_plane import half_plane
 
 CASE = {"radius": 0.05, "load": 1e5, "friction": 0.3}
@@ -38,7 +38,7 @@ def test_the_estimate_follows_the_error_of_strongly_anisotropic_materials(c33: f
 def test_the_estimate_follows_the_error_next_to_the_limiting_speed(name: str, short: float) -> None:
     material = solver.find(name)
     speed = np.asarray(limiting_speed(material) * (1 - short))
-    exact = np.array(half_plane(plain(name), float(speed)).normal_compliance.tolist(), dtype=float)
+    exact = np.array(half_plane(constants(material), float(speed)).normal_compliance.tolist(), dtype=float)
     half = HalfPlane(material, speed)
     size = np.sqrt(np.abs(np.diag(exact)))
     error = float(np.max(np.abs(half.compliance - exact) / np.outer(size, size)))

@@ -5,7 +5,7 @@ import pytest
 
 import solver
 from solver.halfplane.surface import HalfPlane
-from tests.solver.cases import SIH_SONG
+from verification.cases import SIH_SONG
 
 AT = {"radius": 0.05, "load": 1e5}
 

@@ -1,0 +1,126 @@
+"""Cases on a half-plane: from their factors to its contact, and its outputs by name."""
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array, BoolArray
+from solver.face.cases import Cases
+from solver.face.factors import FactorError
+from solver.face.materials import material_of
+from solver.halfplane.contact import Contact
+from solver.halfplane.fields import surface_fields
+from solver.halfplane.interior import LINEAR, interior_parts, principal_tension, von_mises
+from solver.halfplane.peaks import peak_principal_tension, peak_von_mises
+from solver.halfplane.potentials import POTENTIALS, potentials
+from solver.halfplane.precision import warn_of_rounding
+from solver.halfplane.pressing import ContactError
+from solver.halfplane.quantities import quantities
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.speed import limiting_speed
+from solver.halfplane.surface import HalfPlane
+from solver.material.constants import Material, MaterialError
+from solver.names import FIELDS, INTERIOR, NEED_C12, PEAKS, SINGULAR
+
+_OF_STRESSES = {"von_mises": von_mises, "principal_tension": principal_tension}
+_STRESSES = LINEAR[:4]
+
+
+class OnHalfPlane:
+    """Contact of cases of one kind on a half-plane. Every output (..., own axes) has the smallest shape that it needs.
+
+    Raises
+    ------
+    FactorError, MaterialError
+        A speed at or above the limiting one, an inadmissible material, a contact that does not exist.
+
+    Warns
+    -----
+    PrecisionWarning
+        Rounding costs digits: constants many decades apart, a speed next to the limiting one.
+    """
+
+    def __init__(self, cases: Cases) -> None:
+        self.cases = cases
+        self.contact = _contact(cases)
+        warn_of_rounding(self.contact.halfplane)
+
+    @cached_property
+    def _datum(self) -> Array:
+        return self.cases.number("datum")
+
+    @np.errstate(all="ignore")  # here and below: what is not finite is named in the outputs
+    def quantities(self) -> dict[str, Array]:
+        """Those of ``solver.names.QUANTITIES`` that every case has; (...)."""
+        return quantities(self.contact, self._datum)
+
+    def peaks(self) -> dict[str, Array]:
+        """Those of ``solver.names.PEAKS``; (...)."""
+        self._require_c12(list(PEAKS))
+        largest = peak_von_mises(self.contact)
+        tension = peak_principal_tension(self.contact)
+        return dict(zip(PEAKS, (largest.value, largest.depth, tension.value), strict=True))
+
+    @np.errstate(all="ignore")
+    def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
+        """The surface fields at X, the singular ones also in regular form if asked; (..., position)."""
+        fields = surface_fields(self.contact, positions)
+        found: dict[str, Array] = {}
+        for name in FIELDS:
+            field = getattr(fields, name)
+            found[name] = field.values if name in SINGULAR else field
+            if regular and name in SINGULAR:
+                found[f"{name}_regular"] = field.regular
+        return found
+
+    @np.errstate(all="ignore")
+    def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
+        """The fields asked for, by default all of ``solver.names.INTERIOR`` that the material has; (..., y, x)."""
+        names = asked or [name for name in INTERIOR if name not in NEED_C12 or self._has_c12]
+        self._require_c12([name for name in names if name in NEED_C12])
+        of_stresses = [name for name in names if name in _OF_STRESSES]
+        linear = tuple(name for name in LINEAR if name in names or (of_stresses and name in _STRESSES))
+        points_y, points_x = (points.ravel() for points in np.meshgrid(y, x, indexing="ij"))
+        whole = interior_parts(self.contact, points_x, points_y, linear).whole(self.contact)
+        values = {name: whole[..., k, :] for k, name in enumerate(linear)}
+        if set(POTENTIALS) & set(names):
+            both = potentials(self.contact, points_x, points_y, self._datum)
+            values |= {name: both[..., k, :] for k, name in enumerate(POTENTIALS)}
+        for name in of_stresses:
+            values[name] = _OF_STRESSES[name](*(values[stress] for stress in _STRESSES))
+        return {name: values[name].reshape(*values[name].shape[:-1], y.size, x.size) for name in names}
+
+    @property
+    def _has_c12(self) -> bool:
+        return not np.any(np.isnan(self.contact.halfplane.material.c12))
+
+    def _require_c12(self, names: Sequence[str]) -> None:
+        if names and not self._has_c12:
+            raise MaterialError(f"{self.contact.halfplane.material.name}: c12: missing; {names[0]} needs it [Pa]")
+
+
+@np.errstate(all="ignore")
+def _contact(cases: Cases) -> Contact:
+    """The contact, its extent found."""
+    material, speed = material_of(cases), cases.number("speed")
+    if np.any(speed > 0):
+        _refuse_fast(material, cases.conducts, speed)
+        halfplane = HalfPlane(material, speed)
+    else:
+        halfplane = HalfPlane(material)
+    sliding = Sliding(halfplane, cases.number("friction"), cases.conducts)
+    contact = Contact(sliding, cases.profile, cases.number("load"), cases.charges)
+    try:
+        _ = contact.pressing
+    except ContactError as error:
+        raise FactorError(str(error)) from None
+    return contact
+
+
+def _refuse_fast(material: Material, conducts: BoolArray, speed: Array) -> None:
+    if np.any(np.isnan(material.rho)):
+        raise FactorError(f"speed: needs the density rho [kg m-3] of {material.name}")
+    V, limit = np.broadcast_arrays(speed, limiting_speed(material, conducts))
+    if np.any(bad := limit <= V):
+        raise FactorError(f"speed: {V[bad].flat[0]:g} m/s is not below the limiting speed {limit[bad].flat[0]:.6g} m/s")

@@ -1,0 +1,66 @@
+"""The material of every case, from names, own materials or a composite's volume fraction."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.arrays import shown
+from solver.face.cases import Cases
+from solver.face.factors import FactorError
+from solver.material.composite import fibrous, laminate
+from solver.material.constants import UNITS, Material
+from solver.material.library import find
+from solver.names import CHOICES
+
+_COMPOSITES = {"fibrous": fibrous, "laminate": laminate}
+
+
+def material_of(cases: Cases) -> Material:
+    """The material of cases, constants over their axes.
+
+    Raises
+    ------
+    FactorError, MaterialError
+        Phases that are not two; a material that is unknown, inadmissible or itself of many cases.
+    """
+    if len(cases.phases) != 2:
+        raise FactorError(f"phases: {len(cases.phases)} given; a composite has two")
+    one, two = (_found(phase, cases.materials) for phase in _named("phases", cases.phases))
+    if "material" in cases.values:
+        return _chosen(cases.values["material"], cases.materials)
+    fraction, kind = cases.values["volume_fraction"], cases.values.get("composite", np.array("fibrous"))
+    mixed = [_COMPOSITES[name](one, two, fraction) for name in CHOICES["composite"] if np.any(kind == name)]
+    if len(mixed) == 1:
+        return mixed[0]
+    either: dict[str, Any] = {c: np.where(kind == "fibrous", *(getattr(m, c) for m in mixed)) for c in UNITS}
+    return Material(**either, name="composite")
+
+
+def _chosen(which: NDArray[Any], materials: Mapping[str, Material]) -> Material:
+    """Materials by case; each is found and checked once, however many cases it has."""
+    asked = _named("material", which.flat)
+    place = {m: k for k, m in enumerate(dict.fromkeys(asked))}
+    chosen = [_found(m, materials) for m in place]
+    for material in chosen:
+        if material.shape:
+            raise FactorError(f"material: {material.name!r} holds arrays; a factor takes one material a value")
+        material.check()
+    of_case = np.array([place[m] for m in asked], dtype=np.intp).reshape(which.shape)
+    constants: dict[str, Any] = {c: np.array([getattr(m, c) for m in chosen])[of_case] for c in UNITS}
+    return Material(**constants, name=chosen[0].name if len(chosen) == 1 else "material")
+
+
+def _named(factor: str, values: Iterable[object]) -> list[str | Material]:
+    """Values that are names or materials, and nothing else."""
+    named: list[str | Material] = []
+    for value in values:
+        if not isinstance(value, str | Material):
+            raise FactorError(f"{factor}: {shown(value)} is no material; give the name of one, or a Material")
+        named.append(value if isinstance(value, Material) else str(value))  # a text of numpy is a plain one
+    return named
+
+
+def _found(which: str | Material, materials: Mapping[str, Material]) -> Material:
+    return which if isinstance(which, Material) else find(which, materials)
