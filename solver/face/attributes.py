@@ -61,7 +61,7 @@ def of_output(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[
 def united(parts: Sequence[Mapping[Any, Any]]) -> dict[Any, Any]:
     """Attributes of solutions that are put together: lists hold what any of them holds, texts are the fullest."""
     whole = dict(parts[0])
-    whole |= {key: max((str(part[key]) for part in parts), key=len) for key in _TEXTS if key in whole}
+    whole |= {key: max((str(part.get(key, "")) for part in parts), key=len) for key in _TEXTS if key in whole}
     for key in _LISTS:
         entries = [entry for part in parts for entry in str(part.get(key, "")).split(", ") if entry]
         if entries:
