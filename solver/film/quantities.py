@@ -27,6 +27,7 @@ def quantities(films: Films) -> dict[str, Array]:
 
     Left out are the response of a field that the punch does not conduct, and what is infinite at a corner.
     """
+    films.require_one_length()
     h, gather = films.thickness, films.gather
     out = {
         "contact_trailing": h * gather(lambda c: c.trailing),

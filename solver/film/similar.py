@@ -13,7 +13,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.arrays import Array
+from solver.arrays import Array, BoolArray
 from solver.film.causes import Loading
 from solver.film.contact import FilmContact
 from solver.film.peaks import DEPTH, PeakTable
@@ -34,6 +34,8 @@ _OVERLAP = 1.3  # of a window with its neighbours
 _NODES = 20  # half-lengths of a window
 _FIRST = int(np.floor(_A_DECADE * np.log10(LEAST)))
 _LAST = int(np.ceil(_A_DECADE * np.log10(MOST))) - 1
+_ACCURACY = 1.25  # factor on the number of terms: 1e-9 of tractions that are next to zero, too
+_BELOW, _ABOVE = 2, 1  # windows searched for other lengths of charged contacts
 _TABLES = 64  # kept
 
 Indices = NDArray[np.intp]
@@ -95,7 +97,7 @@ def window(kind: Kind, number: int) -> Table:
     least, most = np.clip(ends, LEAST, MOST)
     return table(
         kind.stack(), kind.friction, kind.conducts,
-        smooth=kind.smooth, degree=kind.degree, least=float(least), most=float(most), nodes=_NODES,
+        smooth=kind.smooth, degree=kind.degree, least=float(least), most=float(most), nodes=_NODES, accuracy=_ACCURACY,
     )  # fmt: skip
 
 
@@ -196,13 +198,33 @@ class Films:
 
     def _beside(self, places: Indices, of: Table) -> Indices:
         """-1 or 1 where the half-length is below or above a table's, 0 where it is within."""
-        contact = self._contact(places, of)
-        enough = load_at_nodes(of, Loading.of(of, contact.profile, contact.load, contact.charges)) >= (
-            contact.load[:, None] * contact.scale[1]
-        )
-        if np.any(np.sum(enough[:, 1:] != enough[:, :-1], -1) > 1):
-            raise LengthsError("contact: contacts of more than one length carry the load (charges too large for it)")
+        enough = self._enough(places, of)
+        _require_one(enough)
         return np.where(enough[:, 0], -1, np.where(enough[:, -1], 0, 1))
+
+    def _enough(self, places: Indices, of: Table) -> BoolArray:
+        """Whether half-lengths of a table carry the load, or more; (case, node)."""
+        contact = self._contact(places, of)
+        load = load_at_nodes(of, Loading.of(of, contact.profile, contact.load, contact.charges))
+        return np.asarray(load >= contact.load[:, None] * contact.scale[1])
+
+    def require_one_length(self) -> None:
+        """Refuse contacts of other lengths that carry the load: charges can make some, up to a decade shorter.
+
+        Raises
+        ------
+        LengthsError
+            Contacts of more than one length carry the load.
+        """
+        charged = np.any(self.charges != 0, -1)
+        if self.profile.width is not None or not np.any(charged):
+            return
+        for number in np.unique(self._windows[charged]).tolist():
+            places = np.flatnonzero(charged & (self._windows == number))
+            near = range(max(number - _BELOW, _FIRST), min(number + _ABOVE, _LAST) + 1)
+            tables = [window(self.kind, one) for one in near]
+            order = np.argsort(np.concatenate([one.half_lengths for one in tables]))
+            _require_one(np.concatenate([self._enough(places, one) for one in tables], -1)[:, order])
 
     @property
     def _guess(self) -> Array:
@@ -216,6 +238,11 @@ class Films:
             half = self.thickness
         ratio = np.broadcast_to(half / self.thickness, self.load.shape)
         return ratio if self.kind.base is not None else np.asarray(np.where(ratio > 1, ratio ** (2 / 3), ratio))
+
+
+def _require_one(enough: BoolArray) -> None:
+    if np.any(np.sum(enough[:, 1:] != enough[:, :-1], -1) > 1):
+        raise LengthsError("contact: contacts of more than one length carry the load (charges too large for it)")
 
 
 def _number(ratio: Array) -> Indices:
