@@ -6,7 +6,7 @@ Points of the contact are given by u = (a - x)/l and v = (x + b)/l = 1 - u, exac
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from mpmath import acot, cot, fdot, inverse, log, matrix, mp, mpf, pi, sin, sqrt
+from mpmath import acot, cot, fdot, fsum, inverse, log, matrix, mpf, pi, sin, sqrt
 
 from verification.oracles.half_plane import HalfPlane
 from verification.oracles.quadrature import integrate, nodes
@@ -53,9 +53,53 @@ class Sliding:
         return (angle if angle > 0 else angle + pi) / pi
 
 
-@lru_cache(maxsize=2**15)
-def _shape(alpha: mpf, u: mpf, v: mpf) -> mpf:
-    return u**alpha * v ** (1 - alpha)
+# Tractions are sums of four functions of u and v, one of them of alpha: their integrals are found once for all loads.
+
+
+def _shape(alpha: mpf, u: mpf, v: mpf) -> list[mpf]:
+    return [u**alpha * v ** (1 - alpha)]
+
+
+def _roots(u: mpf, v: mpf) -> list[mpf]:
+    X, root = v - u, 2 * sqrt(u * v)
+    return [X / root, (2 * X**2 - 1) / root, 1 / root]
+
+
+@lru_cache(maxsize=64)
+def functions(alpha: mpf | None, level: int) -> list[list[mpf]]:
+    """The function of alpha, or without one those with a root, times the weights at the nodes of a level."""
+    rows = [[w * f for f in (_roots(u, v) if alpha is None else _shape(alpha, u, v))] for u, v, w in nodes(level)]
+    return [list(column) for column in zip(*rows, strict=True)]
+
+
+@lru_cache(maxsize=64)
+def _logarithms(level: int) -> list[mpf]:
+    return [log(u) for u, _, _ in nodes(level)]
+
+
+@lru_cache(maxsize=2**12)
+def _logarithmic(alpha: mpf | None) -> tuple[list[mpf], list[mpf]]:
+    """Integrals over u of the functions times log u, and of the functions: once for all loads of an alpha."""
+
+    def sums(level: int) -> list[mpf]:
+        values = functions(alpha, level)
+        return [*(fdot(f, _logarithms(level)) for f in values), *map(fsum, values)]
+
+    found = integrate(sums)
+    return found[: len(found) // 2], found[len(found) // 2 :]
+
+
+@lru_cache(maxsize=2**12)
+def _cauchy(alpha: mpf | None, X: mpf) -> list[mpf]:
+    """H of the functions at |X| > 1; on an edge that of alpha only, an ordinary integral there."""
+
+    def sums(level: int) -> list[mpf]:
+        # X(s) - X written so that nothing cancels beside the near edge
+        table, beyond = nodes(level), abs(X) - 1
+        kernel = [-1 / (beyond + 2 * u) if X > 0 else 1 / (beyond + 2 * v) for u, v, _ in table]
+        return [2 / pi * fdot(f, kernel) for f in functions(alpha, level)]
+
+    return integrate(sums)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,15 +135,21 @@ class Contact:
             terms.append((i, lam / kap * d[j] - r[j], -d[j] / (kap * self.sliding.radius), of_root))
         return terms
 
-    def tractions(self, u: mpf, v: mpf) -> list[mpf]:
-        """(sigma_xy, sigma_yy, D_y, B_y) in the contact, theory section 3."""
-        s, h = self.sliding, self.width / 2
-        normal = -sin(pi * s.alpha) / (s.reduction[2] * s.radius) * self.width * _shape(s.alpha, u, v)
-        out = [s.friction * normal, normal, mpf(0), mpf(0)]
-        X, root, c = v - u, 2 * sqrt(u * v), h * (1 - 2 * s.alpha)
+    @cached_property
+    def coefficients(self) -> list[list[mpf]]:
+        """sigma_yy, D_y and B_y by the four functions, theory section 3."""
+        s, h, zero = self.sliding, self.width / 2, mpf(0)
+        normal = -sin(pi * s.alpha) / (s.reduction[2] * s.radius) * self.width
+        rows = [[normal, zero, zero, zero], [zero] * 4, [zero] * 4]
         for i, of_normal, of_chebyshev, of_root in self._charge_terms:
-            out[i + 1] = of_normal * normal + (of_chebyshev * (c * X + h / 2 * (2 * X**2 - 1)) + of_root) / root
-        return out
+            rows[i] = [of_normal * normal, of_chebyshev * h * (1 - 2 * s.alpha), of_chebyshev * h / 2, of_root]
+        return rows
+
+    def tractions(self, u: mpf, v: mpf) -> list[mpf]:
+        """(sigma_xy, sigma_yy, D_y, B_y) in the contact."""
+        values = _shape(self.sliding.alpha, u, v) + _roots(u, v)
+        normal, *charges = (fdot(row, values) for row in self.coefficients)
+        return [self.sliding.friction * normal, normal, *charges]
 
     def transforms_inside(self, u: mpf, v: mpf) -> list[mpf]:
         """H of the tractions in the contact, theory section 4."""
@@ -113,43 +163,22 @@ class Contact:
 
     def transforms_outside(self, X: mpf) -> list[mpf]:
         """H of the tractions at |X| > 1, by quadrature."""
-
-        def sums(level: int) -> list[mpf]:
-            # X(s) - X written so that nothing cancels beside the near edge
-            table, beyond = nodes(level), abs(X) - 1
-            kernel = [-1 / (beyond + 2 * u) if X > 0 else 1 / (beyond + 2 * v) for u, v, _ in table]
-            return [2 / pi * fdot(samples, kernel) for samples in _samples(self, level)]
-
-        normal, *charges = integrate(sums)
+        transforms = _cauchy(self.sliding.alpha, X) + _cauchy(None, X)
+        normal, *charges = (fdot(row, transforms) for row in self.coefficients)
         return [self.sliding.friction * normal, normal, *charges]
 
     def shear_transform_at_edge(self, X: mpf) -> mpf:
         """H of sigma_xy on the edge X = +-1, where the integral is an ordinary one."""
-
-        def sums(level: int) -> list[mpf]:
-            kernel = [-1 / u if X > 0 else 1 / v for u, v, _ in nodes(level)]
-            return [fdot(_samples(self, level)[0], kernel) / pi]
-
-        return self.sliding.friction * integrate(sums)[0]
+        return self.sliding.friction * self.coefficients[0][0] * _cauchy(self.sliding.alpha, X)[0]
 
     def punch_response(self, datum: mpf) -> list[mpf]:
         """Depth, voltage and magnetic potential: logarithmic potentials at x = a by quadrature, theory section 6."""
-
-        def sums(level: int) -> list[mpf]:
-            kernel = [log(self.width * u / datum) for u, _, _ in nodes(level)]
-            samples = _samples(self, level)
-            return [self.width * total for total in (*(fdot(s, kernel) for s in samples), mp.fsum(samples[0]))]
-
-        *logarithmic, normal = integrate(sums)
         s, half = self.sliding, self.sliding.half
-        shear = matrix(half.shear_coupling) * s.friction * normal / 2
+        log_u, one = (a + b for a, b in zip(_logarithmic(s.alpha), _logarithmic(None), strict=True))
+        beyond = log(self.width / datum)
+        logarithms = [log_u_f + beyond * f for log_u_f, f in zip(log_u, one, strict=True)]
+        logarithmic = [self.width * fdot(row, logarithms) for row in self.coefficients]
+        shear = matrix(half.shear_coupling) * s.friction * self.width * self.coefficients[0][0] * one[0] / 2
         potentials = shear - half.normal_compliance * matrix(logarithmic) / pi
         a = (1 - s.alpha) * self.width
         return [a**2 / (2 * s.radius) - potentials[0], potentials[1], potentials[2]]
-
-
-@lru_cache(maxsize=16)
-def _samples(contact: Contact, level: int) -> list[list[mpf]]:
-    """Weighted sigma_yy, D_y and B_y at the nodes of a level."""
-    rows = [[w * t for t in contact.tractions(u, v)[1:]] for u, v, w in nodes(level)]
-    return [list(column) for column in zip(*rows, strict=True)]

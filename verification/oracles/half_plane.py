@@ -95,18 +95,27 @@ def _blocks(c: Mapping[str, mpf]) -> tuple[matrix, matrix, matrix]:
 
 
 def _angular_means(Q: matrix, R: matrix, T: matrix) -> tuple[matrix, matrix]:
-    """Barnett-Lothe S and L: means over the angle of N1 and -N3 (Ting, Anisotropic Elasticity, 1996, section 7.6)."""
+    """Barnett-Lothe S and L: means over the angle of N1 and -N3 (Ting, Anisotropic Elasticity, 1996, section 7.6).
+
+    Mirrored in x, R changes its sign: pi - angle has the entries of S that mix x with the rest, and those of L that do
+    not, in common with the angle, and the others with opposite signs. So half of the angles are enough.
+    """
     count, old, total = 16, zeros(8, 4), zeros(8, 4)
-    angles = [pi * j / count for j in range(count)]
+    angles = [pi * j / count for j in range(1, count // 2)]
+    for angle in (mpf(0), pi / 2):  # their own mirror images
+        total += _rotated(Q, R, T, cos(angle), sin(angle)) / 2
     while True:
         for angle in angles:
             total += _rotated(Q, R, T, cos(angle), sin(angle))
-        mean = total / count
+        mean = 2 * total / count
+        for i in range(4):
+            for j in range(4):
+                mean[i + 4 * ((i == 0) != (j == 0)), j] = 0
         if norm(mean - old, mp.inf) < mpf(10) ** (10 - WORK_DIGITS) * norm(mean, mp.inf):
             return mean[0:4, :], mean[4:8, :]
         if count > 2**14:
             raise ArithmeticError("Barnett-Lothe integrals do not converge: a Stroh root is next to the real axis")
-        old, angles = mean, [pi * (2 * j + 1) / (2 * count) for j in range(count)]
+        old, angles = mean, [pi * (2 * j + 1) / (2 * count) for j in range(count // 2)]
         count *= 2
 
 

@@ -6,11 +6,12 @@ costs half as many digits of the eigenvectors, of 100.
 """
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
 from mpmath import diag, fdot, inverse, matrix, mp, mpc, mpf, pi, zeros
 
-from verification.oracles.contact import Contact, Sliding, _samples
-from verification.oracles.half_plane import WORK_DIGITS, half_plane
+from verification.oracles.contact import Contact, Sliding, functions
+from verification.oracles.half_plane import WORK_DIGITS, HalfPlane, half_plane
 from verification.oracles.quadrature import integrate, nodes
 
 _SPLIT = mpf("1e-35")
@@ -49,16 +50,17 @@ def solve(
         sliding = Sliding(half, mpf(friction), mpf(radius), conducted)
         state = Contact(sliding, mpf(load), mpf(charge), mpf(magnetic_charge))
         inertia = mpf(material["rho"]) * mpf(speed) ** 2 if speed else mpf(0)
-        roots, A, B = _eigenvectors(half.Q, half.R, half.T, inertia)
+        roots, A, B = _eigenvectors(half, inertia)
         rows = [_fields(material, state, roots, A, B, mpf(x), mpf(y)) for x, y in points]
         return {name: [float(row[i]) for row in rows] for i, name in enumerate(FIELDS)}
 
 
-def _eigenvectors(Q: matrix, R: matrix, T: matrix, inertia: mpf) -> tuple[list[mpc], matrix, matrix]:
+@lru_cache(maxsize=64)
+def _eigenvectors(half: HalfPlane, inertia: mpf) -> tuple[list[mpc], matrix, matrix]:
     """Upper roots and the eigenvectors A, B in SI units."""
     units = diag(list(_UNITS))
-    moving = Q - inertia * diag([1, 1, 0, 0])
-    Q, R, T = (units * block * units / _STIFFNESS for block in (moving, R, T))
+    moving = half.Q - inertia * diag([1, 1, 0, 0])
+    Q, R, T = (units * block * units / _STIFFNESS for block in (moving, half.R, half.T))
     Q = Q + diag([_SPLIT * k for k in (1, 3, -7, -12)])
     N1, N2 = -inverse(T) * R.T, inverse(T)
     N = zeros(8)
@@ -89,12 +91,23 @@ def _fields(
 
 def _plemelj(state: Contact, z: mpc) -> matrix:
     """g(z) = -(1/2 pi i) int t(s)/(s - z) ds over the contact, in units of the half-width."""
+    integrals = _cauchy(state.sliding.alpha, z) + _cauchy(None, z)
+    normal, electric, magnetic = (fdot(row, integrals) for row in state.coefficients)
+    return matrix([state.sliding.friction * normal, normal, electric, magnetic]) / mpc(0, -2 * pi)
+
+
+@lru_cache(maxsize=2**12)
+def _cauchy(alpha: mpf | None, z: mpc) -> list[mpc]:
+    """Integrals of the functions of :mod:`verification.oracles.contact` over s - z: once for all loads of an alpha."""
 
     def sums(level: int) -> list[mpf]:
-        kernel = [1 / (2 * v - 1 - z) for _, v, _ in nodes(level)]
-        parts = [fdot(samples, kernel) for samples in _samples(state, level)]
-        return [part for total in parts for part in (2 * mp.re(total), 2 * mp.im(total))]
+        totals = [fdot(f, _kernel(z, level)) for f in functions(alpha, level)]
+        return [part for total in totals for part in (2 * mp.re(total), 2 * mp.im(total))]
 
     flat = integrate(sums)
-    normal, electric, magnetic = (mpc(flat[2 * i], flat[2 * i + 1]) for i in range(3))
-    return matrix([state.sliding.friction * normal, normal, electric, magnetic]) / mpc(0, -2 * pi)
+    return [mpc(*flat[i : i + 2]) for i in range(0, len(flat), 2)]
+
+
+@lru_cache(maxsize=16)
+def _kernel(z: mpc, level: int) -> list[mpc]:
+    return [1 / (2 * v - 1 - z) for _, v, _ in nodes(level)]
