@@ -8,9 +8,9 @@ from solver.film.contact import FilmContact
 from solver.film.outputs import PRESSURE
 
 _NEGLIGIBLE = 1e-13  # of the largest coefficient
-_SCAN = 4  # points a coefficient
+_SCAN = 2  # points a coefficient
 _STEPS = 60
-_CLOSE = 1e-11  # in the angle: the pressure is flat there
+_CLOSE = 1e-7  # in the angle: the pressure is flat there
 _CHUNK = 4096  # cases at a time: bounded memory
 
 
