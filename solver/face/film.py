@@ -13,8 +13,9 @@ from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.materials import base_of, material_of
 from solver.face.refusal import FactorError
+from solver.film.along import fields
 from solver.film.quantities import peaks, quantities
-from solver.film.similar import Constants, Films, Kind, fields
+from solver.film.similar import Constants, Films, Kind
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.material.constants import UNITS, Material, MaterialError
@@ -25,10 +26,10 @@ _STRUCTURE = tuple(key for key in UNITS if key != "rho")
 
 @dataclass(frozen=True, eq=False)
 class _Group:
-    """Cases that share one set of tables: their places among all and the films."""
+    """Cases that share one set of tables, and their places among all."""
 
     places: NDArray[np.intp]
-    films: Films
+    kind: Kind
 
 
 class OnFilm:
@@ -81,7 +82,8 @@ class OnFilm:
     def _put_together(self, output: Callable[[Films], dict[str, Array]]) -> dict[str, Array]:
         """Outputs of every group in the places of their cases; those that every group has."""
         try:
-            parts = [output(group.films) for group in self._groups]
+            # films are made anew for every output: tables of thousands of stacks are not held at once
+            parts = [output(self._films(group)) for group in self._groups]
         except ContactError as error:
             raise FactorError(str(error)) from None
         out: dict[str, Array] = {}
@@ -119,8 +121,7 @@ class OnFilm:
         shape = (1,) * (len(self.shape) - table.ndim + 1) + table.shape[:-1]
         of_case = np.broadcast_to(which.reshape(shape), self.shape).ravel()
         for number, row in enumerate(kinds.tolist()):
-            places = np.flatnonzero(of_case == number)
-            yield _Group(places, self._films(places, self._kind(row)))
+            yield _Group(np.flatnonzero(of_case == number), self._kind(row))
 
     def _interface(self, name: str) -> Array:
         """What the interface is to a field: the place among the choices, -1 for the default of its base."""
@@ -145,9 +146,9 @@ class OnFilm:
         kind.stack()  # refuses what its base does not have before anything is computed
         return kind
 
-    def _films(self, places: NDArray[np.intp], kind: Kind) -> Films:
+    def _films(self, group: _Group) -> Films:
         def chosen(values: Any) -> Array:
-            return np.asarray(np.broadcast_to(values, self.shape).ravel()[places])
+            return np.asarray(np.broadcast_to(values, self.shape).ravel()[group.places])
 
         p, number = self.cases.profile, self.cases.number
         profile = Profile(
@@ -157,7 +158,7 @@ class OnFilm:
         )  # fmt: skip
         charges = np.stack([chosen(number("charge")), chosen(number("magnetic_charge"))], -1)
         return Films(
-            kind, profile, chosen(number("load")), charges, chosen(number("datum")), chosen(number("thickness"))
+            group.kind, profile, chosen(number("load")), charges, chosen(number("datum")), chosen(number("thickness"))
         )
 
 

@@ -19,7 +19,6 @@ from solver.film.contact import FilmContact
 from solver.film.peaks import DEPTH, PeakTable
 from solver.film.press import LengthsError, load_at_nodes
 from solver.film.stack import Layer, Stack
-from solver.film.surface import SurfaceTable
 from solver.film.table import LEAST, MOST, RangeError, Table, table
 from solver.halfplane.contact import Contact
 from solver.halfplane.pressing import ContactError
@@ -27,7 +26,6 @@ from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS, Material
-from solver.names import FIELDS
 
 _A_DECADE = 2  # windows
 _OVERLAP = 1.3  # of a window with its neighbours
@@ -36,7 +34,7 @@ _FIRST = int(np.floor(_A_DECADE * np.log10(LEAST)))
 _LAST = int(np.ceil(_A_DECADE * np.log10(MOST))) - 1
 _ACCURACY = 1.25  # factor on the number of terms: 1e-9 of tractions that are next to zero, too
 _BELOW, _ABOVE = 2, 1  # windows searched for other lengths of charged contacts
-_TABLES = 64  # kept
+_TABLES, _PEAK_TABLES = 256, 32  # kept: 0.4 MB and some MB each
 
 Indices = NDArray[np.intp]
 Constants = tuple[float | None, ...]  # None where unknown: what is not a number never equals itself
@@ -101,7 +99,7 @@ def window(kind: Kind, number: int) -> Table:
     )  # fmt: skip
 
 
-@lru_cache(_TABLES)
+@lru_cache(_PEAK_TABLES)
 def peak_window(kind: Kind, number: int) -> PeakTable:
     """Stresses over one window; of a film no wider than it has a depth below 0.1 h."""
     whole = window(kind, number)
@@ -137,6 +135,21 @@ class Films:
     def with_charges(self, charges: Array) -> Self:
         """The same punches, loads and films with other charges."""
         return replace(self, charges=charges)
+
+    def part(self, places: slice) -> Self:
+        """Some of the cases."""
+        p, size = self.profile, self.load.shape
+
+        def chosen(values: Array) -> Array:
+            return np.asarray(np.broadcast_to(values, size)[places])
+
+        profile = Profile(
+            tuple(chosen(c) for c in p.slope), p.smooth,
+            None if p.width is None else chosen(p.width),
+            None if p.moment is None else chosen(p.moment),
+        )  # fmt: skip
+        of_case = {name: getattr(self, name)[places] for name in ("load", "charges", "datum", "thickness")}
+        return replace(self, profile=profile, **of_case)
 
     @cached_property
     def parts(self) -> list[tuple[Indices, int, FilmContact]]:
@@ -248,18 +261,3 @@ def _require_one(enough: BoolArray) -> None:
 def _number(ratio: Array) -> Indices:
     found = np.floor(_A_DECADE * np.log10(ratio))
     return np.asarray(np.clip(found, _FIRST, _LAST), dtype=np.intp)
-
-
-@lru_cache(_TABLES)
-def _surface_window(kind: Kind, number: int, positions: tuple[float, ...]) -> SurfaceTable:
-    return SurfaceTable(window(kind, number), np.array(positions))
-
-
-def fields(films: Films, positions: Array) -> dict[str, Array]:
-    """Surface fields of ``solver.names.FIELDS`` at positions X, finite and never exactly +-1; (case, position) each."""
-    out = {name: np.empty((films.load.size, positions.size)) for name in FIELDS}
-    for places, number, contact in films.parts:
-        found = _surface_window(films.kind, number, tuple(positions.tolist())).fields(contact)
-        for name, values in out.items():
-            values[places] = getattr(found, name)
-    return out

@@ -14,7 +14,7 @@ from tests.solver.film.films import FIBROUS, cylinder
 FILM: dict[str, Any] = {"material": "BaTiO3", "thickness": 0.5e-3, "base": "rigid", "radius": 0.05, "load": 1e5}
 MIX: dict[str, Any] = {"volume_fraction": 0.5, "thickness": 0.2e-3, "radius": 0.05, "friction": 0.3, "load": 1e5}
 POSITIONS = (-1.2, -0.5, 0.0, 0.5, 1.2)
-_VECTORS = {
+_VECTORS: dict[str, slice | list[int]] = {
     "contact_pressure": slice(1, 4),
     "electric_displacement_y": slice(1, 4),
     "magnetic_induction_y": slice(1, 4),
@@ -95,6 +95,17 @@ def test_film_of_its_base_s_own_material_is_the_half_plane(name: str) -> None:
         np.testing.assert_allclose(found[key], value, rtol=0, atol=2e-11 * size, err_msg=str(key))
 
 
+def test_many_cases_and_positions_are_those_of_one_each() -> None:
+    X = np.linspace(-2, 2, 600)
+    loads = np.geomspace(1e3, 1e6, 300)
+    many = solver.solve(FILM | {"load": loads}, X)
+    one = solver.solve(FILM | {"load": loads[290]}, X[[5, 580]])
+    for name in ("contact_pressure", "stress_xx", "electric_displacement_y"):
+        np.testing.assert_allclose(
+            many[name][290, [5, 580]], one[name], rtol=1e-7, atol=1e-9 * float(np.max(many[name]))
+        )
+
+
 def test_similarity_and_answers_that_do_not_hang_on_their_neighbours() -> None:
     """hc/h, V/P, depth/P, K sqrt(h)/P hang on P R/h^2 and T/P alone; a case alone answers as in a table."""
     h = np.array([0.1e-3, 0.5e-3, 2e-3, 1e-5])
@@ -153,7 +164,6 @@ def test_peaks_of_film_and_interface() -> None:
     assert float(out["film_peak_von_mises"]) > 1.829406836e08  # section 9, at half the thickness
 
 
-SPEED = {"speed": 0.5}
 REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
     "no thickness at all": (FILM | {"thickness": 0.0}, "thickness: 0 is not a finite number > 0 [m]"),
     "negative thickness": (FILM | {"thickness": [1e-3, -1e-3]}, "thickness: -0.001 is not"),
@@ -173,7 +183,7 @@ REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
     "two bases": (FILM | {"base_modulus": 1e11, "base_poisson": 0.3}, "base_modulus: 1e+11 beside a base"),
     "half an isotropic base": (FILM | {"base": "", "base_modulus": 1e11}, "base_poisson: missing; must be"),
     "incompressible base": (FILM | {"base": "", "base_modulus": 1e9, "base_poisson": 0.5}, "base_poisson: 0.5 is not"),
-    "speed": (FILM | SPEED, "speed: 0.5 on a film; must be 0"),
+    "speed": (FILM | {"speed": 0.5}, "speed: 0.5 on a film; must be 0"),
     "bonded to rigid": (FILM | {"interface_electric": "bonded"}, "interface_electric: 'bonded' is not allowed"),
     "insulated on steel": (FILM | {"base": "steel", "interface_magnetic": "insulated"}, "'insulated' is allowed"),
     "unknown interface": (FILM | {"interface_magnetic": "open"}, "interface_magnetic: 'open' is not one of grounded"),
@@ -200,6 +210,13 @@ def test_refused_by_name(name: str) -> None:
         solver.solve(factors)
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_interior_fields_of_films_are_refused_by_name() -> None:
+    with pytest.raises(
+        solver.FactorError, match=r"thickness: 0\.0005 m; interior fields are given of half-planes only"
+    ):
+        solver.solve_interior(FILM, [0.0], [-0.5])
 
 
 @pytest.mark.parametrize("base", ["silicon", "glass", "aluminium oxide", "copper", "polyimide", "AlN"])

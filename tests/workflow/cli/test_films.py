@@ -1,6 +1,7 @@
 """Tables of films on the command line: solved beside half-planes, refused in one line with the row at fault."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,8 +20,8 @@ def test_the_example_mixes_films_and_half_planes(tmp_path: Path) -> None:
     assert set(QUANTITIES) <= set(data.data_vars)
     np.testing.assert_array_equal(data["thickness"], [2e-4, 5e-4, 5e-4, 2e-4, np.nan])
     assert list(data["base"].values) == ["rigid", "rigid", "steel", "steel", ""]
-    punch = {"radius": 0.05, "friction": 0.3, "load": 1e5}
-    rows = {
+    punch: dict[str, Any] = {"radius": 0.05, "friction": 0.3, "load": 1e5}
+    rows: dict[int, dict[str, Any]] = {
         1: {"material": "PZT-4", "thickness": 5e-4, "base": "rigid"},
         3: {"volume_fraction": 0.5, "thickness": 2e-4, "base": "steel", "interface_magnetic": "grounded",
             "charge": 1e-6},
