@@ -73,10 +73,8 @@ class OnFilm:
 
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
         """No fields inside yet: they stand in ``solver.film.interior`` only."""
-        raise FactorError(
-            f"thickness: {self.cases.values['thickness'].flat[0]:g} m; interior fields are given of half-planes only, "
-            f"not {', '.join(asked or ['those'])} of films at {x.size * y.size} points"
-        )
+        thickness = self.cases.values["thickness"].flat[0]
+        raise FactorError(f"thickness: {thickness:g} m; interior fields are given of half-planes only")
 
     @np.errstate(all="ignore")  # what is not finite is named in the outputs
     def _put_together(self, output: Callable[[Films], dict[str, Array]]) -> dict[str, Array]:
