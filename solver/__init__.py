@@ -4,8 +4,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from solver.face.factors import FactorError
     from solver.face.interior import solve_interior
+    from solver.face.refusal import FactorError
     from solver.face.solution import solve
     from solver.halfplane.precision import PrecisionWarning
     from solver.halfplane.profile import Profile
@@ -31,7 +31,7 @@ __all__ = [
 
 # imported when asked for: a job that needs only `solver.names` is often shorter than the imports of the solution
 _MODULES = {
-    "FactorError": "face.factors",
+    "FactorError": "face.refusal",
     "Material": "material.constants",
     "MaterialError": "material.constants",
     "PrecisionWarning": "halfplane.precision",

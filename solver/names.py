@@ -5,7 +5,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Factor:
-    """A numeric input of a case: unit, meaning, default (None: must be given) and lower bound."""
+    """A numeric input of a case: unit, meaning, default (None: must be given) and bounds.
+
+    A case may be without an optional one: it is then NaN, or absent.
+    """
 
     units: str
     long_name: str
@@ -13,6 +16,8 @@ class Factor:
     low: float = float("-inf")
     low_allowed: bool = True
     high: float = float("inf")
+    high_allowed: bool = True
+    optional: bool = False
 
     @property
     def allowed(self) -> str:
@@ -21,18 +26,22 @@ class Factor:
         if self.low > float("-inf"):
             text += f" {'>=' if self.low_allowed else '>'} {self.low:g}"
         if self.high < float("inf"):
-            text += f" and <= {self.high:g}"
+            text += f" and {'<=' if self.high_allowed else '<'} {self.high:g}"
         return f"{text} [{self.units}]"
 
 
 @dataclass(frozen=True)
 class Described:
-    """Unit and meaning of an output, and what one must know to use it; whether it hangs on the datum."""
+    """Unit and meaning of an output, and what one must know to use it.
+
+    ``on_datum``: it hangs on the datum of a half-plane. ``sparse``: it is NaN in a case that has none.
+    """
 
     units: str
     long_name: str
     comment: str = ""
     on_datum: bool = False
+    sparse: bool = False
 
     @property
     def attrs(self) -> dict[str, str]:
@@ -68,6 +77,18 @@ FACTORS: dict[str, Factor] = {
     "magnetic_charge": Factor("Wb m-1", "magnetic charge J", 0.0),
     "speed": Factor("m s-1", "steady sliding speed V", 0.0, 0.0),
     "datum": Factor("m", "reference length L of the potentials", 1.0, 0.0, low_allowed=False),
+    "thickness": Factor("m", "thickness of a film", None, 0.0, low_allowed=False, optional=True),
+    "base_modulus": Factor("Pa", "Young's modulus of a film's base", None, 0.0, low_allowed=False, optional=True),
+    "base_poisson": Factor(
+        "1",
+        "Poisson's ratio of a film's base",
+        None,
+        -1.0,
+        low_allowed=False,
+        high=0.5,
+        high_allowed=False,
+        optional=True,
+    ),
 }
 
 #: Factors that take one of a few names; the first is the default.
@@ -77,7 +98,15 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "corner": ("leading", "trailing"),
     "electric": ("conducting", "insulating"),
     "magnetic": ("conducting", "insulating"),
+    "interface_electric": ("grounded", "bonded"),
+    "interface_magnetic": ("grounded", "bonded", "insulated"),
 }
+
+#: Factors that name materials.
+MATERIALS = ("material", "base")
+
+#: Factors that only a film has: a case with a thickness. Its base is named or given by modulus and Poisson's ratio.
+OF_A_FILM = ("thickness", "base", "base_modulus", "base_poisson", "interface_electric", "interface_magnetic")
 
 #: Factors that each profile must be given, and those that it may be given.
 PROFILES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -172,5 +201,28 @@ PEAKS: dict[str, Described] = {
     "peak_principal_tension": Described("Pa", "largest principal stress below depth 0.1 h"),
 }
 
-#: Every quantity there is.
+#: Every quantity of a half-plane.
 EVERY_QUANTITY = {**QUANTITIES, **PEAKS}
+
+#: Quantities that a film has beside those of a half-plane.
+FILM_QUANTITIES: dict[str, Described] = {
+    "contact_offset": Described("m", "centre of the contact, (a - b)/2"),
+    "capacitance": Described("F m-1", "d charge / d voltage at a fixed contact and magnetic charge"),
+    "permeance": Described("Wb A-1 m-1", "d magnetic charge / d magnetic potential at a fixed contact and charge"),
+    "nominal_field": Described("V m-1", "abs(voltage)/thickness: the field away from the edges"),
+}
+
+#: Quantities of a film that are searched for and given when asked for, in place of ``PEAKS``.
+FILM_PEAKS: dict[str, Described] = {
+    "interface_shear": Described("Pa", "largest abs(sigma_xy) on the upper side of the interface"),
+    "interface_shear_position": Described("1", "where, as (x - c)/h", sparse=True),
+    "interface_tension": Described("Pa", "largest sigma_yy on the upper side of the interface, 0 if none is tensile"),
+    "interface_tension_position": Described("1", "where, as (x - c)/h", "NaN where none is tensile", sparse=True),
+    "film_peak_von_mises": Described("Pa", "largest von Mises stress of the film below depth 0.1 h"),
+    "film_peak_principal_tension": Described("Pa", "largest principal stress of the film below depth 0.1 h"),
+    "base_peak_von_mises": Described("Pa", "largest von Mises stress of the base"),
+    "base_peak_principal_tension": Described("Pa", "largest principal stress of the base"),
+}
+
+#: Every quantity of a film beside those of a half-plane.
+EVERY_FILM_QUANTITY = {**FILM_QUANTITIES, **FILM_PEAKS}

@@ -11,7 +11,7 @@ from scipy.special import digamma
 import solver
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
-from solver.names import CHOICES, EVERY_QUANTITY, FACTORS, PEAKS, PROFILES, QUANTITIES
+from solver.names import CHOICES, EVERY_FILM_QUANTITY, EVERY_QUANTITY, FACTORS, PEAKS, PROFILES, QUANTITIES
 from workflow.cli.casetable import TEXT_FACTORS, read_cases
 from workflow.run.provenance import ROOT
 from workflow.study.reading import read_material
@@ -51,6 +51,10 @@ def test_the_table_of_quantities_is_the_code_s() -> None:
         assert (units, meaning) == (one.units, one.long_name)
         assert symbol
         assert (formula == "searched for") == (name in PEAKS)
+
+
+def test_the_table_of_a_film_s_quantities_is_the_code_s() -> None:
+    assert rows("of a film") == {name: [one.units, one.long_name] for name, one in EVERY_FILM_QUANTITY.items()}
 
 
 @pytest.mark.parametrize("name", ["BaTiO3-CoFe2O4 50:50", "BaTiO3-CoFe2O4 0.2"])

@@ -3,15 +3,20 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
+from solver.face.filmfactors import has
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import CHOICES, FACTORS, PROFILES, Described
+from solver.names import CHOICES, FACTORS, OF_A_FILM, PROFILES, Described
 
 #: How every solution is made (CF: the method of production).
 SOURCE = "meecontact: closed-form solution of plane contact in the Stroh formalism"
+_ON_FILMS = "; on films, integral equations with the closed form as their singular part"
+_FILM_DATUM = "of a film absolute above a grounded interface (depths: on a rigid base); elsewhere it "
 _LISTS = ("composite", "phases", "defaults")
+_TEXTS = ("title", "source")
 
 
 def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[str | Material]) -> dict[str, str]:
@@ -27,7 +32,10 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
         Phase one and phase two of a composite.
     """
     defaults = _defaults(arrays)
-    found = {"title": title, "source": SOURCE}
+    on_films = has(arrays, "thickness")
+    found = {"title": title, "source": SOURCE + (_ON_FILMS if np.any(on_films) else "")}
+    if np.any(on_films):
+        found["title"] = title.replace("half-plane", "film" if np.all(on_films) else "film or half-plane")
     if "volume_fraction" in arrays:
         used = _kinds(arrays, "composite") or [str(defaults["composite"])]
         found["composite"] = ", ".join(str(one) for one in used)
@@ -46,12 +54,14 @@ def of_output(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[
         length = f"{FACTORS['datum'].default:g} m, the default"
     else:
         length = "that of the coordinate datum" if datum.ndim else f"{float(datum):.15g} m"
-    return described.attrs | {"comment": f"{described.comment}; datum: {length}"}
+    on_films = _FILM_DATUM if np.any(has(arrays, "thickness")) else ""
+    return described.attrs | {"comment": f"{on_films}{described.comment}; datum: {length}"}
 
 
 def united(parts: Sequence[Mapping[Any, Any]]) -> dict[Any, Any]:
-    """Attributes of solutions that are put together: lists hold what any of them holds."""
+    """Attributes of solutions that are put together: lists hold what any of them holds, texts are the fullest."""
     whole = dict(parts[0])
+    whole |= {key: max((str(part.get(key, "")) for part in parts), key=len) for key in _TEXTS if key in whole}
     for key in _LISTS:
         entries = [entry for part in parts for entry in str(part.get(key, "")).split(", ") if entry]
         if entries:
@@ -70,6 +80,11 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
         found["slope"] = 0.0
     spared = {"composite"} if "volume_fraction" not in arrays else set()
     spared |= set() if "corner" in takes else {"corner"}
+    if not np.any(has(arrays, "thickness")):
+        spared |= set(OF_A_FILM)
+    elif "interface_magnetic" not in arrays:
+        spared |= {"interface_magnetic"}
+        found["interface_magnetic"] = "grounded on a rigid base and bonded on others"
     return found | {name: names[0] for name, names in CHOICES.items() if name not in arrays and name not in spared}
 
 

@@ -5,9 +5,10 @@ arrays by the names of ``solver.names``; what comes before and after is the same
 """
 
 from solver.face.cases import Cases
+from solver.face.film import OnFilm
 from solver.face.halfplane import OnHalfPlane
 
 
-def body_of(cases: Cases) -> OnHalfPlane:
+def body_of(cases: Cases) -> OnHalfPlane | OnFilm:
     """The body of cases of one kind, by their factors: without a ``thickness``, a half-plane."""
-    return OnHalfPlane(cases)
+    return OnFilm(cases) if cases.on_films.any() else OnHalfPlane(cases)

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray, stack
 from solver.face.attributes import attributes, of_output
-from solver.face.factors import FactorError
+from solver.face.filmfactors import has
+from solver.face.refusal import FactorError
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
 from solver.names import CHOICES, FACTORS, Described
@@ -91,6 +92,11 @@ class Cases:
         return self.values[name].flat[0] if name in self.values else CHOICES[name][0]
 
     @property
+    def on_films(self) -> xr.DataArray:
+        """Which cases have a film."""
+        return has(self.arrays, "thickness")
+
+    @property
     def coordinates(self) -> dict[str, xr.Variable]:
         """The factors as coordinates with units, and labels of the cases; materials and own profiles by name."""
         out: dict[str, xr.Variable] = {}
@@ -123,7 +129,7 @@ class Cases:
         own = {name: axis.size for name, axis in (axes or {}).items()}
         found = {}
         for name, value in values.items():
-            if not np.all(np.isfinite(value)):
+            if not np.all(np.isfinite(value) | (np.isnan(value) & described[name].sparse)):
                 raise FactorError(f"{name}: not finite for these {of}")
             whole = np.broadcast_to(value, (*self.sizes.values(), *own.values()))
             found[name] = xr.Variable((*self.sizes, *own), whole, of_output(described[name], self.arrays))
@@ -134,14 +140,15 @@ class Cases:
         return self._by_kind(part).assign_attrs(attributes(title, self.arrays, self.phases))
 
     def _by_kind(self, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
-        """The part of each profile and corner, put together along the dimension that they vary on."""
-        for name in _OF_A_KIND:
-            kinds = self.arrays[name].values if name in self.arrays else np.empty(0)
+        """The part of each profile, corner and body, put together along the dimension that they vary on."""
+        for name in (*_OF_A_KIND, "thickness"):
+            given = self.on_films if name == "thickness" else self.arrays.get(name, xr.DataArray())
+            kinds = given.values
             if kinds.size < 2 or len(found := list(dict.fromkeys(kinds.flat))) < 2:
                 continue
             if kinds.ndim > 1:
                 raise FactorError(f"{name}: varies along {kinds.ndim} dimensions; give it along one")
-            dim = self.arrays[name].dims[0]
+            dim = given.dims[0]
             places = [np.flatnonzero(kinds == kind) for kind in found]
             solved = [self._selected(str(dim), place)._by_kind(part) for place in places]
             shared = [key for key in solved[0].data_vars if all(key in one for one in solved)]

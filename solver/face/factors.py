@@ -8,16 +8,14 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import is_finite, shown
+from solver.face.filmfactors import check_films
+from solver.face.refusal import FactorError
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import CHOICES, FACTORS, PROFILES
+from solver.names import CHOICES, FACTORS, MATERIALS, OF_A_FILM, PROFILES
 
 _OUTPUT_DIMS = ("position", "x", "y")
 _CHARGES = {"charge": "electric", "magnetic_charge": "magnetic"}
-
-
-class FactorError(ValueError):
-    """A factor that is unknown, missing or outside what is allowed."""
 
 
 def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
@@ -29,7 +27,7 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
         Naming the factor, its value and what is allowed.
     """
     given = {**factors.data_vars, **factors.coords} if isinstance(factors, xr.Dataset) else dict(factors)
-    known = ("material", *CHOICES, *FACTORS)
+    known = (*MATERIALS, *CHOICES, *FACTORS)
     arrays: dict[str, xr.DataArray] = {}
     for name, value in given.items():
         if name not in known:
@@ -42,7 +40,7 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
         if name in FACTORS:
             array = _number(str(name), array)
         elif name in CHOICES and not isinstance(value, Profile):
-            _choice(str(name), array, CHOICES[str(name)])
+            _choice(str(name), array, (*CHOICES[str(name)], *((None, "") if name in OF_A_FILM else ())))
         arrays[str(name)] = array
     if "material" in arrays and {"composite", "volume_fraction"} & set(arrays):
         raise FactorError("material: give either a material or a composite's volume_fraction, not both")
@@ -58,6 +56,7 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
     except ValueError as error:
         raise FactorError(f"factors: dimensions do not fit each other: {str(error).splitlines()[0]}") from error
     _check_charges(arrays)
+    check_films(arrays)
     return arrays
 
 
@@ -125,14 +124,16 @@ def _number(name: str, array: xr.DataArray) -> xr.DataArray:
     array = array.astype(np.float64)
     values = array.values
     above = values >= factor.low if factor.low_allowed else values > factor.low
-    bad = values[~(np.isfinite(values) & above & (values <= factor.high))]
+    below = values <= factor.high if factor.high_allowed else values < factor.high
+    absent = np.isnan(values) & factor.optional
+    bad = values[~(np.isfinite(values) & above & below | absent)]
     if bad.size:
         raise FactorError(f"{name}: {bad.flat[0]:g} is not {factor.allowed}")
     return array
 
 
-def _choice(name: str, array: xr.DataArray, allowed: tuple[str, ...]) -> None:
+def _choice(name: str, array: xr.DataArray, allowed: tuple[str | None, ...]) -> None:
     values = array.values
     for value in np.unique(values) if values.dtype.kind == "U" else values.flat:
-        if not isinstance(value, str) or value not in allowed:
-            raise FactorError(f"{name}: {shown(value)} is not one of {', '.join(allowed)}")
+        if not isinstance(value, str | None) or value not in allowed:
+            raise FactorError(f"{name}: {shown(value)} is not one of {', '.join(filter(None, allowed))}")

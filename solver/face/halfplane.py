@@ -7,8 +7,8 @@ import numpy as np
 
 from solver.arrays import Array, BoolArray
 from solver.face.cases import Cases
-from solver.face.factors import FactorError
 from solver.face.materials import material_of
+from solver.face.refusal import FactorError
 from solver.halfplane.contact import Contact
 from solver.halfplane.fields import surface_fields
 from solver.halfplane.interior import LINEAR, interior_parts, principal_tension, von_mises

@@ -11,7 +11,8 @@ import xarray as xr
 from solver.arrays import Array
 from solver.face.bodies import body_of
 from solver.face.cases import Cases
-from solver.face.factors import FactorError, checked
+from solver.face.factors import checked
+from solver.face.refusal import FactorError
 from solver.material.constants import Material
 from solver.names import EVERY_INTERIOR
 

@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.arrays import shown
+from solver.arrays import BoolArray, shown
 from solver.face.cases import Cases
-from solver.face.factors import FactorError
+from solver.face.filmfactors import absent
+from solver.face.refusal import FactorError
+from solver.film.stack import RIGID
 from solver.material.composite import fibrous, laminate
-from solver.material.constants import UNITS, Material
+from solver.material.constants import UNITS, Material, MaterialError
 from solver.material.library import find
 from solver.names import CHOICES
 
@@ -36,6 +38,42 @@ def material_of(cases: Cases) -> Material:
         return mixed[0]
     either: dict[str, Any] = {c: np.where(kind == "fibrous", *(getattr(m, c) for m in mixed)) for c in UNITS}
     return Material(**either, name="composite")
+
+
+def base_of(cases: Cases) -> tuple[Material, BoolArray]:
+    """The base of every case, and where it is rigid: the constants of a rigid one have no meaning.
+
+    Raises
+    ------
+    FactorError, MaterialError
+        A base that is unknown, inadmissible or itself of many cases.
+    """
+    if "base" not in cases.values:
+        return _isotropic(cases), np.array(False)
+    which = cases.values["base"]
+    rigid = np.array([value == RIGID for value in which.flat], dtype=bool).reshape(which.shape)
+    named = np.array([not absent(value) for value in which.flat], dtype=bool).reshape(which.shape) & ~rigid
+    filled = np.empty(which.shape, dtype=object)
+    filled[...] = "steel"  # stands where a base is rigid or given by its modulus
+    filled[named] = which[named]
+    try:
+        base = _chosen(filled, cases.materials)
+    except MaterialError as error:
+        _, _, rest = str(error).partition("material: ")
+        raise FactorError(f"base: {rest} and {RIGID}" if rest else f"base: {error}") from None
+    if "base_modulus" not in cases.values:
+        return base, rigid
+    other = _isotropic(cases)
+    by_name = named | rigid
+    either: dict[str, Any] = {c: np.where(by_name, getattr(base, c), getattr(other, c)) for c in UNITS}
+    return Material(**either, name="base"), rigid
+
+
+def _isotropic(cases: Cases) -> Material:
+    """Isotropic bases by modulus and Poisson's ratio; any where these are absent."""
+    modulus, poisson = cases.values["base_modulus"], cases.values["base_poisson"]
+    modulus, poisson = (np.where(np.isnan(v), standing, v) for v, standing in ((modulus, 1e11), (poisson, 0.3)))
+    return Material.isotropic(modulus, poisson, name="base")
 
 
 def _chosen(which: NDArray[Any], materials: Mapping[str, Material]) -> Material:

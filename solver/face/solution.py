@@ -11,10 +11,12 @@ import xarray as xr
 from solver.arrays import Array
 from solver.face.bodies import body_of
 from solver.face.cases import Cases
-from solver.face.factors import FactorError, checked
+from solver.face.factors import checked
+from solver.face.refusal import FactorError
 from solver.material.constants import Material
-from solver.names import EVERY_QUANTITY, FIELDS, REGULAR
+from solver.names import EVERY_FILM_QUANTITY, EVERY_QUANTITY, FIELDS, REGULAR
 
+_QUANTITIES = EVERY_QUANTITY | EVERY_FILM_QUANTITY
 _ALONG = {"units": "1", "long_name": "surface position X = (x - c)/h"}
 
 
@@ -37,7 +39,8 @@ def solve(
         what the ``profile`` needs (default ``cylinder``: ``radius``; see ``solver.names.PROFILES``; or a
         :class:`Profile` of one's own), and either ``material`` (a name or :class:`Material`) or ``volume_fraction``
         (with ``composite``, default ``fibrous``). The rest default to 0 (``datum``: 1 m; ``electric`` and
-        ``magnetic``: conducting).
+        ``magnetic``: conducting). A case with a ``thickness`` is a film on its ``base``, see
+        ``solver.names.OF_A_FILM``; NaN and empty names mean that a case has none.
     positions
         Surface positions X = (x - c)/h, dimensionless, any but +-1.
     materials
@@ -47,8 +50,8 @@ def solve(
     regular
         Also give ``<field>_regular``, the square-root singular fields times sqrt|1 - X^2|.
     peaks
-        Also give the quantities of ``solver.names.PEAKS``, which are searched for over the body: some milliseconds a
-        case where the others take some microseconds. They need c12.
+        Also give the quantities of ``solver.names.PEAKS``, or ``FILM_PEAKS`` of films, which are searched for over the
+        body: some milliseconds a case where the others take some microseconds. They need c12.
 
     Returns
     -------
@@ -56,13 +59,16 @@ def solve(
         Quantities over the factors' dimensions, fields over these and ``position``; names and units as in
         ``solver.names``. Values that a dimension does not change are broadcast views, not copies. A quantity that
         some case does not have is left out: the potentials of a field that a punch does not conduct; peak pressure,
-        edge intensities and edge stresses at a corner of the punch, where they are infinite.
+        edge intensities and edge stresses at a corner of the punch, where they are infinite; what only films or only
+        half-planes have, where both are asked for.
 
     Raises
     ------
     FactorError
         Unknown, missing, non-finite or out-of-range factor or position; a charge on an insulating punch; a speed that
-        is not below the limiting one; a contact that would need tension. Names field, value and what is allowed.
+        is not below the limiting one, or any on a film; a film without base, or a base without film; a contact that
+        would need tension, one beyond the resolved range of a film, or several for one load. Names field, value and
+        what is allowed.
     MaterialError
         Unknown or inadmissible material.
     """
@@ -72,7 +78,7 @@ def solve(
     def part(cases: Cases) -> xr.Dataset:
         body, coordinates = body_of(cases), cases.coordinates
         values = body.quantities() | (body.peaks() if peaks else {})
-        found = cases.labelled(values, EVERY_QUANTITY, "factors (contact as wide as the datum, or overflow)")
+        found = cases.labelled(values, _QUANTITIES, "factors (contact as wide as the datum, or overflow)")
         if X is not None:
             coordinates |= (axis := {"position": xr.Variable("position", X, _ALONG)})
             fields = body.surface(X, regular=regular)
@@ -80,7 +86,7 @@ def solve(
         return xr.Dataset(found, coordinates)
 
     out = cases.solved("exact solution of a punch sliding on a magneto-electro-elastic half-plane", part)
-    first = [name for name in EVERY_QUANTITY if name in out]
+    first = [name for name in _QUANTITIES if name in out]
     return out[[*first, *(name for name in out.data_vars if name not in first)]]
 
 

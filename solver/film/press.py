@@ -97,7 +97,7 @@ def _searched(table: Table, loading: Loading) -> tuple[Array, Array]:
 
 def _start(table: Table, loading: Loading) -> tuple[Array, Array, Array, Array]:
     """log h and c/h by interpolation between the half-lengths of the table, and the bracket of log h of every case."""
-    carried = _at_nodes(table, loading)
+    carried = load_at_nodes(table, loading)
     asked, logs = loading.loads[:, :1], np.log(table.half_lengths)
     enough = carried >= asked
     changes = np.sum(enough[:, 1:] != enough[:, :-1], -1)
@@ -119,7 +119,7 @@ def _start(table: Table, loading: Loading) -> tuple[Array, Array, Array, Array]:
     return log_half, _corner(loading, half), *bracket
 
 
-def _at_nodes(table: Table, loading: Loading) -> Array:
+def load_at_nodes(table: Table, loading: Loading) -> Array:
     """Load that each half-length of the table carries; (case, node)."""
     h, load = table.half_lengths, table.at_nodes[:, LOAD]
     if loading.order == 1 and loading.slope.shape[-1] == 2:  # the slope of a cylinder knows no centre
@@ -163,7 +163,7 @@ def _beyond(table: Table, how: str) -> str:
 
 
 def _refuse_tension(table: Table, loading: Loading, half: Array, centre: Array) -> None:
-    samples = table.series[:, PRESSURE][:, ::4]
+    samples = table.series[:, PRESSURE][:, ::8]
     pressures = np.tensordot(table.polynomials(np.log(half)), samples, 1)
     found = np.einsum("cpq,cq->cp", pressures, loading.at(half, centre).values)
     if np.any(np.min(found, -1) < -_TENSION * np.max(np.abs(found), -1)):

@@ -19,7 +19,7 @@ from solver.film.kernel import Kernel
 from solver.halfplane.sliding import Sliding
 
 #: Positions at which the pressure over its weight is sampled, edges included: tension shows there.
-SAMPLES: Array = np.cos(np.pi * np.arange(33) / 32)
+SAMPLES: Array = np.cos(np.pi * np.arange(193) / 192)
 
 _SAMPLES = 13.5  # half the logarithm of the error of the rules that integrate the kernels
 _GRADED_TERMS = 2.5  # under a graded layer, over those of a homogeneous one

@@ -11,7 +11,7 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.names import CHOICES, FACTORS
+from solver.names import CHOICES, FACTORS, MATERIALS
 from storage.files import regular
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, number
@@ -23,7 +23,7 @@ _LONGEST_ROW = 1 << 16  # characters
 _LONGEST_CELL = 200  # characters; a name or a number has a tenth of that
 
 #: Factors whose values are names.
-TEXT_FACTORS = ("material", *CHOICES)
+TEXT_FACTORS = (*MATERIALS, *CHOICES)
 _COLUMNS = (*TEXT_FACTORS, *FACTORS)
 
 

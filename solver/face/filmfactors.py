@@ -1,0 +1,74 @@
+"""The factors that only a film has: all of them where there is a thickness, none where there is not."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver.arrays import shown
+from solver.face.refusal import FactorError
+from solver.film.stack import RIGID
+from solver.material.constants import Material
+from solver.names import FACTORS, OF_A_FILM
+
+_BASE = f"{RIGID!r} or a material's name, or else base_modulus and base_poisson"
+
+
+def absent(value: object) -> bool:
+    """Whether the value of a factor of films says that a case does not have it."""
+    return (
+        value is None or (isinstance(value, str) and not value) or (isinstance(value, float) and bool(np.isnan(value)))
+    )
+
+
+def has(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
+    """Which cases have a factor of films."""
+    if name not in arrays:
+        return xr.DataArray(False)
+    array = arrays[name]
+    if array.dtype.kind in "fU":
+        return xr.DataArray(~np.isnan(array.values) if array.dtype.kind == "f" else array.values != "", dims=array.dims)
+    there = [not absent(value) for value in array.values.flat]
+    return xr.DataArray(np.array(there, dtype=bool).reshape(array.shape), dims=array.dims)
+
+
+def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
+    """Every film has a base and no speed, every half-plane has none of a film's factors.
+
+    Raises
+    ------
+    FactorError
+        Naming the factor, its value and what is allowed.
+    """
+    present = {name: has(arrays, name) for name in OF_A_FILM}
+    film = present["thickness"]
+    for name in OF_A_FILM[1:]:
+        _refuse(arrays, name, present[name] & ~film, "without a thickness; only a film has one")
+    if not np.any(film):
+        return
+    if "base" in arrays:
+        for value in arrays["base"].values.flat:
+            if not (absent(value) or isinstance(value, str | Material)):
+                raise FactorError(f"base: {shown(value)} is no material; must be {_BASE}")
+    if "speed" in arrays:
+        moving = arrays["speed"].drop_vars(arrays["speed"].coords) > 0
+        _refuse(arrays, "speed", moving & film, "on a film; must be 0 [m s-1]")
+    modulus, poisson = present["base_modulus"], present["base_poisson"]
+    _refuse(arrays, "base_modulus", modulus & present["base"], "beside a base; give either")
+    _refuse(arrays, "base_poisson", poisson & present["base"], "beside a base; give either")
+    for name, lacks in (("base_poisson", modulus & ~poisson), ("base_modulus", poisson & ~modulus)):
+        if np.any(lacks):
+            raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed}")
+    if np.any(film & ~present["base"] & ~modulus):
+        raise FactorError(f"base: missing; must be {_BASE}")
+
+
+def _refuse(arrays: Mapping[str, xr.DataArray], name: str, bad: xr.DataArray, why: str) -> None:
+    """Raise, with the first offending value, where it is bad."""
+    if not np.any(bad):
+        return
+    values, places = xr.broadcast(arrays[name].drop_vars(arrays[name].coords), bad)
+    first: Any = values.values[places.values].flat[0]
+    number = isinstance(first, float | np.floating)
+    raise FactorError(f"{name}: {f'{first:g}' if number else shown(getattr(first, 'name', first))} {why}")

@@ -1,0 +1,128 @@
+"""Every quantity of films by its name: those of a half-plane that a contact has, and those that only a film has."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.contact import FilmContact
+from solver.film.crest import peak_pressure
+from solver.film.peaks import DEPTH, BodyPeaks, PeakTable
+from solver.film.similar import Films, peak_window
+from solver.film.table import RangeError
+
+_STEPS = 20
+_CLOSE = 1e-9  # of a charge: the next step is of its square
+
+#: Of each field: potential, sensitivity, charge per load that makes it zero, stroke and blocked load.
+_RESPONSES = (
+    ("voltage", "voltage_sensitivity", "charge_sensitivity", "stroke_per_volt", "blocked_load_per_volt"),
+    ("magnetic_potential", "magnetic_sensitivity", "flux_sensitivity", "stroke_per_ampere", "blocked_load_per_ampere"),
+)
+_STORES = ("capacitance", "permeance")
+
+
+def quantities(films: Films) -> dict[str, Array]:
+    """Quantities of ``solver.names.QUANTITIES`` and ``FILM_QUANTITIES`` that the cases have; (case,) each.
+
+    Left out are the response of a field that the punch does not conduct, and what is infinite at a corner.
+    """
+    films.require_one_length()
+    h, gather = films.thickness, films.gather
+    out = {
+        "contact_trailing": h * gather(lambda c: c.trailing),
+        "contact_leading": h * gather(lambda c: c.leading),
+        "contact_offset": h * gather(lambda c: c.offset),
+        "pressure_exponent": gather(lambda c: np.full(c.load.shape, c.exponent)),
+        "depth": h * gather(lambda c: c.depth),
+    }
+    smooth = films.kind.smooth
+    if all(smooth):
+        out["peak_pressure"] = gather(peak_pressure)
+    for name, stress, edge, is_smooth in (
+        ("trailing", "trailing_tension", 1.0, smooth[0]),
+        ("leading", "leading_compression", -1.0, smooth[1]),
+    ):
+        if is_smooth:
+            out[stress] = gather(_at(FilmContact.edge_stress, edge))
+            intensity = np.sqrt(h)[:, None] * gather(_at(FilmContact.edge_intensity, edge))
+            out[f"electric_edge_intensity_{name}"] = intensity[:, 0]
+            out[f"magnetic_edge_intensity_{name}"] = intensity[:, 1]
+    for field, conducts in enumerate(films.kind.conducts):
+        if conducts:
+            out |= _responses(films, field)
+    if "voltage" in out:
+        out["nominal_field"] = np.abs(out["voltage"]) / h
+    return out
+
+
+def _at(output: Callable[[FilmContact, float], Array], edge: float) -> Callable[[FilmContact], Array]:
+    return lambda contact: output(contact, edge)
+
+
+def _responses(films: Films, field: int) -> dict[str, Array]:
+    """Response of a field that the punch conducts."""
+    j = 1 + field
+    t = films.gather(lambda c: c.tangents)
+    uncharged = films.with_charges(np.zeros_like(films.charges)) if np.any(films.charges) else films
+    values = (
+        films.thickness * films.gather(lambda c: c.potential(field)),
+        uncharged.gather(lambda c: c.tangents[:, j, 0]),
+        _short_circuit(uncharged, field),
+        t[:, 0, j] / t[:, j, j],
+        1 / (t[:, j, 0] - t[:, j, j] * t[:, 0, 0] / t[:, 0, j]),
+    )
+    fixed = films.gather(lambda c: c.at_fixed_contact[:, j, field])
+    return dict(zip(_RESPONSES[field], values, strict=True)) | {_STORES[field]: 1 / fixed}
+
+
+def _short_circuit(uncharged: Films, field: int) -> Array:
+    """Charge per load that makes the potential 0, the other charge 0 [C/N, Wb/N]."""
+    j, state = 1 + field, uncharged
+    for _ in range(_STEPS):
+        potential = state.thickness * state.gather(lambda c: c.potential(field))
+        step = potential / state.gather(lambda c: c.tangents[:, j, j])
+        charges = np.array(state.charges)
+        charges[:, field] -= step
+        state = state.with_charges(charges)
+        if np.all(np.abs(step) <= _CLOSE * np.abs(charges[:, field])):
+            break
+    return np.asarray(state.charges[:, field] / state.load)
+
+
+def peaks(films: Films) -> dict[str, Array]:
+    """Quantities of ``solver.names.FILM_PEAKS`` that the cases have; (case,) each.
+
+    Raises
+    ------
+    RangeError
+        A contact so wide that the film has no depth below 0.1 h.
+    """
+    names = [
+        "interface_shear", "interface_shear_position", "interface_tension", "interface_tension_position",
+        "film_peak_von_mises", "film_peak_principal_tension",
+    ]  # fmt: skip
+    if films.kind.base is not None:
+        names += ["base_peak_von_mises", "base_peak_principal_tension"]
+    out = {name: np.empty(films.load.size) for name in names}
+    for places, number, contact in films.parts:
+        if np.any(contact.half_width > 0.99 / DEPTH):
+            widest = np.max(contact.half_width)
+            raise RangeError(
+                f"contact: half-length over thickness {widest:g} is too wide for peaks; must be < {1 / DEPTH:g}"
+            )
+        of = peak_window(films.kind, number)
+        own = FilmContact(of.table, contact.profile, contact.load, contact.charges, contact.datum)
+        for name, value in zip(names, _found(of, own), strict=True):
+            out[name][places] = value
+    return out
+
+
+def _found(of: PeakTable, contact: FilmContact) -> list[Array]:
+    """Peaks in the order of their names."""
+    interface = of.interface(contact)
+    bodies: list[BodyPeaks] = [of.film(contact)]
+    if not of.table.system.kernel.stack.rigid:
+        bodies.append(of.base(contact))
+    found = [interface.shear, interface.shear_position, interface.tension, interface.tension_position]
+    return found + [value for body in bodies for value in (body.von_mises, body.principal_tension)]

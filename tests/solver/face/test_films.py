@@ -1,0 +1,246 @@
+"""Films through the face: figures found by other methods, the closed form where film and base are one, refusals."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import solver
+from solver.film.stack import Layer, Stack
+from solver.names import EVERY_FILM_QUANTITY, EVERY_QUANTITY, FILM_PEAKS, FILM_QUANTITIES, QUANTITIES
+from tests.solver.film.films import FIBROUS, cylinder
+
+FILM: dict[str, Any] = {"material": "BaTiO3", "thickness": 0.5e-3, "base": "rigid", "radius": 0.05, "load": 1e5}
+MIX: dict[str, Any] = {"volume_fraction": 0.5, "thickness": 0.2e-3, "radius": 0.05, "friction": 0.3, "load": 1e5}
+POSITIONS = (-1.2, -0.5, 0.0, 0.5, 1.2)
+_VECTORS: dict[str, slice | list[int]] = {
+    "contact_pressure": slice(1, 4),
+    "electric_displacement_y": slice(1, 4),
+    "magnetic_induction_y": slice(1, 4),
+    "stress_xx": [4, 0],
+}
+_SCALARS = (
+    "contact_trailing", "contact_leading", "depth", "voltage", "magnetic_potential",
+    "electric_edge_intensity_trailing", "electric_edge_intensity_leading",
+    "magnetic_edge_intensity_trailing", "magnetic_edge_intensity_leading",
+)  # fmt: skip
+
+#: Theory of films, section 9: factors; the scalars above; p, D_y, B_y at X = -0.5, 0, 0.5; sigma_xx at X = 1.2, -1.2.
+FIGURES: dict[str, tuple[dict[str, Any], tuple[float, ...], tuple[float, ...]]] = {
+    "BaTiO3 on rigid": (
+        FILM,
+        (2.103852975e-04, 2.103852975e-04, 6.959044108e-07, -5.393112137e02, 0.0,
+         6.164540932e-04, 6.164540932e-04, 0.0, 0.0),
+        (2.620449157e08, 3.033895065e08, 2.620449157e08, -1.384260933e-02, -2.405493644e-02, -1.384260933e-02,
+         0.0, 0.0, 0.0, 6.549891077e07, 6.549891077e07),
+    ),
+    "fibrous on rigid": (
+        MIX | {"base": "rigid", "charge": 2e-5, "magnetic_charge": 1e-2},
+        (1.741186380e-04, 1.750310824e-04, 4.900432047e-07, 1.082552282e03, 3.756287613e01,
+         -3.643389579e-04, -3.499955974e-04, -3.971580532e-01, -3.965508806e-01),
+        (3.116981669e08, 3.767103051e08, 3.179218122e08, -5.408774763e-02, -5.833231139e-02, -5.521730464e-02,
+         -2.177424521e01, -1.956580057e01, -2.181913629e01, 1.555208861e08, -2.764407038e07),
+    ),
+    "fibrous on steel": (
+        MIX | {"base": "steel", "interface_magnetic": "grounded", "datum": 0.2e-3},
+        (2.003603865e-04, 1.857207118e-04, 4.444201344e-07, -2.715383908e02, -5.303018923e-01,
+         6.379179498e-05, 9.308101282e-05, 6.050401959e-03, 6.063045377e-03),
+        (2.801686084e08, 3.312695878e08, 2.905574954e08, -6.404062368e-04, -4.426843698e-03, -3.044442030e-03,
+         -1.272829867e-01, -2.468574397e-01, -1.563876997e-01, 1.134370442e08, -9.345979507e07),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_published_figures_are_hit(name: str) -> None:
+    factors, scalars, fields = FIGURES[name]
+    out = solver.solve(factors, POSITIONS)
+    np.testing.assert_allclose([float(out[key]) for key in _SCALARS], scalars, rtol=1e-8)
+    found = np.concatenate([out[key].values[at] for key, at in _VECTORS.items()])
+    np.testing.assert_allclose(found, fields, rtol=1e-8)
+
+
+def test_every_quantity_has_its_unit_and_film_answers_all_but_the_peaks() -> None:
+    out = solver.solve(FILM)
+    assert set(out.data_vars) == {*QUANTITIES, *FILM_QUANTITIES}
+    for name, one in (EVERY_QUANTITY | EVERY_FILM_QUANTITY).items():
+        assert name not in out or out[name].attrs["units"] == one.units
+    assert "film" in out.attrs["title"]
+    assert "absolute above a grounded interface" in out["voltage"].attrs["comment"]
+
+
+#: Section 9: a/h, then P R/a^2 [Pa] and charge/load [pC/N] at zero volts, of PZT-4 and of BaTiO3 on rigid.
+SHORT_CIRCUIT = {
+    0.05: ((6.765708e10, 217.0654), (1.016044e11, 154.2390)),
+    0.5: ((7.708279e10, 183.3418), (1.177911e11, 137.9928)),
+    2.0: ((1.655475e11, 148.7037), (2.550877e11, 121.8530)),
+    10.0: ((7.66574e11, 132.654), (1.112011e12, 115.329)),
+}
+
+
+def test_charge_per_load_of_short_circuited_films_is_hit_to_every_digit() -> None:
+    thickness, radius = 2e-4, 0.05
+    for number, material in enumerate(("PZT-4", "BaTiO3")):
+        stiffness, expected = np.array([row[number] for row in SHORT_CIRCUIT.values()]).T
+        load = stiffness * (np.array(list(SHORT_CIRCUIT)) * thickness) ** 2 / radius
+        film = {"material": material, "thickness": thickness, "base": "rigid", "radius": radius}
+        found = solver.solve(film | {"load": load})["charge_sensitivity"] * 1e12
+        assert np.all(np.abs(found - expected) < [6e-5, 6e-5, 6e-5, 6e-4])
+
+
+PROFILES: dict[str, dict[str, Any]] = {
+    "cylinder": {"radius": 0.05},
+    "flat": {"profile": "flat", "width": 3e-4, "slope": 1e-4},
+    "tilted by a moment": {"profile": "flat", "width": 3e-4, "moment": 0.5},
+    "wedge": {"profile": "wedge", "slope": 2e-3},
+    "half cylinder": {"profile": "half_cylinder", "radius": 0.05, "corner": "trailing"},
+    "insulating": {"radius": 0.05, "electric": "insulating"},
+    "own": {"profile": solver.Profile.polynomial([0.0, 20.0, 0.0, 1e9])},
+}
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_film_of_its_base_s_own_material_is_the_half_plane(name: str) -> None:
+    punch: dict[str, Any] = {"material": "BaTiO3-CoFe2O4 50:50", "friction": 0.3, "load": 1e5, "datum": 0.4}
+    punch |= PROFILES[name]
+    charges = {"magnetic_charge": 1e-3} | ({} if name == "insulating" else {"charge": 2e-6})
+    bonded = {"base": "BaTiO3-CoFe2O4 50:50", "interface_electric": "bonded", "interface_magnetic": "bonded"}
+    exact = solver.solve(punch | charges, POSITIONS, regular=True)
+    found = solver.solve(punch | charges | bonded | {"thickness": 0.3e-3}, POSITIONS, regular=True)
+    assert set(exact.data_vars) <= set(found.data_vars)
+    for key, value in exact.data_vars.items():
+        size = float(np.max(np.abs(value)))
+        np.testing.assert_allclose(found[key], value, rtol=0, atol=2e-11 * size, err_msg=str(key))
+
+
+def test_many_cases_and_positions_are_those_of_one_each() -> None:
+    X = np.linspace(-2, 2, 600)
+    loads = np.geomspace(1e3, 1e6, 300)
+    many = solver.solve(FILM | {"load": loads}, X)
+    one = solver.solve(FILM | {"load": loads[290]}, X[[5, 580]])
+    for name in ("contact_pressure", "stress_xx", "electric_displacement_y"):
+        np.testing.assert_allclose(
+            many[name][290, [5, 580]], one[name], rtol=1e-7, atol=1e-9 * float(np.max(many[name]))
+        )
+
+
+def test_similarity_and_answers_that_do_not_hang_on_their_neighbours() -> None:
+    """hc/h, V/P, depth/P, K sqrt(h)/P hang on P R/h^2 and T/P alone; a case alone answers as in a table."""
+    h = np.array([0.1e-3, 0.5e-3, 2e-3, 1e-5])
+    factor = h / h[0]
+    load = 2e4 * factor
+    cases = {"radius": 0.05 * factor, "load": load, "charge": 1e-6 * factor, "thickness": h}
+    data = xr.Dataset({name: ("case", values) for name, values in cases.items()})
+    out = solver.solve(data.assign(MIX | {"base": "rigid"} | {name: data[name] for name in cases}))
+    for name, by in {
+        "contact_trailing": h, "contact_offset": h, "voltage": load, "depth": load, "nominal_field": h / h,
+        "electric_edge_intensity_trailing": load / np.sqrt(h), "capacitance": h / h, "peak_pressure": h / h,
+    }.items():  # fmt: skip
+        np.testing.assert_allclose(out[name] / by, float(out[name][0] / by[0]), rtol=1e-12, err_msg=name)
+    alone = solver.solve(MIX | {"base": "rigid"} | {name: values[2] for name, values in cases.items()})
+    for key in out.data_vars:
+        assert float(alone[key]) == pytest.approx(float(out[key][2]), rel=1e-13), key
+    direct = cylinder(Stack((Layer(FIBROUS, 0.5e-3),)), 0.3, 1e5, (5e-6, 0.0))
+    again = solver.solve(MIX | {"base": "rigid", "thickness": 0.5e-3, "charge": 5e-6, "load": 1e5})
+    assert float(again["contact_trailing"]) == pytest.approx(float(direct.trailing[0]), rel=1e-9)
+
+
+@pytest.mark.parametrize(("load", "friction"), [(1e3, 0.0), (1e5, 0.8), (3e7, 0.3)])
+def test_peak_pressure_is_the_largest_of_a_fine_scan(load: float, friction: float) -> None:
+    X = np.linspace(-0.999, 0.999, 4001)
+    out = solver.solve(FILM | {"load": load, "friction": friction, "material": "PZT-4"}, X)
+    largest = float(out["contact_pressure"].max())
+    assert largest * (1 - 1e-9) <= float(out["peak_pressure"]) <= largest * (1 + 1e-6)
+
+
+def test_films_and_half_planes_in_one_table() -> None:
+    cases = xr.Dataset(
+        {
+            "thickness": ("case", [np.nan, 0.2e-3, np.nan, 1e-3]),
+            "base": ("case", np.array(["", "rigid", "", ""], dtype=object)),
+            "base_modulus": ("case", [np.nan, np.nan, np.nan, 2e11]),
+            "base_poisson": ("case", [np.nan, np.nan, np.nan, 0.3]),
+            "load": ("case", [1e5, 1e5, 2e5, 2e5]),
+        }
+    ).assign(material="PZT-4", radius=0.05, friction=0.2)
+    out = solver.solve(cases, POSITIONS)
+    half = solver.solve({"material": "PZT-4", "radius": 0.05, "friction": 0.2, "load": [1e5, 2e5]}, POSITIONS)
+    for key, value in half.data_vars.items():  # bit for bit
+        np.testing.assert_array_equal(out[key][[0, 2]], np.broadcast_to(value, out[key][[0, 2]].shape))
+    named = solver.solve({"material": "PZT-4", "radius": 0.05, "friction": 0.2, "load": 2e5, "thickness": 1e-3,
+                          "base": "steel"}, POSITIONS)  # fmt: skip
+    for key in half.data_vars:
+        np.testing.assert_allclose(out[key][3], named[key], rtol=1e-12, err_msg=str(key))
+    assert not set(FILM_QUANTITIES) & set(out.data_vars)
+
+
+def test_peaks_of_film_and_interface() -> None:
+    out = solver.solve(FILM, peaks=True)
+    assert set(FILM_PEAKS) - set(out.data_vars) == {"base_peak_von_mises", "base_peak_principal_tension"}
+    assert float(out["interface_shear"]) > 3.3e7  # section 9, at X = 1
+    assert abs(float(out["interface_shear_position"])) > 0.6
+    assert float(out["film_peak_von_mises"]) > 1.829406836e08  # section 9, at half the thickness
+
+
+REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
+    "no thickness at all": (FILM | {"thickness": 0.0}, "thickness: 0 is not a finite number > 0 [m]"),
+    "negative thickness": (FILM | {"thickness": [1e-3, -1e-3]}, "thickness: -0.001 is not"),
+    "infinite thickness": (FILM | {"thickness": np.inf}, "thickness: inf is not"),
+    "unknown base": (FILM | {"base": "stele"}, "base: 'stele' is unknown; did you mean 'steel'"),
+    "base that is no material": (FILM | {"base": 7.0}, "base: '7.0' is no material; must be 'rigid' or"),
+    "no base": ({k: v for k, v in FILM.items() if k != "base"}, "base: missing; must be 'rigid' or"),
+    "base without thickness": ({k: v for k, v in FILM.items() if k != "thickness"}, "base: 'rigid' without"),
+    "interface of a half-plane": (
+        {"material": "BaTiO3", "radius": 0.05, "load": 1e5, "interface_electric": "bonded"},
+        "interface_electric: 'bonded' without a thickness",
+    ),
+    "modulus of a half-plane": (
+        {"material": "BaTiO3", "radius": 0.05, "load": 1e5, "base_modulus": 1e11},
+        "base_modulus: 1e+11 without a thickness",
+    ),
+    "two bases": (FILM | {"base_modulus": 1e11, "base_poisson": 0.3}, "base_modulus: 1e+11 beside a base"),
+    "half an isotropic base": (FILM | {"base": "", "base_modulus": 1e11}, "base_poisson: missing; must be"),
+    "incompressible base": (FILM | {"base": "", "base_modulus": 1e9, "base_poisson": 0.5}, "base_poisson: 0.5 is not"),
+    "speed": (FILM | {"speed": 0.5}, "speed: 0.5 on a film; must be 0"),
+    "bonded to rigid": (FILM | {"interface_electric": "bonded"}, "interface_electric: 'bonded' is not allowed"),
+    "insulated on steel": (FILM | {"base": "steel", "interface_magnetic": "insulated"}, "'insulated' is allowed"),
+    "unknown interface": (FILM | {"interface_magnetic": "open"}, "interface_magnetic: 'open' is not one of grounded"),
+    "wider than resolved": (FILM | {"load": 1e12}, "contact: wider than the resolved range"),
+    "narrower than resolved": (FILM | {"load": 1e-6}, "contact: narrower than the resolved range"),
+    "tension": (FILM | {"profile": "flat", "width": 1e-3, "radius": 0.0, "slope": 0.1}, "tension"),
+    "two lengths": (
+        MIX | {"base": "rigid", "friction": 0.0, "radius": 5e4, "load": 4300.0, "charge": -1e-5},
+        "contacts of more than one length",
+    ),
+    "tension of charges": (
+        MIX | {"base": "rigid", "radius": 50.0, "load": 1e3, "charge": 1e-5},
+        "it would need tension between punch and surface",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_refused_by_name(name: str) -> None:
+    factors, words = REFUSALS[name]
+    if "profile" in factors:
+        factors = {k: v for k, v in factors.items() if k != "radius"}
+    with pytest.raises((solver.FactorError, solver.MaterialError)) as caught:
+        solver.solve(factors)
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_interior_fields_of_films_are_refused_by_name() -> None:
+    with pytest.raises(solver.FactorError, match=r"thickness: 0\.0005 m; interior fields"):
+        solver.solve_interior(FILM, [0.0], [-0.5])
+
+
+@pytest.mark.parametrize("base", ["silicon", "glass", "aluminium oxide", "copper", "polyimide", "AlN"])
+def test_bases_of_the_library_carry_a_film(base: str) -> None:
+    material = solver.find(base)
+    assert material.source
+    assert material.note
+    out = solver.solve({"material": "PZT-4", "thickness": 1e-4, "base": base, "radius": 0.01, "load": 1e4})
+    rigid = solver.solve({"material": "PZT-4", "thickness": 1e-4, "base": "rigid", "radius": 0.01, "load": 1e4})
+    assert float(out["contact_trailing"]) > float(rigid["contact_trailing"])

@@ -1,0 +1,68 @@
+"""Tables of films on the command line: solved beside half-planes, refused in one line with the row at fault."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver.names import QUANTITIES
+from storage.netcdf import read_whole
+from workflow.cli import main
+from workflow.run.provenance import ROOT
+
+
+def test_the_example_mixes_films_and_half_planes(tmp_path: Path) -> None:
+    out = tmp_path / "films.nc"
+    assert main.main(["solve", str(ROOT / "examples/films.csv"), "-o", str(out), "--positions=-0.5,2"]) == 0
+    data = read_whole(out)
+    assert set(QUANTITIES) <= set(data.data_vars)
+    np.testing.assert_array_equal(data["thickness"], [2e-4, 5e-4, 5e-4, 2e-4, np.nan])
+    assert list(data["base"].values) == ["rigid", "rigid", "steel", "steel", ""]
+    punch: dict[str, Any] = {"radius": 0.05, "friction": 0.3, "load": 1e5}
+    rows: dict[int, dict[str, Any]] = {
+        1: {"material": "PZT-4", "thickness": 5e-4, "base": "rigid"},
+        3: {"volume_fraction": 0.5, "thickness": 2e-4, "base": "steel", "interface_magnetic": "grounded",
+            "charge": 1e-6},
+        4: {"material": "PZT-4"},
+    }  # fmt: skip
+    for row, factors in rows.items():
+        exact = solver.solve(punch | factors, [-0.5, 2.0])
+        for name in (*QUANTITIES, "contact_pressure", "stress_xx"):
+            np.testing.assert_allclose(data[name][row], exact[name], rtol=1e-13, err_msg=name)
+
+
+def test_films_alone_have_their_own_columns(tmp_path: Path) -> None:
+    cases, out = tmp_path / "cases.csv", tmp_path / "out.nc"
+    cases.write_text("material,thickness,base,radius,load\nPZT-4,1e-4,glass,0.05,1e4\n", encoding="utf-8")
+    assert main.main(["solve", str(cases), "-o", str(out)]) == 0
+    data = read_whole(out)
+    voltage, thickness = float(data["voltage"][0]), float(data["thickness"][0])
+    assert float(data["nominal_field"][0]) == pytest.approx(abs(voltage) / thickness)
+    assert float(data["capacitance"][0]) > 0
+
+
+@pytest.mark.parametrize(
+    ("cells", "words"),
+    [
+        ("0,rigid,,,", "line 3: thickness: 0 is not a finite number > 0 [m]"),
+        ("1e-4,,,,", "line 3: base: missing; must be 'rigid' or a material's name"),
+        ("1e-4,stel,,,", "line 3: base: 'stel' is unknown; did you mean 'steel'"),
+        (",steel,,,", "line 3: base: 'steel' without a thickness; only a film has one"),
+        (",,,,open", "line 3: interface_electric: 'open' is not one of grounded, bonded"),
+        ("1e-4,steel,1e11,0.3,", "line 3: base_modulus: 1e+11 beside a base; give either"),
+        ("1e-12,rigid,,,", "line 3: contact: wider than the resolved range"),
+    ],
+)
+def test_bad_films_are_refused_with_their_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], cells: str, words: str
+) -> None:
+    cases, out = tmp_path / "cases.csv", tmp_path / "out.nc"
+    header = "material,radius,load,thickness,base,base_modulus,base_poisson,interface_electric"
+    cases.write_text(f"{header}\nPZT-4,0.05,1e4,1e-3,rigid,,,\nPZT-4,0.05,1e4,{cells}\n", encoding="utf-8")
+    assert main.main(["solve", str(cases), "-o", str(out)]) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
+    assert not out.exists()
