@@ -1,4 +1,4 @@
-"""Tractions between a film and its base: where it is sheared, and where it breaks away ahead of the punch."""
+"""Tractions between a film and its base: where it is sheared, and where it would break away behind the punch."""
 
 import matplotlib as mpl
 import numpy as np
@@ -28,6 +28,6 @@ for thickness in (0.4e-3, 0.2e-3, 0.1e-3):
     )
 upper.set(ylabel="shear $\\sigma_{xy}$ [MPa]")
 upper.legend(title="thickness")
-lower.set(xlabel="(x - c)/h", ylabel="$\\sigma_{yy}$ [MPa], cut at 15", ylim=(-60, 15))
+lower.set(xlabel="(x - c)/h", ylabel="$\\sigma_{yy}$ [MPa], cut at -60", ylim=(-60, 15))
 lower.axhline(0, color="black", linewidth=0.5)
 figure.savefig("film-interface.svg", metadata={"Date": None})

@@ -2,6 +2,7 @@
 
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ FRACTIONS = [0.0, 1e-15, 0.5, 1 - 1e-15, 1.0]
 POSITIONS = [-1e6, -1 - 1e-12, -1 + 1e-12, 0.0, 1 - 1e-12, 1 + 1e-12, 1e6]
 
 
-def finite_or_named(factors: dict[str, object], varied: str) -> list[bool]:
+def finite_or_named(factors: dict[str, Any], varied: str) -> list[bool]:
     """Solve cases along one factor; finite, or an error in one line that names a factor or a quantity; which are."""
     try:
         out = solve(factors, POSITIONS)
