@@ -140,7 +140,7 @@ REGULAR: dict[str, Described] = {
     for name in SINGULAR
 }
 
-#: Fields inside the half-plane over (case factors..., y, x), as :func:`solver.solve_interior` gives them unasked.
+#: Fields inside the body over (case factors..., y, x), as :func:`solver.solve_interior` gives them unasked.
 INTERIOR: dict[str, Described] = {
     "stress_xx": Described("Pa", "stress sigma_xx"),
     "stress_yy": Described("Pa", "stress sigma_yy"),
@@ -157,7 +157,7 @@ INTERIOR: dict[str, Described] = {
     "magnetic_field_y": Described("A m-1", "magnetic field H_y"),
 }
 
-#: Fields inside the half-plane that are given when asked for by name.
+#: Fields inside the body that are given when asked for by name.
 INTERIOR_ON_REQUEST: dict[str, Described] = {
     "electric_potential": _on_datum("V", "electric potential relative to the datum"),
     "magnetic_potential": _on_datum("A", "magnetic potential relative to the datum"),
@@ -167,10 +167,10 @@ INTERIOR_ON_REQUEST: dict[str, Described] = {
     "strain_xy": Described("1", "tensor shear strain epsilon_xy"),
 }
 
-#: Every field inside the half-plane there is.
+#: Every field inside the body there is.
 EVERY_INTERIOR = {**INTERIOR, **INTERIOR_ON_REQUEST}
 
-#: Fields inside the half-plane that need c12.
+#: Fields inside the body that need c12.
 NEED_C12 = ("stress_zz", "von_mises", "principal_tension")
 
 #: Quantities, one number per case.
