@@ -15,7 +15,7 @@ from workflow.study.model import Study
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
 #: Random cases of films that share the values for which the solver makes tables: these cost 0.1 to 1 s, a case 0.1 ms.
-TOGETHER = 100
+TOGETHER = 50
 
 
 def inputs(study: Study) -> list[Input]:
@@ -57,13 +57,16 @@ def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
 def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETHER) -> dict[str, xr.DataArray]:
     """Random factors over dimension ``case``, uniform in the axes' own scales.
 
-    Of films, so many cases at a time share the factors for which the solver makes tables.
+    Of films, so many cases at a time share the factors for which the solver makes tables; few as these places are, each
+    lies in a part of its own of every such axis.
     """
     random = np.random.default_rng(list(seed))
     found: dict[str, xr.DataArray] = {}
     for name, axis in study.factors.items():
-        shared = together if study.on_film and name in TABLED else 1
-        u = np.repeat(random.uniform(size=-(-count // shared)), shared)[:count]
+        u = random.uniform(size=count)
+        if study.on_film and name in TABLED and together > 1:
+            places = -(-count // together)
+            u = np.repeat((random.permutation(places) + u[:places]) / places, together)[:count]
         if axis.scale == "log":
             values = axis.low * (axis.high / axis.low) ** u
         else:

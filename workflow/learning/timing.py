@@ -13,7 +13,7 @@ from workflow.learning import training
 from workflow.study.model import Study
 
 #: Cases on which what is searched for over the body is timed, and those of films with tables of their own.
-_SEARCHED, _FILMS = 200, 16
+_SEARCHED, _FILMS = 200, 8
 
 
 def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> dict[str, float]:

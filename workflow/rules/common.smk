@@ -1,6 +1,6 @@
 # What the other files need: the study behind a wildcard, and the hashes that say when a job must run again.
 #
-# Priorities, in all files: the slabs first, then what stands between them and the validation, for which a run waits
+# Priorities, in all files: random cases and the slabs first, then what stands between them and the validation, for which a run waits
 # longest; cards, figures and the rest fill the cores that this leaves idle.
 
 import sys
