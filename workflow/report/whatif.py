@@ -10,7 +10,6 @@ from markupsafe import Markup
 
 from solver.names import EVERY_QUANTITY, FACTORS
 from surrogate import GaussianProcess
-from surrogate.gp.conformal import HALF_WIDTH
 from surrogate.gp.export import exported
 from workflow.dataset import factorial
 from workflow.design import answers, assessment, scenarios
@@ -46,7 +45,6 @@ def content(
     learned = factorial.learned(study, quantities)
     return {
         "surrogate": stored,
-        "halfWidth": HALF_WIDTH,
         "quantities": [{"name": name, **EVERY_QUANTITY[name].attrs} for name in study.outputs],
         "categories": study.categories,
         "kinds": [_kind(study, model, kind) for kind in study.combinations],
