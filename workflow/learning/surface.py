@@ -103,7 +103,7 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
     position = np.asarray(X, dtype=np.float64)
     weight = weights(position, quantities.predict(points, return_std=False)["pressure_exponent"])
     angle = xr.DataArray(np.arccos(-position), dims="position", coords={"position": position})
-    found = fields.predict({**_named(points), "angle": angle})
+    found = fields.predict({**points, "angle": angle})
     return xr.Dataset(
         {
             f"{name}{suffix}": (found[f"{name}{suffix}"] * weight[name]).assign_attrs(FIELDS[name].attrs)
@@ -111,12 +111,6 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
             for suffix in ("", "_std")
         }
     )
-
-
-def _named(points: dict[str, Any]) -> dict[str, xr.DataArray]:
-    """Plain sequences get the dimension that the surrogate would give them, so that they broadcast with positions."""
-    arrays = {name: np.asarray(value) for name, value in points.items() if not isinstance(value, xr.DataArray)}
-    return {**points, **{name: xr.DataArray(one, dims=("point",) * one.ndim) for name, one in arrays.items()}}
 
 
 def _regular(study: Study, axes: dict[str, Any], angles: Array) -> xr.Dataset:

@@ -156,7 +156,10 @@ def test_the_gradient_of_the_standard_deviation_agrees_with_differences(kind: st
         model.calibrate(held.assign(truth))
     # away from the levels, where it vanishes, and from the edges of the slabs, where the calibrated one jumps
     t = 0.1 * np.array([[0.5, -2.6, 4.3, 7.4], [-6.6, 1.5, 3.4, -0.6], [2.4, 6.7, -8.5, -3.3]])
-    at = {one.name: one.from_unit(row) for one, row in zip(functions.INPUTS[:3], t, strict=True)}
+    at = {
+        one.name: xr.DataArray(one.from_unit(row), dims="point")
+        for one, row in zip(functions.INPUTS[:3], t, strict=True)
+    }
     gradient = model.gradient(at, return_std=True)
     for one in functions.INPUTS[:3]:
         step: Any = 1e-5 * (one.high - one.low)
