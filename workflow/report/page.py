@@ -29,7 +29,7 @@ _INTERVALS = ("coverage", "worst_decile_coverage", "crps", "raw_coverage", "raw_
 #: Factors that take a name, in words.
 _MEANINGS = {
     "material": "material of the half-plane",
-    "composite": "arrangement of the two phases",
+    "composite": "kind of composite",
     "profile": "shape of the punch",
     "corner": "sharp edge of the punch",
     "electric": "the punch in the electric field",
