@@ -12,13 +12,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.stats import qmc
+from scipy.stats import norm, qmc
 
 from benchmarks.gridrivals import GRID_RIVALS
 from benchmarks.rivals import Array, Predict, installed
 from surrogate import GaussianProcess, GridGP, Input
 from surrogate.data.inputs import gauss_points, unit_coordinates
-from surrogate.gp.conformal import HALF_WIDTH
 from surrogate.use.validation import crps, validate
 from workflow.dataset import factorial
 from workflow.run.provenance import ROOT
@@ -203,7 +202,7 @@ def _row(entry: Entry, inputs: list[Input], fresh: xr.Dataset) -> dict[str, Any]
         "error": _by_output(error), "coverage": None, "crps": None,
     }  # fmt: skip
     if std is not None:
-        own = np.abs(mean - truth) <= HALF_WIDTH * std, crps(truth, mean, std) / over
+        own = np.abs(mean - truth) <= norm.ppf(0.975) * std, crps(truth, mean, std) / over
         coverage, score = entry.judge(model) if entry.judge else (own[0].mean(axis=0), own[1].mean(axis=0))
         row |= {"coverage": _by_output(coverage), "crps": _by_output(score)}
     print(f"  {entry.method}, {entry.cases} cases: {fit or 0:.3g} s, {error.max():.2g}", flush=True)

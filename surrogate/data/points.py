@@ -16,8 +16,8 @@ from surrogate.data.inputs import Input
 
 # Room for rounding at the ends of the box, as a share of its width on the input's own scale.
 SLACK = 1e-12
-# Most points of one query: beyond, the sequences were hardly meant to be crossed.
-MOST = 10**8
+# Most points that inputs may span when they are crossed: beyond, they were hardly meant to be.
+MOST = 10**7
 
 
 @runtime_checkable
@@ -90,8 +90,8 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
     Raises
     ------
     ValueError
-        A missing or unknown name, arrays of another shape, dimensions or coordinates that do not fit, more than 1e8
-        points, values that are not finite numbers.
+        A missing or unknown name, arrays of another shape, dimensions or coordinates that do not fit, dimensions
+        that cross to more than 1e7 points, values that are not finite numbers.
     """
     names = [one.name for one in inputs]
     if not isinstance(points, (Mapping, xr.Dataset)):
@@ -105,7 +105,7 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
         raise ValueError(f"the coordinates of the inputs do not agree: {reason}") from error
     sizes = {dim: size for array in arrays.values() for dim, size in array.sizes.items()}
     shape = tuple(sizes.values())
-    if prod(shape) > MOST:
+    if len(shape) > 1 and prod(shape) > MOST:
         raise ValueError(
             f"the inputs span {prod(shape)} points, more than {MOST}; sequences are crossed: for a list of points give "
             "a table, or DataArrays that share a dimension"

@@ -114,7 +114,7 @@ class GaussianProcess(ABC):
         OutOfBoxError
             A point outside the trained box, unless `extrapolate`.
         ValueError
-            Missing or unknown inputs, NaN, shapes, dimensions or coordinates that do not fit, more than 1e8 points.
+            Missing or unknown inputs, NaN, shapes, dimensions or coordinates that do not fit or span over 1e7 points.
         """
         self._require_fitted()
         named = named_points(points, self.inputs_)
