@@ -35,6 +35,7 @@ class Described:
     """Unit and meaning of an output, and what one must know to use it.
 
     ``on_datum``: it hangs on the datum of a half-plane. ``sparse``: it is NaN in a case that has none.
+    ``formula``: how it follows from smoother ones, in the language of designs.
     """
 
     units: str
@@ -42,6 +43,7 @@ class Described:
     comment: str = ""
     on_datum: bool = False
     sparse: bool = False
+    formula: str = ""
 
     @property
     def attrs(self) -> dict[str, str]:
@@ -213,7 +215,9 @@ FILM_QUANTITIES: dict[str, Described] = {
     "contact_offset": Described("m", "centre of the contact, (a - b)/2"),
     "capacitance": Described("F m-1", "d charge / d voltage at a fixed contact and magnetic charge"),
     "permeance": Described("Wb A-1 m-1", "d magnetic charge / d magnetic potential at a fixed contact and charge"),
-    "nominal_field": Described("V m-1", "abs(voltage)/thickness: the field away from the edges"),
+    "nominal_field": Described(
+        "V m-1", "abs(voltage)/thickness: the field away from the edges", formula="abs(voltage)/thickness"
+    ),
 }
 
 #: Quantities of a film that are searched for and given when asked for, in place of ``PEAKS``.
@@ -248,3 +252,12 @@ LIMITED: dict[str, tuple[str, ...]] = {
     "coercive_field": ("nominal_field",),
     "breakdown_field": ("nominal_field",),
 }
+
+#: Every quantity of any body.
+ALL_QUANTITIES = {**EVERY_QUANTITY, **EVERY_FILM_QUANTITY}
+
+#: Those that are searched for over a body.
+ALL_PEAKS = {**PEAKS, **FILM_PEAKS}
+
+#: Numeric factors of a film for whose every value the solver makes tables; it reads from these at all others.
+TABLED = ("volume_fraction", "scandium_fraction", "friction", "base_modulus", "base_poisson")

@@ -14,6 +14,7 @@ from solver.names import CHOICES, FACTORS, OF_A_FILM, PROFILES, Described
 #: How every solution is made (CF: the method of production).
 SOURCE = "meecontact: closed-form solution of plane contact in the Stroh formalism"
 _ON_FILMS = "; on films, integral equations with the closed form as their singular part"
+_RELATIVE = " relative to the datum"
 _FILM_DATUM = "of a film absolute above a grounded interface (depths: on a rigid base); elsewhere it "
 _LISTS = ("composite", "phases", "defaults")
 _TEXTS = ("title", "source")
@@ -55,8 +56,10 @@ def of_output(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[
         length = f"{FACTORS['datum'].default:g} m, the default"
     else:
         length = "that of the coordinate datum" if datum.ndim else f"{float(datum):.15g} m"
-    on_films = _FILM_DATUM if np.any(has(arrays, "thickness")) else ""
-    return described.attrs | {"comment": f"{on_films}{described.comment}; datum: {length}"}
+    on_films = has(arrays, "thickness")
+    words = described.long_name.removesuffix(_RELATIVE) if np.all(on_films) else described.long_name
+    comment = f"{_FILM_DATUM if np.any(on_films) else ''}{described.comment}; datum: {length}"
+    return described.attrs | {"long_name": words, "comment": comment}
 
 
 def united(parts: Sequence[Mapping[Any, Any]]) -> dict[Any, Any]:

@@ -274,7 +274,7 @@ def closed(friction: Array) -> Array:
 )
 def test_few_exact_cases_tell_what_many_would_say(words: dict[str, object], most: int, accuracy: float) -> None:
     question, known = Question(STUDY, target(**words)), Known()
-    term = next(term for term in question.terms if budget.names(term))
+    term = next(term for term in question.terms if budget.names(question, term))
     found = budget.count_exactly(Designs(question, Guessed(), known, np.zeros((1, 2))), term)
     assert found.cases == known.cases <= most
     chosen = question.judged[term.drawn]
