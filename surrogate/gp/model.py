@@ -434,13 +434,14 @@ class GaussianProcess(ABC):
     def _quantiles(self, points: Queries, q: Array, extrapolate: bool) -> xr.Dataset:
         found = self.predict(points, extrapolate=extrapolate)
         away = self.distribution.quantile(q)
-        along = xr.DataArray(q, dims="quantile", attrs={"long_name": "probability of no more"})
-        answer: dict[str, xr.DataArray] = {}
+        along = xr.Variable("quantile", q, {"long_name": "probability of no more"})
+        answer: dict[str, xr.Variable] = {}
         for k, name in enumerate(self.outputs_):
-            own = along.copy(data=away[:, k if away.shape[1] > 1 else 0]).assign_coords(quantile=along)
-            answer[name] = (own * found[f"{name}_std"] + found[name]).assign_attrs(found[name].attrs)
-        flags = {"extrapolated": found["extrapolated"]} if extrapolate else {}
-        return xr.Dataset(answer | flags)
+            own = xr.Variable("quantile", away[:, k if away.shape[1] > 1 else 0])
+            answer[name] = own * found[f"{name}_std"].variable + found[name].variable
+            answer[name].attrs = found[name].attrs
+        flags = {"extrapolated": found["extrapolated"].variable} if extrapolate else {}
+        return xr.Dataset(answer | flags, {**found.coords, "quantile": along})
 
     def _physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
         """Turn derivatives in scaled coordinates into those in physical inputs, at points (n, d): (d, p, n)."""

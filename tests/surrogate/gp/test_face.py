@@ -252,12 +252,12 @@ def test_quantiles_and_samples_are_labelled_and_of_one_distribution(model: GridG
     points = {**MIDDLE, "angle": [0.1, 0.2, 0.4]}
     both, one = model.quantile(points, [0.025, 0.975]), model.quantile(points, 0.975)
     assert both["smooth"].dims == ("quantile", "angle")
-    assert one["smooth"].dims == ("point",)
+    assert one["smooth"].dims == ("angle",)
     assert both["smooth"].attrs == model.predict(points)["smooth"].attrs
     np.testing.assert_allclose(both["smooth"][1], one["smooth"], rtol=0, atol=0)
     np.testing.assert_allclose(both["smooth"][0], model.interval(points)["smooth_lower"], rtol=1e-14)
     drawn = model.sample(points, 4000, seed=3)
-    assert drawn["smooth"].dims == ("sample", "point")
+    assert drawn["smooth"].dims == ("sample", "angle")
     xr.testing.assert_identical(drawn, model.sample(points, 4000, seed=3))
     inside = (drawn["smooth"] > both["smooth"][0]) & (drawn["smooth"] <= both["smooth"][1])
     np.testing.assert_allclose(inside.mean("sample"), 0.95, rtol=0, atol=0.014)  # four standard errors
