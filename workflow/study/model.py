@@ -156,18 +156,12 @@ class Study(Strict):
     def quantities(self) -> list[str]:
         """Quantities of the data set: those that its cases have, the peaks where they are asked for."""
         without = self._known.absent | (set() if self.dataset.peaks else set(ALL_PEAKS))
-        return [name for name in ALL_QUANTITIES if name not in without]
+        return [name for name, one in ALL_QUANTITIES.items() if name not in without and not one.sparse]
 
     @property
     def outputs(self) -> list[str]:
-        """Quantities that the surrogate learns; unless the study names them, all but what designs take from others.
-
-        What some case has no number for is not learned either.
-        """
-        learnable = [
-            name for name in self.quantities if not (ALL_QUANTITIES[name].sparse or ALL_QUANTITIES[name].formula)
-        ]
-        return self.surrogate.outputs or learnable
+        """Quantities that the surrogate learns; unless the study names them, all but what designs take from others."""
+        return self.surrogate.outputs or [name for name in self.quantities if not ALL_QUANTITIES[name].formula]
 
     @property
     def learned(self) -> list[str]:
