@@ -37,9 +37,10 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
     found = {"title": title, "source": SOURCE + (_ON_FILMS if np.any(on_films) else "")}
     if np.any(on_films):
         found["title"] = title.replace("half-plane", "film" if np.all(on_films) else "film or half-plane")
-    if "volume_fraction" in arrays:
+    if "material" not in arrays:
         used = _kinds(arrays, "composite") or [str(defaults["composite"])]
         found["composite"] = ", ".join(str(one) for one in used)
+    if "volume_fraction" in arrays:
         found["phases"] = ", ".join(one.name if isinstance(one, Material) else one for one in phases)
     words = {name: f" {FACTORS[name].units}" for name in defaults if name in FACTORS and FACTORS[name].units != "1"}
     shown = {name: f"{value:g}" if isinstance(value, float) else value for name, value in defaults.items()}
@@ -81,7 +82,7 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
     takes = {name for kind in kinds if not isinstance(kind, Profile) for name in PROFILES[str(kind)][1]}
     if "slope" in takes and not {"slope", "moment"} & set(arrays):
         found["slope"] = 0.0
-    spared = {"composite"} if "volume_fraction" not in arrays else set()
+    spared = {"composite"} if "material" in arrays else set()
     spared |= set() if "corner" in takes else {"corner"}
     if not np.any(has(arrays, "thickness")):
         spared |= set(OF_A_FILM)

@@ -36,10 +36,10 @@ def solve(
         Values by factor name: scalars, ``DataArray`` of any dimensions, or plain sequences, which become a dimension
         named after their factor; dimensions broadcast, so sequences span the full factorial. ``load`` must be given,
         what the ``profile`` needs (default ``cylinder``: ``radius``; see ``solver.names.PROFILES``; or a
-        :class:`Profile` of one's own), and either ``material`` (a name or :class:`Material`) or ``volume_fraction``
-        (with ``composite``, default ``fibrous``). The rest default to 0 (``datum``: 1 m; ``electric`` and
-        ``magnetic``: conducting). A case with a ``thickness`` is a film on its ``base``, see
-        ``solver.names.OF_A_FILM``; NaN and empty names mean that a case has none.
+        :class:`Profile` of one's own), and either ``material`` (a name or :class:`Material`) or the fraction of a
+        composite (``composite``, default ``fibrous``; see ``solver.names.COMPOSITES``). The rest default to 0
+        (``datum``: 1 m; ``electric`` and ``magnetic``: conducting). A case with a ``thickness`` is a film on its
+        ``base``, see ``solver.names.OF_A_FILM``; NaN and empty names mean that a case has none.
     positions
         Surface positions X = (x - c)/h, dimensionless, any but +-1.
     materials

@@ -31,7 +31,7 @@ _INTERVALS = ("coverage", "worst_decile_coverage", "crps", "raw_coverage", "raw_
 _MEANINGS = {
     "material": "material under the punch",
     "base": "what a film lies on",
-    "composite": "arrangement of the two phases",
+    "composite": "kind of composite",
     "profile": "shape of the punch",
     "corner": "sharp edge of the punch",
     "electric": "the punch in the electric field",

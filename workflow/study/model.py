@@ -9,7 +9,6 @@ from math import prod
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-import numpy as np
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from solver import FactorError, Material, solve, solve_interior
@@ -348,10 +347,7 @@ class Study(Strict):
 
     def _plain_materials(self) -> dict[str, dict[str, Any]]:
         """Every constant exactly: JSON gives a float the digits that tell it from its neighbours."""
-        return {
-            name: {key: np.asarray(value).tolist() for key, value in asdict(material).items()}
-            for name, material in self.own_materials.items()
-        }
+        return {name: material.plain() for name, material in self.own_materials.items()}
 
 
 def named(name: str) -> Study:
@@ -382,7 +378,7 @@ def load(path: str | Path) -> Study:
 
 def thawed(frozen: Mapping[str, Any]) -> Study:
     """The study as it was when it was `frozen`; no file is read."""
-    materials = {name: Material(**entries) for name, entries in frozen["materials"].items()}
+    materials = {name: Material.from_mapping(entries) for name, entries in frozen["materials"].items()}
     known = Known(**{name: frozenset(names) for name, names in frozen["known"].items()})
     return _made(frozen["study"], Origin(Path(frozen["path"]), materials, known))
 

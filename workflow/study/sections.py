@@ -5,7 +5,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from solver.names import OF_A_FILM, PROFILES
+from solver.names import COMPOSITES, OF_A_FILM, PROFILES
 from workflow.study.types import FieldName, InputName, Number, QuantityName, Strict, Vector
 
 #: Most cases of a factorial.
@@ -154,10 +154,12 @@ class Effects(Strict):
             name for profile in np.atleast_1d(profiles) for names in PROFILES.get(str(profile), ()) for name in names
         }
         of_others = {name for names in PROFILES.values() for name in (*names[0], *names[1])} - taken - {factor}
+        fractions = dict.fromkeys(COMPOSITES.values())
+        kinds = np.atleast_1d(case.get("composite", list(COMPOSITES)))
+        of_others |= set(fractions) - {COMPOSITES.get(str(kind)) for kind in kinds} - {factor}
         other = {
-            "material": ("composite", "volume_fraction"),
-            "composite": ("material",),
-            "volume_fraction": ("material",),
+            "material": ("composite", *fractions),
+            **dict.fromkeys(("composite", *fractions), ("material",)),
             "base": ("base_modulus", "base_poisson"),
             "base_modulus": ("base",),
             "base_poisson": ("base",),
