@@ -102,10 +102,10 @@ def _parser() -> _Parser:
 
     command = commands.add_parser(
         "query",
-        help="values and 95 %% intervals from a trained surrogate",
-        description="Values and the intervals that hold the exact ones in 95 %% of cases. Columns written: the inputs, "
-        "then NAME, NAME_std, NAME_lower and NAME_upper of every output. NAME_std is half the interval's width over "
-        "1.96; errors are not Gaussian, and NAME +- NAME_std holds few of them.",
+        help="values and intervals from a trained surrogate",
+        description="Values and the intervals that hold the exact ones in a stated share of cases, 95 %% unless "
+        "--level says another. Columns written: the inputs, then NAME, NAME_std, NAME_lower and NAME_upper of every "
+        "output. NAME +- NAME_std holds 68 %%; intervals are no fixed multiple of it: errors are not Gaussian.",
     )
     command.add_argument("surrogate", type=Path, metavar="surrogate.nc")
     command.add_argument(
@@ -113,6 +113,7 @@ def _parser() -> _Parser:
     )
     command.add_argument("--at", metavar="NAME=VALUE,...", help="one point, printed")
     command.add_argument("-o", "--output", type=Path, metavar="OUT.csv")
+    command.add_argument("--level", type=float, metavar="SHARE", help="of cases that intervals hold; default: 0.95")
     command.add_argument("--extrapolate", action="store_true", help="answer outside the trained box too, flagged")
     command.add_argument(
         "--exact", metavar="STUDY", help="also the exact answers, by the formula: the study that it came from"

@@ -22,7 +22,6 @@ Array = NDArray[np.float64]
 
 #: Excess over a limit's scale that counts as none: rounding of the exact solver, which is good to 4e-14.
 ROUNDING = 1e-12
-_NORMAL = 1.959964  # standard deviations of a 95 % interval
 _BINDS = 1e-3  # margin below which a limit binds
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
 _PLAIN = 10.0  # times a limit, from which an excess is written without digits behind the point
@@ -33,11 +32,15 @@ _PILOT = 512
 
 @dataclass(frozen=True)
 class Prediction:
-    """What the terms count as on the surrogate: values, the deciding scenario of each, and a standard deviation."""
+    """What the terms count as on the surrogate: values, the deciding scenario of each, and how far off they may be.
+
+    The standard deviation, and the reach of the 95 % interval.
+    """
 
     values: Array
     scenarios: list[int]
     stds: Array
+    reaches: Array
 
 
 def exactly(design: Designs, terms: Sequence[Term]) -> tuple[Array, int]:
@@ -61,23 +64,26 @@ def excesses(design: Designs, source: Source) -> Array:
 
 def doubts(design: Designs) -> Array:
     """Half of the 95 % interval of every limited term at one design, over its scale; (k,)."""
-    terms, stds = design.question.terms, predict(design, design.question.searched).stds
-    scaled = [std / term.scale for term, std in zip(terms, stds, strict=True) if term.limited]
-    return _NORMAL * np.array(scaled).reshape(-1)
+    terms, reaches = design.question.terms, predict(design, design.question.searched).reaches
+    scaled = [reach / term.scale for term, reach in zip(terms, reaches, strict=True) if term.limited]
+    return np.array(scaled).reshape(-1)
 
 
 def predict(design: Designs, sets: Mapping[bool, Scenarios]) -> Prediction:
-    """Terms on the surrogate, with standard deviations carried through expression and risk measure as if they added."""
-    values, scenarios, stds = [], [], []
+    """Terms on the surrogate, with what may be off carried through expression and risk measure as if it added."""
+    values, scenarios = [], []
+    stds: list[float] = []
+    reaches: list[float] = []
     for term in design.question.terms:
         chosen = sets[term.drawn]
         found = design.values(design.predicted, chosen, term)
         weights = term.weights(found[0])
-        sizes = design.predicted.stds(design.factors(chosen), _quantities(term))
         values.append(float(term.counted(found)[0]))
         scenarios.append(int(weights.argmax()))
-        stds.append(float(weights @ _carried(design, chosen, term, {name: std[0] for name, std in sizes.items()})))
-    return Prediction(np.array(values), scenarios, np.array(stds))
+        for source, sizes in ((design.predicted.stds, stds), (design.predicted.reaches, reaches)):
+            own = {name: size[0] for name, size in source(design.factors(chosen), _quantities(term)).items()}
+            sizes.append(float(weights @ _carried(design, chosen, term, own)))
+    return Prediction(np.array(values), scenarios, np.array(stds), np.array(reaches))
 
 
 def _quantities(term: Term) -> list[str]:
@@ -104,9 +110,9 @@ def judge(design: Designs) -> xr.Dataset:
         in it; NaN where that is next to zero), ``loss`` (the same in its units), ``matters`` (whether that error
         changes any objective), ``margin_left`` (least margin of all limits after it) and ``edge`` (in words, the end
         of the range at which it stands). Over ``term``, the objective first:
-        ``predicted``, ``predicted_std``, ``half`` (of the interval, tolerance included), ``exact``, ``inside``,
-        ``limit``, ``margin``, ``units``. Over both: ``elasticity`` and ``worst`` (the scenario that decides). Over
-        ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``flags``.
+        ``predicted``, ``predicted_std``, ``half`` (reach of the 95 % interval, tolerance included), ``exact``,
+        ``inside``, ``limit``, ``margin``, ``units``. Over both: ``elasticity`` and ``worst`` (the scenario that
+        decides). Over ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``flags``.
     """
     question, terms = design.question, design.question.terms
     guessed = predict(design, question.judged)
@@ -115,7 +121,7 @@ def judge(design: Designs) -> xr.Dataset:
     scales = np.array([term.scale for term in terms])
     signs = np.array([term.sign for term in terms])
     margin = signs * (limits - exact) / scales
-    half = _NORMAL * guessed.stds + _tolerances(design)
+    half = guessed.reaches + _tolerances(design)
     corner = _corners(design)
     worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
     sensitivity = perturbation.sensitivities(design, exact, list(worst[0]))

@@ -83,6 +83,13 @@ class Predicted:
         _, std = self._model.predict_array(X, return_std=True)
         return {name: std[:, self._column(name)].reshape(whole) for name in names}
 
+    def reaches(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        """From the mean to the farther end of the 95 % interval, by name."""
+        X, whole = self._points(factors)
+        mean, (lower, upper) = self._model.predict_array(X), self._model.interval_array(X)
+        reach = np.maximum(upper - mean, mean - lower)
+        return {name: reach[:, self._column(name)].reshape(whole) for name in names}
+
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
         """Derivatives of the means."""
         X, _ = self._points(factors)

@@ -25,7 +25,8 @@ from workflow.report.verdict import findings
 from workflow.study.datum import hanging, length, meaning
 from workflow.study.model import CHECK_GROUPS, Study
 
-_INTERVALS = ("coverage", "worst_decile_coverage", "crps", "raw_coverage", "raw_worst_decile_coverage", "raw_crps")
+_JUDGED = ("coverage", "worst_decile_coverage", "worst_corner_coverage", "pit_distance", "crps")
+_INTERVALS = (*_JUDGED, *(f"raw_{key}" for key in _JUDGED), "raw_max_error")
 
 #: Factors that take a name, in words.
 _MEANINGS = {
@@ -237,7 +238,28 @@ def _validation(folder: Path) -> dict[str, Any]:
         for name, one in zip(data["output"].values, data["kinked"], strict=True)
         if (one.values > 0).any()
     ]
-    return {"kinked": kinked, "rows": rows, "tolerance": tolerance, "worst": worst, "cases": data.sizes["case"]}
+    levels = [
+        {
+            "level": float(level),
+            **{
+                f"{prefix}{end}": float(getattr(data[f"{prefix}level_coverage"].sel(level=level), of)())
+                for prefix in ("", "raw_")
+                for end, of in (("low", "min"), ("high", "max"))
+            },
+        }
+        for level in data["level"].values
+    ]
+    before = max(row["raw_max_error"] for row in rows)
+    return {
+        "kinked": kinked,
+        "rows": rows,
+        "levels": levels,
+        "tolerance": tolerance,
+        "worst": worst,
+        "uncorrected": before if any(row["raw_max_error"] != row["error"] for row in rows) else None,
+        "crps_over_raw": float((data["crps"] / data["raw_crps"]).median()),
+        "cases": data.sizes["case"],
+    }
 
 
 def _readout(name: str, path: Path) -> dict[str, Any]:

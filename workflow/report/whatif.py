@@ -10,7 +10,6 @@ from markupsafe import Markup
 
 from solver.names import ALL_QUANTITIES, FACTORS
 from surrogate import GaussianProcess
-from surrogate.gp.conformal import HALF_WIDTH
 from surrogate.gp.export import exported
 from workflow.dataset import factorial
 from workflow.design import answers, assessment, scenarios
@@ -53,7 +52,6 @@ def content(
     learned = factorial.learned(study, quantities)
     return {
         "surrogate": stored,
-        "halfWidth": HALF_WIDTH,
         "quantities": [
             {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs)} for name in study.outputs
         ],
