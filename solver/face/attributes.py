@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver.face.filmfactors import has
+from solver.face.filmfactors import on_films
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import CHOICES, FACTORS, OF_A_FILM, PROFILES, Described
+from solver.names import BODY, CHOICES, FACTORS, OF_A_FILM, PROFILES, Described
 
 #: How every solution is made (CF: the method of production).
 SOURCE = "meecontact: closed-form solution of plane contact in the Stroh formalism"
@@ -32,10 +32,10 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
         Phase one and phase two of a composite.
     """
     defaults = _defaults(arrays)
-    on_films = has(arrays, "thickness")
-    found = {"title": title, "source": SOURCE + (_ON_FILMS if np.any(on_films) else "")}
-    if np.any(on_films):
-        found["title"] = title.replace("half-plane", "film" if np.all(on_films) else "film or half-plane")
+    films = on_films(arrays)
+    found = {"title": title, "source": SOURCE + (_ON_FILMS if np.any(films) else "")}
+    if np.any(films):
+        found["title"] = title.replace("half-plane", "film" if np.all(films) else "film or half-plane")
     if "volume_fraction" in arrays:
         used = _kinds(arrays, "composite") or [str(defaults["composite"])]
         found["composite"] = ", ".join(str(one) for one in used)
@@ -54,8 +54,8 @@ def of_output(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[
         length = f"{FACTORS['datum'].default:g} m, the default"
     else:
         length = "that of the coordinate datum" if datum.ndim else f"{float(datum):.15g} m"
-    on_films = _FILM_DATUM if np.any(has(arrays, "thickness")) else ""
-    return described.attrs | {"comment": f"{on_films}{described.comment}; datum: {length}"}
+    absolute = _FILM_DATUM if np.any(on_films(arrays)) else ""
+    return described.attrs | {"comment": f"{absolute}{described.comment}; datum: {length}"}
 
 
 def united(parts: Sequence[Mapping[Any, Any]]) -> dict[Any, Any]:
@@ -80,7 +80,7 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
         found["slope"] = 0.0
     spared = {"composite"} if "volume_fraction" not in arrays else set()
     spared |= set() if "corner" in takes else {"corner"}
-    if not np.any(has(arrays, "thickness")):
+    if BODY in arrays or not np.any(on_films(arrays)):
         spared |= set(OF_A_FILM)
     elif "interface_magnetic" not in arrays:
         spared |= {"interface_magnetic"}

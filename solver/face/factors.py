@@ -10,9 +10,10 @@ import xarray as xr
 from solver.arrays import is_finite, shown
 from solver.face.filmfactors import check_films
 from solver.face.refusal import FactorError
+from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import CHOICES, FACTORS, MATERIALS, OF_A_FILM, PROFILES
+from solver.names import BODY, CHOICES, FACTORS, MATERIALS, OF_A_FILM, PROFILES
 
 _OUTPUT_DIMS = ("position", "x", "y")
 _CHARGES = {"charge": "electric", "magnetic_charge": "magnetic"}
@@ -27,7 +28,7 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
         Naming the factor, its value and what is allowed.
     """
     given = {**factors.data_vars, **factors.coords} if isinstance(factors, xr.Dataset) else dict(factors)
-    known = (*MATERIALS, *CHOICES, *FACTORS)
+    known = (*MATERIALS, *CHOICES, *FACTORS, BODY)
     arrays: dict[str, xr.DataArray] = {}
     for name, value in given.items():
         if name not in known:
@@ -44,7 +45,7 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
         arrays[str(name)] = array
     if "material" in arrays and {"composite", "volume_fraction"} & set(arrays):
         raise FactorError("material: give either a material or a composite's volume_fraction, not both")
-    if "material" not in arrays and "volume_fraction" not in arrays:
+    if not {"material", "volume_fraction", BODY} & set(arrays):
         raise FactorError("material: missing; give a material's name, or a composite's volume_fraction")
     _check_profile(arrays)
     for name, array in arrays.items():
@@ -96,7 +97,7 @@ def _array(name: str, value: object) -> xr.DataArray:
     """A scalar without dimension, a plain sequence as a dimension named after its factor."""
     if isinstance(value, xr.DataArray):
         return value.reset_coords(drop=True)
-    if isinstance(value, Material | Profile):
+    if isinstance(value, Material | Profile | Stack):
         values = np.empty((), object)
         values[()] = value
     else:
@@ -112,7 +113,7 @@ def _array(name: str, value: object) -> xr.DataArray:
 def _type(value: object) -> type | None:
     """Object where numpy would turn the numbers of a mixed list into text."""
     listed = value if isinstance(value, list | tuple) else ()
-    return object if any(isinstance(one, str | Material | Profile) for one in listed) else None
+    return object if any(isinstance(one, str | Material | Profile | Stack) for one in listed) else None
 
 
 def _number(name: str, array: xr.DataArray) -> xr.DataArray:

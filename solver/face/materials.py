@@ -10,13 +10,11 @@ from solver.arrays import BoolArray, shown
 from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.refusal import FactorError
+from solver.film.powerlaw import COMPOSITES
 from solver.film.stack import RIGID
-from solver.material.composite import fibrous, laminate
 from solver.material.constants import UNITS, Material, MaterialError
 from solver.material.library import find
 from solver.names import CHOICES
-
-_COMPOSITES = {"fibrous": fibrous, "laminate": laminate}
 
 
 def material_of(cases: Cases) -> Material:
@@ -27,17 +25,29 @@ def material_of(cases: Cases) -> Material:
     FactorError, MaterialError
         Phases that are not two; a material that is unknown, inadmissible or itself of many cases.
     """
-    if len(cases.phases) != 2:
-        raise FactorError(f"phases: {len(cases.phases)} given; a composite has two")
-    one, two = (_found(phase, cases.materials) for phase in _named("phases", cases.phases))
+    one, two = phases_of(cases)
     if "material" in cases.values:
         return _chosen(cases.values["material"], cases.materials)
     fraction, kind = cases.values["volume_fraction"], cases.values.get("composite", np.array("fibrous"))
-    mixed = [_COMPOSITES[name](one, two, fraction) for name in CHOICES["composite"] if np.any(kind == name)]
+    mixed = [COMPOSITES[name](one, two, fraction) for name in CHOICES["composite"] if np.any(kind == name)]
     if len(mixed) == 1:
         return mixed[0]
     either: dict[str, Any] = {c: np.where(kind == "fibrous", *(getattr(m, c) for m in mixed)) for c in UNITS}
     return Material(**either, name="composite")
+
+
+def phases_of(cases: Cases) -> tuple[Material, Material]:
+    """Phase one and phase two of a composite.
+
+    Raises
+    ------
+    FactorError, MaterialError
+        Phases that are not two, or unknown.
+    """
+    if len(cases.phases) != 2:
+        raise FactorError(f"phases: {len(cases.phases)} given; a composite has two")
+    one, two = (_found(phase, cases.materials) for phase in _named("phases", cases.phases))
+    return one, two
 
 
 def base_of(cases: Cases) -> tuple[Material, BoolArray]:

@@ -1,5 +1,6 @@
 """Layers on a base: materials, thicknesses and what the interfaces do to the electric and the magnetic field."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, Literal
@@ -78,9 +79,12 @@ class Stack:
     Examples
     --------
     >>> import solver
-    >>> from solver.film.stack import Layer, Stack
-    >>> Stack((Layer(solver.find("BaTiO3"), 0.5e-3),)).thickness
-    0.0005
+    >>> titanate = Layer(solver.find("BaTiO3"), 0.5e-3, electric="grounded")  # a metal conducts
+    >>> film = Stack([titanate, Layer(solver.find("copper"), 1e-4)], solver.find("silicon"))
+    >>> film.thickness
+    0.0006
+    >>> round(float(solver.solve({"body": film, "radius": 0.05, "load": 1e4})["voltage"]), 2)
+    -85.55
 
     Raises
     ------
@@ -88,7 +92,7 @@ class Stack:
         No layer, an unknown base, or an interface that its base does not have.
     """
 
-    layers: tuple[Layer, ...]
+    layers: Sequence[Layer]
     base: Material | Literal["rigid"] = RIGID
 
     def __post_init__(self) -> None:
@@ -113,6 +117,12 @@ class Stack:
                 raise StackError("interface_magnetic: 'bonded' is not allowed above a rigid base; grounded, insulated")
         elif lowest.magnetic == "insulated":
             raise StackError("interface_magnetic: 'insulated' is allowed above a rigid base only; grounded, bonded")
+
+    @property
+    def name(self) -> str:
+        """Materials and thicknesses in words."""
+        base = self.base if isinstance(self.base, str) else self.base.name
+        return " | ".join([*(f"{layer.material.name} {layer.thickness:g} m" for layer in self.layers), base])
 
     @property
     def rigid(self) -> bool:
