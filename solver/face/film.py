@@ -1,7 +1,7 @@
 """Cases of films: from their factors to contacts, all of one kind from the same tables, and outputs by name."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from solver.face.refusal import FactorError
 from solver.film.along import fields
 from solver.film.inside import inside
 from solver.film.quantities import peaks, quantities
-from solver.film.similar import Films, Kind
+from solver.film.similar import Films, Kind, critical
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.material.constants import MaterialError
@@ -107,7 +107,8 @@ class OnFilm:
     def _grouped(self) -> Iterator[_Group]:
         """Cases by film, friction and conduction, told apart at the smallest shape that these have."""
         conducts = self.cases.conducts
-        columns = [*self._bodies.columns, self.cases.number("friction"), conducts[..., 0], conducts[..., 1]]
+        own = [self.cases.number("friction"), conducts[..., 0], conducts[..., 1], self.cases.number("speed")]
+        columns = [*self._bodies.columns, *own]
         table = np.stack(np.broadcast_arrays(*(np.asarray(c, dtype=np.float64) for c in columns)), -1)
         kinds, which = np.unique(table.reshape(-1, table.shape[-1]), axis=0, return_inverse=True)
         shape = (1,) * (len(self.shape) - table.ndim + 1) + table.shape[:-1]
@@ -116,14 +117,25 @@ class OnFilm:
             yield _Group(np.flatnonzero(of_case == number), self._kind(row))
 
     def _kind(self, row: list[float]) -> Kind:
-        *film, friction, electric, magnetic = row
+        *film, friction, electric, magnetic, speed = row
         profile = self.cases.profile
         layers, base = self._bodies.film(film)
-        kind = Kind(
-            layers, base, friction, (bool(electric), bool(magnetic)), profile.smooth, max(len(profile.slope) - 1, 1)
-        )
+        degree = max(len(profile.slope) - 1, 1)
+        kind = Kind(layers, base, friction, (bool(electric), bool(magnetic)), profile.smooth, degree)
         kind.stack()  # refuses what its base does not have before anything is computed
-        return kind
+        if speed > 0 and not speed < (limit := self._critical(kind)):
+            raise FactorError(
+                f"speed: {speed:g} m/s is not below the first critical speed of the film, {limit:.6g} m/s"
+            )
+        return replace(kind, speed=speed)
+
+    @staticmethod
+    def _critical(kind: Kind) -> float:
+        """First critical speed [m/s]."""
+        try:
+            return critical(kind)
+        except MaterialError as error:
+            raise FactorError(f"speed: {error}") from None
 
     def _films(self, group: _Group) -> Films:
         def chosen(values: Any) -> Array:

@@ -15,7 +15,6 @@ from solver.film.stack import Stack
 from solver.material.constants import UNITS, Material
 from solver.names import CHOICES
 
-_STRUCTURE = tuple(key for key in UNITS if key != "rho")
 _UNGRADED = -1.0
 _INTERFACES = ("interface_electric", "interface_magnetic")
 
@@ -45,8 +44,8 @@ class ByFactors:
         kind = values.get("composite", np.array(CHOICES["composite"][0]))
         exponent = np.nan_to_num(values.get("grading_exponent", np.array(np.nan)), nan=1.0)
         return [
-            *(np.nan_to_num(getattr(self._material, key), nan=np.inf) for key in _STRUCTURE),
-            *(np.where(self._rigid, 0.0, np.nan_to_num(getattr(self._base, key), nan=np.inf)) for key in _STRUCTURE),
+            *self._constants(self._material),
+            *(np.where(self._rigid, 0.0, constant) for constant in self._constants(self._base)),
             self._rigid,
             *(self._interface(name) for name in _INTERFACES),
             np.where(there, graded, _UNGRADED),
@@ -57,7 +56,7 @@ class ByFactors:
 
     def film(self, row: Sequence[float]) -> Film:
         """The layers, the top one of unit thickness, and the base, of one row of the columns."""
-        count = len(_STRUCTURE)
+        count = len(UNITS)
         rigid, electric, magnetic, lowest, surface, fibrous, exponent = row[2 * count :]
         of: Constants | PowerLaw = _constants(row[:count])
         if lowest != _UNGRADED:
@@ -73,6 +72,12 @@ class ByFactors:
     def lacks_c12(self) -> str | None:
         """The name of a material without c12, of films and of bases that are not rigid."""
         return _lacking([(self._material, np.array(True)), (self._base, ~self._rigid)])
+
+    def _constants(self, material: Material) -> list[Array]:
+        """Constants by case, infinite where unknown; the density of what rests has no part."""
+        moving = self._cases.number("speed") > 0
+        known = {key: np.nan_to_num(getattr(material, key), nan=np.inf) for key in UNITS}
+        return [np.where(moving, value, np.inf) if key == "rho" else value for key, value in known.items()]
 
     def _interface(self, name: str) -> Array:
         """What the interface is to a field: the place among the choices, -1 for the default of its base."""
@@ -116,9 +121,8 @@ def films_of(cases: Cases) -> ByFactors | ByStack:
 
 
 def _constants(row: Sequence[float]) -> Constants:
-    """Constants in the order of ``UNITS``; the density has no part."""
-    known = dict(zip(_STRUCTURE, row, strict=True))
-    return tuple(None if np.isinf(value := known.get(key, np.inf)) else value for key in UNITS)
+    """Constants in the order of ``UNITS``, None where unknown."""
+    return tuple(None if np.isinf(value) else value for value in row)
 
 
 def _lacking(bodies: Sequence[tuple[Material, BoolArray]]) -> str | None:

@@ -39,7 +39,7 @@ def on_films(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
 
 
 def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
-    """Every film has a base and no speed, every half-plane has none of a film's factors.
+    """Every film has a base, every half-plane has none of a film's factors.
 
     Raises
     ------
@@ -58,9 +58,6 @@ def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
         for value in arrays["base"].values.flat:
             if not (absent(value) or isinstance(value, str | Material)):
                 raise FactorError(f"base: {shown(value)} is no material; must be {_BASE}")
-    if "speed" in arrays:
-        moving = arrays["speed"].drop_vars(arrays["speed"].coords) > 0
-        _refuse(arrays, "speed", moving & film, "on a film; must be 0 [m s-1]")
     modulus, poisson = present["base_modulus"], present["base_poisson"]
     _refuse(arrays, "base_modulus", modulus & present["base"], "beside a base; give either")
     _refuse(arrays, "base_poisson", poisson & present["base"], "beside a base; give either")
@@ -85,8 +82,6 @@ def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:
     for name in (*MATERIALS, "composite", "volume_fraction", *OF_A_FILM):
         if name in arrays:
             raise FactorError(f"{name}: beside a {BODY}; a stack has its own materials, thicknesses and interfaces")
-    if "speed" in arrays and np.any(arrays["speed"].values > 0):
-        raise FactorError(f"speed: {np.max(arrays['speed'].values):g} on a film; must be 0 [m s-1]")
 
 
 def _refuse(arrays: Mapping[str, xr.DataArray], name: str, bad: xr.DataArray, why: str) -> None:

@@ -147,7 +147,8 @@ def kernel(stack: Stack, reach: float) -> Kernel:
         tail > (_TAIL if graded is None else _GRADED_TAIL) * np.max(size[:10])
     ):
         raise StackError(
-            "kernel: its table does not resolve this stack (layers too different in thickness or stiffness)"
+            "kernel: its table does not resolve this stack: layers too different in thickness or stiffness "
+            "(or a speed next to the critical one)"
         )
     return Kernel(stack, width, ends, coefficients, graded)
 

@@ -20,13 +20,13 @@ from solver.film.grading import Graded
 from solver.film.peaks import DEPTH, PeakTable
 from solver.film.powerlaw import Constants, constants_of, material_from
 from solver.film.press import LengthsError, load_at_nodes
-from solver.film.stack import Layer, Stack
+from solver.film.speed import critical_speed
+from solver.film.stack import RIGID, Layer, Stack
 from solver.film.table import LEAST, MOST, RangeError, Table, table
 from solver.halfplane.contact import Contact
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
-from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
 
 _A_DECADE = 2  # windows
@@ -92,6 +92,8 @@ class Kind:
         Whether the trailing and the leading edge of the contact are smooth.
     degree
         Largest power of x in the slope of the punch.
+    speed
+        Steady sliding speed [m/s].
     """
 
     layers: tuple[Coat, ...]
@@ -100,6 +102,7 @@ class Kind:
     conducts: tuple[bool, bool]
     smooth: tuple[bool, bool]
     degree: int
+    speed: float = 0.0
 
     def stack(self) -> Stack:
         """The film, its top layer of unit thickness, on its base.
@@ -109,7 +112,7 @@ class Kind:
         MaterialError
             Inadmissible materials, an interface that the base does not have.
         """
-        return _stack(self.layers, self.base)
+        return _stack(self.layers, self.base, self.speed)
 
     @property
     def uniform(self) -> bool:
@@ -128,10 +131,16 @@ class Kind:
 
 
 @lru_cache(_STACKS)
-def _stack(layers: tuple[Coat, ...], base: Constants | None) -> Stack:
+def _stack(layers: tuple[Coat, ...], base: Constants | None, speed: float) -> Stack:
     """One stack for all tables of it: what is found once for a stack, is found once."""
     made = tuple(coat.layer() for coat in layers)
-    return Stack(made) if base is None else Stack(made, material_from(base, "base"))
+    return Stack(made, RIGID if base is None else material_from(base, "base"), speed)
+
+
+@lru_cache(_STACKS)
+def critical(kind: Kind) -> float:
+    """First critical speed [m/s] of films of a kind, whatever their thickness."""
+    return critical_speed(kind.stack(), kind.conducts)
 
 
 @lru_cache(_TABLES)
@@ -289,7 +298,7 @@ class Films:
     def _guess(self) -> Array:
         """Half-length over thickness that the closed form of the film's half-plane has; less where it is thin."""
         sliding = Sliding(
-            HalfPlane(self.kind.stack().top.material), np.array(self.kind.friction), np.array(self.kind.conducts)
+            self.kind.stack().media[0].halfplane, np.array(self.kind.friction), np.array(self.kind.conducts)
         )
         try:
             half = Contact(sliding, self.profile, self.load, self.charges).half_width

@@ -75,6 +75,8 @@ class Stack:
         At least one.
     base
         ``rigid`` (u = 0, phi = 0, bonded) or the material of the half-plane below.
+    speed
+        Steady speed V >= 0 of the contact along x [m/s]; any but 0 needs the densities.
 
     Examples
     --------
@@ -94,6 +96,7 @@ class Stack:
 
     layers: Sequence[Layer]
     base: Material | Literal["rigid"] = RIGID
+    speed: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(self.layers))
@@ -164,12 +167,12 @@ class Stack:
     def media(self) -> tuple[Medium, ...]:
         """The layers' materials in the units of the stack."""
         scale = Medium(self.top.material, np.ones(4)).halfplane.scale
-        return tuple(Medium(layer.material, scale) for layer in self.layers)
+        return tuple(Medium(layer.material, scale, self.speed) for layer in self.layers)
 
     @cached_property
     def base_medium(self) -> Medium | None:
         """The base's material in the units of the stack; none if it is rigid."""
-        return None if isinstance(self.base, str) else Medium(self.base, self.media[0].scale)
+        return None if isinstance(self.base, str) else Medium(self.base, self.media[0].scale, self.speed)
 
 
 def _require_single(material: object, name: str) -> None:

@@ -19,7 +19,6 @@ from solver.film.stack import Stack
 from solver.film.system import System
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.sliding import Sliding
-from solver.halfplane.surface import HalfPlane
 
 #: Half-lengths over the thickness of the top layer that a table may hold.
 LEAST, MOST = 1e-4, 60.0
@@ -202,7 +201,7 @@ def table(
     if not LEAST <= least < most <= MOST:
         raise RangeError(f"contact: range {least:g} to {most:g} of hc/h1 is not within {LEAST:g} to {MOST:g}")
     top = stack.top.thickness
-    sliding = Sliding(HalfPlane(stack.top.material), np.array(friction), np.array(conducts))
+    sliding = Sliding(stack.media[0].halfplane, np.array(friction), np.array(conducts))
     system = System(kernel(stack, 2 * most * top), sliding, smooth, degree, accuracy)
     count = nodes or 10 + int(np.ceil(_PER_DECADE * np.log10(most / least)))
     return Table(system, least * top, most * top, count)
