@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from solver.halfplane.precision import PrecisionWarning
     from solver.halfplane.profile import Profile
     from solver.halfplane.speed import limiting_speed
+    from solver.material.alloy import aluminium_scandium_nitride
     from solver.material.composite import fibrous, laminate
     from solver.material.constants import Material, MaterialError
     from solver.material.library import find, materials
@@ -25,6 +26,7 @@ __all__ = [
     "PrecisionWarning",
     "Profile",
     "Stack",
+    "aluminium_scandium_nitride",
     "fibrous",
     "find",
     "laminate",
@@ -44,6 +46,7 @@ _MODULES = {
     "PrecisionWarning": "halfplane.precision",
     "Profile": "halfplane.profile",
     "Stack": "film.stack",
+    "aluminium_scandium_nitride": "material.alloy",
     "fibrous": "material.composite",
     "find": "material.library",
     "laminate": "material.composite",

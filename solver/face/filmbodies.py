@@ -9,7 +9,8 @@ from solver.arrays import Array, BoolArray
 from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.materials import base_of, material_of, phases_of
-from solver.film.powerlaw import Constants, PowerLaw, constants_of
+from solver.face.refusal import FactorError
+from solver.film.powerlaw import MIXTURES, Constants, PowerLaw, constants_of
 from solver.film.similar import Coat
 from solver.film.stack import Stack
 from solver.material.constants import UNITS, Material
@@ -42,6 +43,7 @@ class ByFactors:
         graded = values.get("base_volume_fraction", np.array(np.nan))
         there = ~np.isnan(graded)
         kind = values.get("composite", np.array(CHOICES["composite"][0]))
+        mixture = np.select([kind == name for name in MIXTURES], range(len(MIXTURES)), len(MIXTURES))
         exponent = np.nan_to_num(values.get("grading_exponent", np.array(np.nan)), nan=1.0)
         return [
             *self._constants(self._material),
@@ -50,18 +52,22 @@ class ByFactors:
             *(self._interface(name) for name in _INTERFACES),
             np.where(there, graded, _UNGRADED),
             np.where(there, values.get("volume_fraction", np.array(0.0)), _UNGRADED),
-            np.where(there, kind == CHOICES["composite"][0], _UNGRADED),
+            np.where(
+                there, np.select([kind == name for name in MIXTURES], range(len(MIXTURES)), len(MIXTURES)), _UNGRADED
+            ),
             np.where(there, exponent, _UNGRADED),
         ]
 
     def film(self, row: Sequence[float]) -> Film:
         """The layers, the top one of unit thickness, and the base, of one row of the columns."""
         count = len(UNITS)
-        rigid, electric, magnetic, lowest, surface, fibrous, exponent = row[2 * count :]
+        rigid, electric, magnetic, lowest, surface, kind, exponent = row[2 * count :]
         of: Constants | PowerLaw = _constants(row[:count])
         if lowest != _UNGRADED:
             one, two = (constants_of(phase) for phase in phases_of(self._cases))
-            of = PowerLaw(CHOICES["composite"][0 if fibrous else 1], (one, two), surface, lowest, exponent)
+            if kind >= len(MIXTURES):
+                raise FactorError(f"base_volume_fraction: {lowest:g} of a composite that has no volume_fraction")
+            of = PowerLaw(list(MIXTURES)[int(kind)], (one, two), surface, lowest, exponent)
         interfaces = (
             None if code < 0 else CHOICES[name][int(code)]
             for name, code in zip(_INTERFACES, (electric, magnetic), strict=True)

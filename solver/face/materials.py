@@ -1,4 +1,4 @@
-"""The material of every case, from names, own materials or a composite's volume fraction."""
+"""The material of every case, from names, own materials or a composite's fraction."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -10,11 +10,12 @@ from solver.arrays import BoolArray, shown
 from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.refusal import FactorError
-from solver.film.powerlaw import COMPOSITES
+from solver.film.powerlaw import MIXTURES
 from solver.film.stack import RIGID
+from solver.material.alloy import aluminium_scandium_nitride
 from solver.material.constants import UNITS, Material, MaterialError
 from solver.material.library import find
-from solver.names import CHOICES
+from solver.names import CHOICES, COMPOSITES
 
 
 def material_of(cases: Cases) -> Material:
@@ -28,11 +29,12 @@ def material_of(cases: Cases) -> Material:
     one, two = phases_of(cases)
     if "material" in cases.values:
         return _chosen(cases.values["material"], cases.materials)
-    fraction, kind = cases.values["volume_fraction"], cases.values.get("composite", np.array("fibrous"))
-    mixed = [COMPOSITES[name](one, two, fraction) for name in CHOICES["composite"] if np.any(kind == name)]
-    if len(mixed) == 1:
-        return mixed[0]
-    either: dict[str, Any] = {c: np.where(kind == "fibrous", *(getattr(m, c) for m in mixed)) for c in UNITS}
+    kinds = cases.values.get("composite", np.array(CHOICES["composite"][0]))
+    made = {str(kind): _composite(str(kind), one, two, cases) for kind in dict.fromkeys(kinds.flat)}
+    if len(made) == 1:
+        return next(iter(made.values()))
+    places = [kinds == kind for kind in made]
+    either: dict[str, Any] = {c: np.select(places, [getattr(m, c) for m in made.values()]) for c in UNITS}
     return Material(**either, name="composite")
 
 
@@ -48,6 +50,14 @@ def phases_of(cases: Cases) -> tuple[Material, Material]:
         raise FactorError(f"phases: {len(cases.phases)} given; a composite has two")
     one, two = (_found(phase, cases.materials) for phase in _named("phases", cases.phases))
     return one, two
+
+
+def _composite(kind: str, one: Material, two: Material, cases: Cases) -> Material:
+    """The composite of a kind of every case, from the factor that it takes."""
+    fraction = cases.values[COMPOSITES[kind]]
+    if kind == "AlScN":
+        return aluminium_scandium_nitride(fraction)
+    return MIXTURES[kind](one, two, fraction)
 
 
 def base_of(cases: Cases) -> tuple[Material, BoolArray]:

@@ -10,7 +10,8 @@ from solver.film.stack import StackError
 from solver.material.composite import fibrous, laminate
 from solver.material.constants import UNITS, Material
 
-COMPOSITES = {"fibrous": fibrous, "laminate": laminate}
+#: Composites of two phases by their volume fraction.
+MIXTURES = {"fibrous": fibrous, "laminate": laminate}
 
 #: Constants in the order of ``solver.material.constants.UNITS``; None where unknown: NaN never equals itself.
 Constants = tuple[float | None, ...]
@@ -70,4 +71,4 @@ class PowerLaw:
         """The composite at depths over thickness, 0 to 1."""
         fraction = self.surface + (self.base - self.surface) * depth**self.exponent
         one, two = (material_from(constants, "phase") for constants in self.phases)
-        return COMPOSITES[self.composite](one, two, fraction)
+        return MIXTURES[self.composite](one, two, fraction)

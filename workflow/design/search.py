@@ -8,12 +8,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.names import EVERY_QUANTITY
+from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem, maximise
 from surrogate.search.pareto import Front
 from workflow.design import assessment, contact_fields, front, landscape, polish
-from workflow.design.answers import SOURCE
+from workflow.design.answers import SOURCE, SOURCE_OF_FILMS
 from workflow.design.candidate import Candidate
 from workflow.design.designs import Designs
 from workflow.design.question import Question, ask
@@ -73,7 +73,7 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> x
         "objective": str(target.objectives[0]),
         "statistic": str(target.statistic),
         "polish": best.polish,
-        "source": SOURCE,
+        "source": SOURCE_OF_FILMS if study.on_film else SOURCE,
     }
     return out.assign_coords(target=name)
 
@@ -94,7 +94,7 @@ def _asked(
 ) -> Candidate:
     categories = {key: str(choice[key]) for key in study.categories}
     held = {key: float(value) for key, value in choice.items() if key not in categories}
-    wanted = [output(quantity, categories) for quantity in target.names() if quantity in EVERY_QUANTITY]
+    wanted = [output(quantity, categories) for quantity in target.names() if quantity in ALL_QUANTITIES]
     own, predicted = study.narrowed(categories), Predicted(model.only(wanted) if wanted else model, categories)
     question = ask(own, name, target, predicted, held)
     return Candidate(choice, Designs(question, predicted, Exact(own), np.empty((0, len(question.inputs)))))
