@@ -270,4 +270,7 @@ ALL_QUANTITIES = {**EVERY_QUANTITY, **EVERY_FILM_QUANTITY}
 ALL_PEAKS = {**PEAKS, **FILM_PEAKS}
 
 #: Numeric factors of a film for whose every value the solver makes tables; it reads from these at all others.
-TABLED = ("volume_fraction", "scandium_fraction", "friction", "base_modulus", "base_poisson")
+TABLED = (
+    "volume_fraction", "scandium_fraction", "friction", "speed",
+    "base_modulus", "base_poisson", "base_volume_fraction", "grading_exponent",
+)  # fmt: skip

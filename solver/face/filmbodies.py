@@ -52,9 +52,7 @@ class ByFactors:
             *(self._interface(name) for name in _INTERFACES),
             np.where(there, graded, _UNGRADED),
             np.where(there, values.get("volume_fraction", np.array(0.0)), _UNGRADED),
-            np.where(
-                there, np.select([kind == name for name in MIXTURES], range(len(MIXTURES)), len(MIXTURES)), _UNGRADED
-            ),
+            np.where(there, mixture, _UNGRADED),
             np.where(there, exponent, _UNGRADED),
         ]
 

@@ -223,17 +223,17 @@ class Study(Strict):
         return frozenset(factor for factor in self.effects.vary if self._answers_inside(factor, self.effects))
 
     def _answers_inside(self, factor: str, effects: Effects) -> bool:
-        """Whether the solver answers at the deepest point, which it need not in a film."""
+        """Whether the solver answers at the deepest point: a rigid base has no fields."""
         case = effects.case(factor)
         if effects.interior is None or "thickness" not in case:
             return effects.interior is not None
         depth = effects.interior.grid()[1][-1:]
         try:
-            solve_interior(case, [0.0], depth, fields=effects.interior.fields,
-                           materials=self.own_materials, phases=self.phases)  # fmt: skip
+            found = solve_interior(case, [0.0], depth, fields=effects.interior.fields,
+                                   materials=self.own_materials, phases=self.phases)  # fmt: skip
         except FactorError:
             return False
-        return True
+        return not any(bool(field.isnull().any()) for field in found.data_vars.values())
 
     def _check_size(self) -> None:
         """Whether what the study asks for can be computed and stored at all."""
