@@ -83,8 +83,8 @@ class Stack:
     >>> import solver
     >>> titanate = Layer(solver.find("BaTiO3"), 0.5e-3, electric="grounded")  # a metal conducts
     >>> film = Stack([titanate, Layer(solver.find("copper"), 1e-4)], solver.find("silicon"))
-    >>> film.thickness
-    0.0006
+    >>> film.name
+    'BaTiO3 0.0005 m | copper 0.0001 m | silicon'
     >>> round(float(solver.solve({"body": film, "radius": 0.05, "load": 1e4})["voltage"]), 2)
     -85.55
 
