@@ -28,7 +28,7 @@ from verification.oracles.spectral import Body, Index
 from verification.oracles.surface_response import Array, reduced, surface_response
 
 ELECTRIC, MAGNETIC = 2, 3  # numbers of the potentials in u = (u_x, u_y, phi, psi)
-DATUM = 1e3  # distance of the datum on a half-plane, about, in half-lengths
+DATUM = 1e5  # distance of the datum on a half-plane, about, in half-lengths
 _FORCES = STIFFNESS / UNITS  # N/m, N/m, C/m, Wb/m of a scaled nodal load
 _COARSE = 6  # order at which a half-length is sought first
 _SEARCHED = np.linspace(-5, 5, 1001)  # places of an interface that are searched for its extremes
@@ -171,22 +171,26 @@ class FilmContact:
 
     @property
     def depth(self) -> float:
-        """Of the punch [m]; on a half-plane seen from the surface at the distance ``datum`` on both sides."""
-        depth = self.centre**2 / (2 * self.punch.radius) - self._weights[0]
-        return float(depth if self.base is None else depth + self.u[self._far, 1].mean())
+        """Of the punch [m]; on a half-plane seen, as potentials are, from the surface at ``datum`` on both sides."""
+        return float(self.centre**2 / (2 * self.punch.radius) - self._weights[0] + self._away[1])
 
     @property
     def voltage(self) -> float:
-        """V under a punch that conducts [V]: zero is where a potential is held, the datum or else the clamped end."""
+        """V [V]; of a punch that conducts."""
         return self._potential(ELECTRIC)
 
     @property
     def magnetic_potential(self) -> float:
-        """Psi likewise [A]."""
+        """Psi [A]; of a punch that conducts."""
         return self._potential(MAGNETIC)
 
     def _potential(self, one: int) -> float:
-        return float(self._weights[3 + self.punch.conducted.index(one)] * UNITS[one])
+        return float(self._weights[3 + self.punch.conducted.index(one)] * UNITS[one] - self._away[one])
+
+    @property
+    def _away(self) -> Array:
+        """u at the datum, mean of both sides; 0 on a rigid base, where the film stands still."""
+        return np.zeros(4) if self.base is None else self.u[self._far].mean(axis=0)
 
     @cached_property
     def _far(self) -> Index:

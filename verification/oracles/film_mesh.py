@@ -12,26 +12,25 @@ _RING = 0.2  # size of a ring over that of the one around it
 SIZE = 1 / 3
 _RINGS = 12
 _NARROW = 0.3  # place of a ray between the edge's vertical and the corner of a ring: some fields are that steep
-_GROWTH = 4.0
-FAR = 1e7  # distance of the clamped ends on a half-plane
-_WIDE = 300.0  # the same on a rigid base, in thicknesses and half-lengths: layers far from each other in permittivity
+_NEAR, _GROWTH = 10.0, 6.0  # of what lies farther away than some half-lengths
+FAR = 1e8  # distance of the clamped ends on a half-plane
+_WIDE = 300.0  # the same on a rigid base, in thicknesses: more than layers far apart in permittivity need
 
 
 def layered_mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:
     """Mesh of layers from the top down, and of a half-plane below them unless the base is rigid."""
-    total = sum(thicknesses)
+    far = _WIDE * (1 + sum(thicknesses)) if rigid else FAR
     size = SIZE * min(1.0, thicknesses[0])
-    end = _WIDE * (1 + total) if rigid else FAR
     near = np.array([-1, -_NARROW, 0, _NARROW, 1]) * size
     middle = np.linspace(size - 1, 1 - size, int(np.ceil(2 * (1 - size) / size)) + 1)[1:-1]
-    outward = 1 + _growing(size, end, 3)
+    outward = 1 + np.append(_growing(size, _NEAR, 3), _growing(_NEAR, far, _GROWTH))
     x = np.concatenate([-outward[::-1], near - 1, middle, near + 1, outward])
     sides, depth = [np.array([0.0, size])], 0.0
     for thickness in thicknesses:
         depth += thickness
         sides.append(_growing(sides[-1][-1], depth, 2))
     if not rigid:
-        sides.append(depth + np.insert(_growing(size, FAR, _GROWTH), 0, size))
+        sides.append(depth + np.insert(_growing(size, far, _GROWTH), 0, size))
     y = -np.concatenate(sides)
     bottoms = -np.cumsum([*thicknesses, np.inf])
     layer = np.array([np.searchsorted(-bottoms, -(top + low) / 2) for top, low in pairwise(y)])

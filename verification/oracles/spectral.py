@@ -134,7 +134,7 @@ class Body:
         """Condensed matrix of the border, and the inner nodes' answer to it."""
         matrix = self._stiffness(element)
         border, inner = (_dofs(places) for places in self._places)
-        answer: Array = -np.linalg.solve(matrix[np.ix_(inner, inner)], matrix[np.ix_(inner, border)])
+        answer = np.asarray(-np.linalg.solve(matrix[np.ix_(inner, inner)], matrix[np.ix_(inner, border)]), dtype=float)
         return matrix[np.ix_(border, border)] + matrix[np.ix_(border, inner)] @ answer, answer
 
     @cached_property
