@@ -119,7 +119,8 @@ class Solved:
         if self.stacked:
             found = surface_fields(self.contact, at)
             return {name: getattr(found, name)[0] for name in names}
-        return {name: solver.solve(self.case, at)[name].values for name in names}
+        solved = solver.solve(self.case, at)
+        return {name: solved[name].values for name in names}
 
     def inside(self, at: Array, Y: Array) -> Answers:
         """``FIELDS`` (depth, place)."""

@@ -117,8 +117,9 @@ class Compared:
     def surface(self) -> tuple[Answers, Answers]:
         """Tractions below the punch and the stress beside it."""
         below, beside = self.contact.fields(X, 0.0), self.contact.fields(BESIDE, 0.0)
+        solved = self.solved.surface(X)
         found = {"contact_pressure": -below["stress_yy"], **{name: below[name] for name in FLUXES}}
-        expected = {name: self.solved.surface(X)[name] for name in found}
+        expected = {name: solved[name] for name in found}
         name = "stress_xx"
         return found | {name: beside[name]}, expected | {name: self.solved.surface(BESIDE)[name]}
 

@@ -40,6 +40,14 @@ def test_finite_elements_converge() -> None:
         assert all(fine < coarse for coarse, fine in zip(curve.error, curve.error[1:], strict=False)), curve.label
 
 
+def test_finite_elements_of_films_converge_and_their_resolution_is_shown() -> None:
+    curves = findings("film_elements").curves
+    assert len(curves) == 7
+    for curve in curves:
+        assert curve.error[-1] < curve.error[0] / 3, curve.label
+    assert {curve.figure for curve in findings("films").curves} == {"film_resolution"}
+
+
 def test_collocation_of_the_circle_converges_geometrically_to_the_closed_form() -> None:
     (curve,) = [one for one in findings("integral_equations").curves if one.figure == "collocation_circle"]
     assert all(fine < coarse / 10 for coarse, fine in zip(curve.error, curve.error[1:], strict=False))

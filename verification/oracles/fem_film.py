@@ -31,7 +31,7 @@ ELECTRIC, MAGNETIC = 2, 3  # numbers of the potentials in u = (u_x, u_y, phi, ps
 DATUM = 1e5  # distance of the datum on a half-plane, about, in half-lengths
 _FORCES = STIFFNESS / UNITS  # N/m, N/m, C/m, Wb/m of a scaled nodal load
 _COARSE = 6  # order at which a half-length is sought first
-_SEARCHED = np.linspace(-5, 5, 1001)  # places of an interface that are searched for its extremes
+_SEARCHED = np.linspace(-5, 5, 401)  # places of an interface that are searched for its extremes
 
 
 @dataclass(frozen=True)
@@ -239,11 +239,10 @@ def under_load(
 
     contacts: list[FilmContact] = []
     lam = reduced(surface_response(layers[0].material), 0.0)[0]
-    start = np.log(lam * punch.radius * load) / 2
-    for stage in (min(order, _COARSE), order):
-        start = root_scalar(
-            miss, (stage,), "secant", x0=start, x1=start + (0.1 if stage < order else 1e-4), xtol=1e-9
-        ).root
+    start, step = np.log(lam * punch.radius * load) / 2, 0.1
+    for stage in sorted({min(order, _COARSE), order}):
+        start = root_scalar(miss, (stage,), "secant", x0=start, x1=start + step, xtol=1e-9).root
+        step = 1e-4
     return contacts[-1]
 
 

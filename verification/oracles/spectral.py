@@ -5,9 +5,9 @@ Legendre points of a bilinear quadrilateral. A matrix depends on the shape of an
 of similar elements about a singular point, however many, cost as much as one ring.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from verification.oracles.surface_response import Array
 Index = NDArray[np.int64]
 _SIGNS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])  # corners in the reference square, in their order
 _CLOSE = 1e-9  # to an element, in its own size
-_STEPS = 8  # of Newton's method: one finds a place in a rectangle
+_STEPS = 9  # of Newton's method at most: one finds a place in a rectangle
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,10 +138,15 @@ class Body:
         return matrix[np.ix_(border, border)] + matrix[np.ix_(border, inner)] @ answer, answer
 
     @cached_property
+    def _inside(self) -> Callable[[int], Array]:
+        """Answer of the inner nodes of a shape, by its number; kept, as points come in lines."""
+        return lru_cache(maxsize=128)(lambda shape: self._split(int(self._shapes[0][shape]))[1])
+
+    @cached_property
     def matrix(self) -> "csr_array[np.float64]":
         """Scaled stiffness over node and field of the borders."""
         first, of = self._shapes
-        dofs = _dofs(self.nodes)
+        dofs = _dofs(self.nodes).astype(np.int32)  # half the memory
         shape = (*dofs.shape, dofs.shape[1])
         rows, columns = np.broadcast_to(dofs[:, :, None], shape), np.broadcast_to(dofs[:, None, :], shape)
         entries = np.stack([self._split(element)[0] for element in first])[of]
@@ -169,7 +174,7 @@ class Body:
             here = np.flatnonzero(np.array(elements) == element)
             full = np.empty((len(border) + len(inner), 4))
             full[border] = u[self.nodes[element]] / UNITS
-            full[inner] = (self._split(element)[1] @ full[border].ravel()).reshape(-1, 4)
+            full[inner] = (self._inside(int(self._shapes[1][element])) @ full[border].ravel()).reshape(-1, 4)
             along, down = self._gradients(element, np.stack(at)[here])[0] @ (full * UNITS)
             found[:, here] = M @ (ALONG @ along.T + DOWN @ down.T)
         return found
@@ -185,7 +190,10 @@ class Body:
             for _ in range(_STEPS):
                 miss = _bilinear(at)[0] @ corners + mesh.origin[element] - point
                 by = np.stack([slopes[0] @ corners for slopes in _bilinear_slopes(at)], axis=1)
-                at = at - np.linalg.solve(by, miss)
+                step = np.linalg.solve(by, miss)
+                at = at - step
+                if np.all(np.abs(step) < _CLOSE**2):
+                    break
             if np.all(np.abs(at) <= 1 + _CLOSE):
                 return int(element), at[0]
         raise ValueError(f"no element of layer {layer} holds {point}")
