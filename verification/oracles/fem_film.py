@@ -112,7 +112,7 @@ class FilmContact:
         given[below, 1, :3] = x[below, None] ** np.arange(3)
         for state, one in enumerate(conducted, start=3):
             given[below, one, state] = 1.0
-        u, free, matrix = given.reshape(-1, given.shape[2]), ~self._held().ravel(), self.body.matrix
+        u, free, matrix = given.reshape(-1, given.shape[2]), ~self._held().ravel(), self.body.matrix()
         along = csr_array((np.full(len(below), -self.punch.friction), (4 * below, 4 * below + 1)), shape=matrix.shape)
         rows = ((eye_array(len(free)) + along) @ matrix)[free]  # the free rows of a held force: Coulomb's law
         factors = splu(

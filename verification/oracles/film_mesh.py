@@ -9,7 +9,7 @@ from verification.oracles.spectral import Index, Quadrilaterals
 from verification.oracles.surface_response import Array
 
 _RING = 0.2  # size of a ring over that of the one around it
-SIZE = 1 / 3
+_SIZE = 1 / 3  # of the rings, at most, over half-length and top layer
 _RINGS = 12
 _NARROW = 0.3  # place of a ray between the edge's vertical and the corner of a ring: some fields are that steep
 _NEAR, _GROWTH = 10.0, 6.0  # of what lies farther away than some half-lengths
@@ -20,7 +20,7 @@ _WIDE = 300.0  # the same on a rigid base, in thicknesses: more than layers far 
 def layered_mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:
     """Mesh of layers from the top down, and of a half-plane below them unless the base is rigid."""
     far = _WIDE * (1 + sum(thicknesses)) if rigid else FAR
-    size = SIZE * min(1.0, thicknesses[0])
+    size = _SIZE * min(1.0, thicknesses[0])
     near = np.array([-1, -_NARROW, 0, _NARROW, 1]) * size
     middle = np.linspace(size - 1, 1 - size, int(np.ceil(2 * (1 - size) / size)) + 1)[1:-1]
     outward = 1 + np.append(_growing(size, _NEAR, 3), _growing(_NEAR, far, _GROWTH))

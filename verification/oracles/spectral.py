@@ -142,9 +142,8 @@ class Body:
         """Answer of the inner nodes of a shape, by its number; kept, as points come in lines."""
         return lru_cache(maxsize=128)(lambda shape: self._split(int(self._shapes[0][shape]))[1])
 
-    @cached_property
     def matrix(self) -> "csr_array[np.float64]":
-        """Scaled stiffness over node and field of the borders."""
+        """Scaled stiffness over node and field of the borders, assembled anew."""
         first, of = self._shapes
         dofs = _dofs(self.nodes).astype(np.int32)  # half the memory
         shape = (*dofs.shape, dofs.shape[1])
