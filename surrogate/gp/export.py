@@ -6,15 +6,17 @@ from typing import Any
 import numpy as np
 
 from surrogate.data.arrays import Array
+from surrogate.gp.correction import Correction
+from surrogate.gp.distribution import NOMINAL
 from surrogate.gp.factors import ChebyshevFactor
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.model import GaussianProcess
 
-FORMAT = 1
+FORMAT = 2
 
 
 def exported(model: GaussianProcess) -> dict[str, Any] | None:
-    """Return everything that mean and standard deviation need, as what JSON can hold.
+    """Return everything that mean, standard deviation and 95 % interval need, as what JSON can hold.
 
     Arrays are ``{"shape": [...], "data": base64 of little-endian float64}``, so that no digit is lost.
 
@@ -31,6 +33,7 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
     if not isinstance(model, GridGP) or not all(isinstance(factor, ChebyshevFactor) for factor in model.factors_):
         return None
     calibration = model.calibration_
+    lower, upper = np.broadcast_to(model.distribution.ends(NOMINAL), (2, len(model.outputs_)))  # in standard deviations
     return {
         "format": FORMAT,
         "inputs": [
@@ -59,9 +62,19 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
         "scale": _array(model.scale_),
         "amplitude": _array(model.amplitude_),
         "variance": _array(model.variance_ * model.scale_**2),
+        "correction": None if model.correction_ is None else _correction(model.correction_),
         "calibration": None
         if calibration is None
-        else {name: _array(getattr(calibration, name)) for name in ("weights", "floor", "trend", "guard")},
+        else {name: _array(array) for name, array in calibration.arrays().items() if name != "quantile"},
+        "interval": {"level": NOMINAL, "lower": _array(lower), "upper": _array(upper)},
+    }
+
+
+def _correction(correction: Correction) -> dict[str, Any]:
+    return {
+        "levels": list(correction.levels),
+        "degrees": correction.indices.tolist(),
+        "coefficients": _array(correction.coefficients),
     }
 
 

@@ -75,7 +75,11 @@ class Factor(ABC):
 
     @abstractmethod
     def slopes(self, t: Array, modes: int) -> Features:
-        """Return the derivatives of `features` with respect to t."""
+        """Return what the process needs for derivatives by t.
+
+        These are the derivatives of the mean's functions, and d^2/dx dy at x = y = t of the kernel K(x, y) and of its
+        unknown part: the variances of the derivative.
+        """
 
 
 class ChebyshevFactor(Factor):
@@ -132,7 +136,7 @@ class ChebyshevFactor(Factor):
 
     def features(self, t: Array, modes: int) -> Features:
         """Return T_m damped by its alias, K(x, x) and what the levels leave unknown."""
-        T = _chebyshev(t, len(self._decay))
+        T = chebyshev(t, len(self._decay))
         squares = T * T
         residual = self._unknown @ squares[: self._n]
         if not self.affine:
@@ -140,18 +144,16 @@ class ChebyshevFactor(Factor):
         return Features(self._mean(T, modes), self._decay @ squares, residual)
 
     def slopes(self, t: Array, modes: int) -> Features:
-        """Return the derivatives of `features` with respect to t."""
-        T = _chebyshev(t, len(self._decay))
-        S = _chebyshev_slopes(t, T)
+        """Return those of T_m damped by its alias; kernel and unknown part are sums of products T(x) T(y)."""
+        T = chebyshev(t, len(self._decay))
+        S = chebyshev_slopes(t, T)
         n, rows = self._n, self._damped(modes)
-        mean = S[:modes].copy()
-        prior = 2 * self._decay @ (T * S)
+        mean, prior = S[:modes].copy(), self._decay @ S**2
         if self.affine:
             return Features(mean, prior, np.zeros_like(t))
         mirror = n - rows
         mean[rows] -= 2 * self._damping[rows, None] * (S[n] * T[mirror] + T[n] * S[mirror])
-        shape, shape_slope = self._unknown @ T[:n] ** 2, 2 * self._unknown @ (T[:n] * S[:n])
-        return Features(mean, prior, 2 * T[n] * S[n] * shape + T[n] ** 2 * shape_slope)
+        return Features(mean, prior, self._unknown @ (S[n] * T[:n] + T[n] * S[:n]) ** 2)
 
     def exported(self) -> dict[str, object]:
         """Return what `features` needs, as plain lists."""
@@ -218,11 +220,18 @@ class StationaryFactor(Factor):
         return Features(self._cardinal[:modes] @ k, np.ones_like(t), residual)
 
     def slopes(self, t: Array, modes: int) -> Features:
-        """Return the derivatives of `features` with respect to t."""
-        k, slope = correlation(self._kind, t - self.t[:, None], self.parameter)
-        white, white_slope = self._whiten @ k, self._whiten @ slope
-        residual = -2 * np.einsum("ib,ib->b", white, white_slope)
-        return Features(self._cardinal[:modes] @ slope, np.zeros_like(t), residual)
+        """Return those of basis^T K^-1 k(X, x), and the variance of the derivative before and after the levels."""
+        _, slope = correlation(self._kind, t - self.t[:, None], self.parameter)
+        white = self._whiten @ slope
+        prior = np.full_like(t, steepness(self._kind) / self.parameter**2)
+        return Features(
+            self._cardinal[:modes] @ slope, prior, np.maximum(prior - np.einsum("ib,ib->b", white, white), 0)
+        )
+
+
+def steepness(kind: str) -> float:
+    """Return minus the second derivative at zero of a stationary correlation of unit length scale."""
+    return {"rbf": 1.0, "matern32": 3.0, "matern52": 5 / 3}[kind]
 
 
 def correlation(kind: str, difference: Array, length_scale: float) -> tuple[Array, Array]:
@@ -246,16 +255,16 @@ def cosine_basis(n: int) -> tuple[Array, Array]:
     """Return the discrete cosine basis on n Chebyshev-Gauss points, (n, n), and the norms that make it T_m, (n,)."""
     weights = np.full(n, np.sqrt(2 / n))
     weights[0] = np.sqrt(1 / n)
-    return np.ascontiguousarray(_chebyshev(gauss_points(n), n).T * weights), weights
+    return np.ascontiguousarray(chebyshev(gauss_points(n), n).T * weights), weights
 
 
 def polynomial_basis(t: Array) -> Array:
     """Return polynomials of degree 0 to n-1 that are orthonormal on n points t, columns of an (n, n) matrix."""
-    basis, _ = np.linalg.qr(_chebyshev(t, len(t)).T)
+    basis, _ = np.linalg.qr(chebyshev(t, len(t)).T)
     return np.asarray(basis)
 
 
-def _chebyshev(t: Array, count: int) -> Array:
+def chebyshev(t: Array, count: int) -> Array:
     """T_0 .. T_{count-1} at t by their recurrence, shape (count, B); valid outside [-1, 1] too."""
     T = np.empty((count, len(t)))
     T[0] = 1
@@ -268,7 +277,7 @@ def _chebyshev(t: Array, count: int) -> Array:
     return T
 
 
-def _chebyshev_slopes(t: Array, T: Array) -> Array:
+def chebyshev_slopes(t: Array, T: Array) -> Array:
     """Derivatives of the polynomials T, shape (count, B), from the derivative of their recurrence."""
     S = np.zeros_like(T)
     S[1] = 1

@@ -10,6 +10,7 @@ import xarray as xr
 from surrogate.data.arrays import Array
 from surrogate.data.factorial import Factorial, check_levels, complete_factorial
 from surrogate.data.inputs import Input
+from surrogate.gp.correction import Correction, correct
 from surrogate.gp.factors import ChebyshevFactor, Factor, Features, StationaryFactor, cosine_basis, polynomial_basis
 from surrogate.gp.hyperparameters import amplitudes, length_bounds, most_predictive, rho_bounds
 from surrogate.gp.model import GaussianProcess
@@ -51,12 +52,15 @@ class GridGP(GaussianProcess):
         Amplitude of every factor's kernel beside its constant (1 for the stationary kernels).
     variance_ : ndarray, shape (p,)
         Variance of the process of every output, in units of its squared standard deviation `scale_`.
+    correction_ : Correction or None
+        What `calibrate` has learnt of the error of the mean, with the "chebyshev" kernel; None before.
     """
 
     engine: ClassVar[str] = "grid"
     factors_: tuple[Factor, ...]
     order_: tuple[int, ...]
     train_: TensorTrain
+    correction_: Correction | None
 
     def __init__(
         self,
@@ -93,7 +97,7 @@ class GridGP(GaussianProcess):
         data = self._factorial(X)
         self.inputs_, self.levels_ = data.inputs, data.levels
         self.outputs_, self.attrs_ = tuple(data.outputs), data.attrs
-        self.calibration_ = None
+        self.calibration_ = self.correction_ = None
         points = [one.to_unit(levels) for one, levels in zip(data.inputs, data.levels, strict=True)]
         coefficients, grams = self._coefficients(data, points)
         self.factors_ = tuple(self._factor(k, t, grams[k]) for k, t in enumerate(points))
@@ -185,7 +189,7 @@ class GridGP(GaussianProcess):
         for k, (levels, core) in enumerate(zip(self.levels_, self.train_.cores, strict=True)):
             state[f"levels_{k}"] = (f"level_{k}", levels)
             state[f"core_{k}"] = ((f"rank_{k}", f"mode_{k}", f"rank_{k + 1}" if k < d - 1 else "output"), core)
-        return state
+        return state if self.correction_ is None else state.assign(self.correction_.state())
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
@@ -211,6 +215,8 @@ class GridGP(GaussianProcess):
             raise ValueError("negative variance or amplitude")
         model.train_ = TensorTrain(tuple(stored[f"core_{k}"].values for k in range(d)))
         model.train_.check([len(model.levels_[k]) for k in model.order_], len(outputs))
+        counts = tuple(map(len, model.levels_))
+        model.correction_ = Correction.restore(stored, counts, len(outputs)) if model.kernel == "chebyshev" else None
         return model
 
     def only(self, outputs: Sequence[str]) -> Self:
@@ -221,6 +227,7 @@ class GridGP(GaussianProcess):
         part.offset_, part.scale_ = self.offset_[columns], self.scale_[columns]
         part.amplitude_, part.variance_ = self.amplitude_[:, columns], self.variance_[columns]
         part.calibration_ = None if self.calibration_ is None else self.calibration_.only(columns)
+        part.correction_ = None if self.correction_ is None else self.correction_.only(columns)
         weights = [self.factors_[k].weights[:size] for k, size in zip(self.order_, self.train_.modes, strict=True)]
         plain = self.train_.scaled([1 / scale for scale in weights])
         error = self.compression * float(np.sqrt(self._cases()))
@@ -237,6 +244,8 @@ class GridGP(GaussianProcess):
         mean = self.train_.evaluate([features[k].mean for k in self.order_])
         mean *= self.scale_[:, None]
         mean += self.offset_[:, None]
+        if self.correction_ is not None:
+            mean += self.correction_.values(t)
         if weights is None:
             return mean, None
         return mean, self._unit_variance(features, weights) * (self.variance_ * self.scale_**2)[:, None]
@@ -244,10 +253,26 @@ class GridGP(GaussianProcess):
     def _slopes(self, t: Array) -> Array:
         features, slopes = self._features(t), self._features(t, slopes=True)
         parts = self.train_.gradient([features[k].mean for k in self.order_], [slopes[k].mean for k in self.order_])
-        return np.asarray(parts[np.argsort(self.order_)] * self.scale_[:, None])
+        found = np.asarray(parts[np.argsort(self.order_)] * self.scale_[:, None])
+        return found if self.correction_ is None else found + self.correction_.slopes(t)
 
-    def _variance_slopes(self, t: Array, weights: Array) -> Array:
+    def uncalibrated(self) -> Self:
+        """Return the model without what `calibrate` has learnt."""
+        plain = super().uncalibrated()
+        plain.correction_ = None
+        return plain
+
+    def _corrected(self, errors: Array, t: Array) -> Array:
+        if self.kernel != "chebyshev":
+            return errors
+        counts, decays = tuple(map(len, self.levels_)), [factor.parameter for factor in self.factors_]
+        self.correction_, left = correct(errors, t, counts, decays)
+        return left
+
+    def _slope_variances(self, t: Array, weights: Array) -> Array:
         features, slopes = self._features(t), self._features(t, slopes=True)
+        if self.correction_ is not None:
+            slopes = [self.correction_.steepened(k, slope) for k, slope in enumerate(slopes)]
         size = (self.variance_ * self.scale_**2)[:, None]
         return np.stack([self._unit_variance(features, weights, (k, slope)) * size for k, slope in enumerate(slopes)])
 
@@ -262,7 +287,7 @@ class GridGP(GaussianProcess):
 
         prod_f k_f - prod_f q_f with q_f = k_f - r_f known and r_f unknown parts is the sum over factors of
         q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative. It is linear in what every factor brings, so
-        that with the slopes of one factor in place of its features it is the derivative.
+        that with the slopes of one factor in place of its features it is the variance of the derivative.
         """
         shape = (len(self.outputs_), len(features[0].prior))
         unknown, known = np.zeros(shape), np.ones(shape)

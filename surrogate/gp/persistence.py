@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from surrogate.gp.scattergp import ScatterGP
 
 FORMAT = "surrogate"
-VERSION = 1
+VERSION = 2
 MAX_BYTES = 2**28  # unpacked; a model is a few MB at most, and a hostile file must not fill the memory
 ENGINES = ("grid", "scatter")
 PROBES = 8
@@ -41,6 +41,7 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
     inputs, outputs = model.inputs_, model.outputs_
     points = probe_points(inputs)
     mean, std = model.predict_array(points, return_std=True)
+    lower, upper = model.interval_array(points)
     common = xr.Dataset(
         {
             "low": ("input", [one.low for one in inputs]),
@@ -53,6 +54,8 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
             "probe_point": (("probe", "input"), points),
             "probe_mean": (("probe", "output"), mean),
             "probe_std": (("probe", "output"), std),
+            "probe_lower": (("probe", "output"), lower),
+            "probe_upper": (("probe", "output"), upper),
         },
         coords={"input": [one.name for one in inputs], "output": list(outputs)},
         attrs={"Conventions": "CF-1.11", "format": FORMAT, "format_version": VERSION, "engine": model.engine},
@@ -83,7 +86,10 @@ def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
     if attrs.get("format") != FORMAT:
         raise FormatError(path, "not a surrogate model")
     if attrs.get("format_version") != VERSION:
-        raise FormatError(path, f"format version {attrs.get('format_version')} is not {VERSION}, the one known here")
+        raise FormatError(
+            path,
+            f"format version {attrs.get('format_version')} is not {VERSION}, the one known here: make the model anew",
+        )
     if attrs.get("engine") not in ENGINES:
         raise FormatError(path, f"unknown engine {attrs.get('engine')!r}; known are {', '.join(ENGINES)}")
     engine = _engine(attrs["engine"])
@@ -94,10 +100,12 @@ def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
         model.made_from_ = str(attrs.get("made_from", ""))
         points = stored["probe_point"].transpose("probe", "input").values
         mean, std = model.predict_array(points, return_std=True)
+        ends = model.interval_array(points)
     except FAILURES as error:
         raise FormatError(path, f"inconsistent: {error}") from error
-    for name, found, kept in (("probe_mean", mean, stored["probe_mean"]), ("probe_std", std, stored["probe_std"])):
-        expected = kept.transpose("probe", "output").values
+    for part, found in zip(("mean", "std", "lower", "upper"), (mean, std, *ends), strict=True):
+        name = f"probe_{part}"
+        expected = stored[name].transpose("probe", "output").values
         room = PROBE_TOLERANCE * (np.abs(expected) + np.ptp(stored["probe_mean"].values, axis=0))
         if found.shape != expected.shape or not (np.abs(found - expected) <= room).all():
             raise FormatError(path, f"the stored predictions {name} do not come out again")

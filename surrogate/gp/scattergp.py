@@ -6,7 +6,7 @@ from typing import ClassVar, Literal, Self, get_args
 
 import numpy as np
 import xarray as xr
-from scipy.linalg import cho_solve
+from scipy.linalg import solve_triangular
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Kernel, Matern
@@ -14,6 +14,7 @@ from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Kernel, Matern
 from surrogate.data.arrays import Array
 from surrogate.data.factorial import output_names, text_attrs
 from surrogate.data.inputs import Input, unit_coordinates
+from surrogate.gp.factors import steepness
 from surrogate.gp.model import GaussianProcess
 
 KernelName = Literal["rbf", "matern32", "matern52"]
@@ -202,13 +203,15 @@ class ScatterGP(GaussianProcess):
                 slopes[i, p] = slope @ regressor.alpha_ * regressor._y_train_std
         return slopes
 
-    def _variance_slopes(self, t: Array, weights: Array) -> Array:
+    def _slope_variances(self, t: Array, weights: Array) -> Array:
         slopes = np.empty((len(t), len(self.outputs_), t.shape[1]))
         for p, regressor in enumerate(self.regressors_):
-            explained = cho_solve((regressor.L_, True), regressor.kernel_(regressor.X_train_, t.T))
+            variance, lengths = np.exp(regressor.kernel_.theta[0]), np.exp(regressor.kernel_.theta[1:])
+            size = weights[0, p] * regressor._y_train_std**2
             for i, slope in enumerate(self._kernel_slopes(regressor, t)):
-                reduction = np.einsum("bn,nb->b", slope, explained)
-                slopes[i, p] = -2 * weights[0, p] * regressor._y_train_std**2 * reduction
+                white = solve_triangular(regressor.L_, slope.T, lower=True)
+                prior = variance * steepness(self.kernel) / lengths[i] ** 2
+                slopes[i, p] = size * (prior - np.einsum("nb,nb->b", white, white))
         return slopes
 
     def _kernel_slopes(self, regressor: GaussianProcessRegressor, t: Array) -> list[Array]:

@@ -31,15 +31,17 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
     Parameters
     ----------
     model : GaussianProcess
-        A fitted `GridGP`; after `calibrate` the intervals rest on its calibrated standard deviation.
+        A fitted `GridGP`. Indices are those of its tensor train, without the correction of the mean that `calibrate`
+        learns; the correction counts as an error of the train, beside the calibrated standard deviation.
 
     Returns
     -------
     Dataset
         `first_order` and `total` over (`output`, `input`), each with `_low` and `_high`; `second_order` over (`output`,
         `input`, `other_input`), symmetric, zero on the diagonal; `mean` and `variance` over `output`; `main_effect`,
-        the mean of the output given one input, minus `mean`, and `main_effect_std` over (`output`, `input`,
-        `position`); `value`, the physical value of the input at a position, over (`input`, `position`).
+        the mean of the output given one input, minus `mean`, and `main_effect_std`, its root-mean-square error,
+        over (`output`, `input`, `position`); `value`, the physical value of the input at a position, over (`input`,
+        `position`).
 
         Every index is a share of the variance of the predicted mean. The intervals bound the effect of the predictive
         error: with its root-mean-square e over the box, a projection of the output has a norm within e of that of the
@@ -135,22 +137,23 @@ def _root(matrix: Array) -> Array:
 
 
 def _errors(model: GridGP, positions: Array) -> tuple[Array, Array]:
-    """Root-mean-square predictive standard deviation over the box, (p,), and given one input, (p, d, positions)."""
-    inputs = model.inputs_
+    """Root-mean-square predictive error of the train over the box, (p,), and given one input, (p, d, positions)."""
+    inputs, plain = model.inputs_, model.uncalibrated()
     t = 2 * qmc.Sobol(len(inputs), rng=0).random(SAMPLE) - 1
     over = np.empty((len(model.outputs_), len(inputs), len(positions)))
     for i in range(len(inputs)):
         for j, position in enumerate(positions):
             at = t[: SAMPLE // 4].copy()
             at[:, i] = position
-            over[:, i, j] = _mean_square(model, at)
-    return np.sqrt(_mean_square(model, t)), np.sqrt(over)
+            over[:, i, j] = _mean_square(model, plain, at)
+    return np.sqrt(_mean_square(model, plain, t)), np.sqrt(over)
 
 
-def _mean_square(model: GridGP, t: Array) -> Array:
+def _mean_square(model: GridGP, plain: GridGP, t: Array) -> Array:
     X = np.stack([one.from_unit(column) for one, column in zip(model.inputs_, t.T, strict=True)], axis=1)
-    std = model.predict_array(X, return_std=True)[1]
-    return np.asarray((std**2).mean(axis=0))
+    mean, std = model.predict_array(X, return_std=True)
+    shift = mean - plain.predict_array(X)
+    return np.asarray((std**2 + shift**2).mean(axis=0))
 
 
 def _bounds(part: Array, whole: Array, error: Array) -> tuple[Array, Array]:

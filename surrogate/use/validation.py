@@ -1,18 +1,33 @@
 """How good a surrogate is on cases that it was not trained on: errors, intervals, and the baseline beside them."""
 
-from copy import copy
+from collections.abc import Mapping
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.stats import norm
 
 from surrogate.data.arrays import Array, Flags
-from surrogate.gp.conformal import HALF_WIDTH, NOMINAL
+from surrogate.data.inputs import unit_coordinates
+from surrogate.gp.distribution import NOMINAL, Distribution, Normal
 from surrogate.gp.model import GaussianProcess
 from surrogate.use.baseline import chebyshev_interpolation
 
 DECILES = 10
+#: Levels whose intervals are judged.
+LEVELS = (0.5, 0.8, 0.9, 0.95, 0.99)
+# A corner with fewer cases says nothing of its coverage.
+CORNER_CASES = 20
+# What is shown without the calibration too.
+_COMPARED = (
+    "coverage",
+    "level_coverage",
+    "worst_decile_coverage",
+    "worst_corner_coverage",
+    "crps",
+    "pit",
+    "pit_distance",
+)
 
 
 def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | None) -> xr.Dataset:
@@ -32,11 +47,13 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
     -------
     Dataset
         Over `output`: `range` (of the truth), `max_error` and `rmse` (over that range), `r2`, `coverage` (of the
-        nominal 95 % interval), `crps` (over range), `worst_decile_coverage`, and with training `baseline_max_error` and
-        `baseline_rmse`. Over (`output`, `input`, `decile`): `decile_coverage`, deciles of the cases by the value of the
-        input. Over (`output`, `case`): `pit`, the predictive distribution's value at the truth, and `error` (signed,
-        over range). An output with no range is measured against 1. For a calibrated model `raw_coverage`,
-        `raw_worst_decile_coverage`, `raw_crps` and `raw_pit` are those of the same model without its calibration.
+        95 % interval), `crps` (over range), `worst_decile_coverage`, `worst_corner_coverage` (both of two inputs in an
+        outer tenth of their range; NaN without 20 cases in any corner), `pit_distance` (largest distance of the
+        distribution of `pit` from uniform), and with training `baseline_max_error` and `baseline_rmse`. Over (`output`,
+        `level`): `level_coverage`. Over (`output`, `input`, `decile`): `decile_coverage` of the 95 % interval, deciles
+        of the cases by the value of the input. Over (`output`, `case`): `pit`, the predictive distribution's value at
+        the truth, and `error` (signed, over range). An output with no range is measured against 1. For a calibrated
+        model `raw_max_error`, `raw_coverage` and so on are those of the same model without its calibration.
 
     Raises
     ------
@@ -56,17 +73,24 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
     spread = np.ptp(true, axis=1)
     over = np.where(spread > 0, spread, 1.0)[:, None]
     error = (mean - true) / over
-    inside = np.abs(mean - true) <= HALF_WIDTH * std
-    columns = xr.broadcast(*[points[name] for name in model.box], predicted[names[0]])[:-1]
-    by_decile = np.stack([_by_decile(column.values.ravel(), inside) for column in columns], axis=1)
+    held = np.stack([_inside(true, mean, std, model.distribution, level) for level in LEVELS], axis=1)
+    inside = held[:, LEVELS.index(NOMINAL)]
+    X = np.stack([_stack({name: points[name]}, [name], predicted)[0] for name in model.box], axis=1)
+    by_decile = np.stack([_by_decile(column, inside) for column in X.T], axis=1)
+    transform = pit(true, mean, std, model.distribution)
     table: dict[str, Any] = {
         "range": ("output", spread, {"long_name": "range of the truth"}),
         **_errors(error, ""),
         "r2": ("output", _r2(true, mean), {"long_name": "coefficient of determination"}),
-        "coverage": ("output", inside.mean(axis=1), {"long_name": f"coverage of the nominal {NOMINAL:.0%} interval"}),
+        "coverage": ("output", inside.mean(axis=1), {"long_name": f"coverage of the {100 * NOMINAL:g} % interval"}),
+        "level_coverage": (
+            ("output", "level"),
+            held.mean(axis=2),
+            {"long_name": "coverage of the interval of a level"},
+        ),
         "crps": (
             "output",
-            (crps(true, mean, std) / over).mean(axis=1),
+            (crps(true, mean, std, model.distribution) / over).mean(axis=1),
             {"long_name": "mean continuous ranked probability score over range"},
         ),
         "decile_coverage": (
@@ -79,42 +103,78 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
             by_decile.min(axis=(1, 2)),
             {"long_name": "coverage in the worst decile of any input"},
         ),
-        "pit": (("output", "case"), pit(true, mean, std), {"long_name": "probability integral transform"}),
+        "worst_corner_coverage": (
+            "output",
+            worst_corner(unit_coordinates(model.inputs_, X), inside),
+            {"long_name": "coverage in the worst corner of any two inputs"},
+        ),
+        "pit": (("output", "case"), transform, {"long_name": "probability integral transform"}),
+        "pit_distance": (
+            "output",
+            distance(transform),
+            {"long_name": "largest distance of the probability integral transform's distribution from uniform"},
+        ),
         "error": (("output", "case"), error, {"long_name": "signed error over range"}),
     }
     if training is not None:
         interpolated = chebyshev_interpolation(training, list(model.inputs_), points, names)
         table |= _errors((_stack(interpolated, names, predicted) - true) / over, "baseline_")
     if model.calibration_ is not None:
-        raw = copy(model)
-        raw.calibration_ = None
-        before = validate(raw, cases, None)
-        table |= {f"raw_{name}": before[name].variable for name in ("coverage", "worst_decile_coverage", "crps", "pit")}
-    coords = {"output": names, "input": list(model.box), "decile": np.arange(1, DECILES + 1)}
+        before = validate(model.uncalibrated(), cases, None)
+        table |= {f"raw_{name}": before[name].variable for name in ("max_error", "rmse", *_COMPARED)}
+    coords = {
+        "output": names,
+        "input": list(model.box),
+        "decile": np.arange(1, DECILES + 1),
+        "level": ("level", list(LEVELS), {"long_name": "nominal share of the cases that an interval holds"}),
+    }
     return xr.Dataset(table, coords=coords)
 
 
-def crps(true: Array, mean: Array, std: Array) -> Array:
-    """Return the continuous ranked probability score of Gaussian predictions, any shape.
+def crps(true: Array, mean: Array, std: Array, distribution: Distribution | None = None) -> Array:
+    """Return the continuous ranked probability score of predictions, (p, n), in the outputs' units.
 
-    T. Gneiting and A. E. Raftery, J. Am. Stat. Assoc. 102 (2007) 359, equation 21, with the sign of a loss. A standard
-    deviation of zero gives the absolute error.
+    `distribution` is that of (truth - mean) / std, by default a normal one. A standard deviation of zero gives the
+    absolute error.
     """
     z = _standard(true, mean, std)
     finite = np.where(np.isfinite(z), z, 0.0)
-    score = std * (finite * (2 * norm.cdf(finite) - 1) + 2 * norm.pdf(finite) - 1 / np.sqrt(np.pi))
+    score = std * (distribution or Normal()).crps(finite)
     return np.asarray(np.where(std > 0, score, np.abs(true - mean)))
 
 
-def pit(true: Array, mean: Array, std: Array) -> Array:
-    """Return the probability integral transform of Gaussian predictions, any shape; uniform where they are right."""
-    return np.asarray(norm.cdf(_standard(true, mean, std)))
+def pit(true: Array, mean: Array, std: Array, distribution: Distribution | None = None) -> Array:
+    """Return the probability integral transform of predictions, (p, n); uniform where they are right."""
+    return (distribution or Normal()).cdf(_standard(true, mean, std))
+
+
+def _inside(true: Array, mean: Array, std: Array, distribution: Distribution, level: float) -> Flags:
+    """Whether the interval of a level holds the truth: (p, n)."""
+    lower, upper = distribution.ends(level)
+    return np.asarray((mean + lower[:, None] * std <= true) & (true <= mean + upper[:, None] * std))
 
 
 def _standard(true: Array, mean: Array, std: Array) -> Array:
     error = true - mean
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(error == 0, 0.0, error / std)
+
+
+def worst_corner(t: Array, inside: Flags) -> Array:
+    """Least coverage where both of two inputs, (d, n), are in an outer tenth of their range: (p,)."""
+    worst = np.full(len(inside), np.nan)
+    for a, b in combinations(np.concatenate([t, -t]), 2):
+        corner = (a > 0.8) & (b > 0.8)
+        if np.count_nonzero(corner) >= CORNER_CASES:
+            worst = np.fmin(worst, inside[:, corner].mean(axis=1))
+    return worst
+
+
+def distance(transform: Array) -> Array:
+    """Largest distance of empirical distribution functions from the uniform one: (p, n) -> (p,)."""
+    ordered, cases = np.sort(transform, axis=1), transform.shape[1]
+    steps = np.arange(cases + 1) / cases
+    return np.asarray(np.maximum(np.abs(ordered - steps[:-1]), np.abs(ordered - steps[1:])).max(axis=1))
 
 
 def _errors(error: Array, prefix: str) -> dict[str, Any]:
@@ -141,7 +201,7 @@ def _by_decile(column: Array, inside: Flags) -> Array:
     return np.stack([inside[:, part].mean(axis=1) if part.size else np.ones(len(inside)) for part in parts], axis=1)
 
 
-def _stack(dataset: xr.Dataset, names: list[str], like: xr.Dataset) -> Array:
+def _stack(dataset: Mapping[Any, xr.DataArray], names: list[str], like: xr.Dataset) -> Array:
     template = like[next(iter(like.data_vars))]
     arrays = [xr.broadcast(dataset[name], template)[0].transpose(*template.dims) for name in names]
     return np.stack([np.asarray(array.values, dtype=np.float64).ravel() for array in arrays])

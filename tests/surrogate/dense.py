@@ -29,6 +29,17 @@ def predict(
     return white.T @ np.linalg.solve(L, values.ravel()), prior - (white**2).sum(axis=0)
 
 
+def covariance(kernels: Sequence[FactorKernel], jitter: Sequence[float], levels: Sequence[Array], t: Array) -> Array:
+    """Posterior covariance between points t (B, d), as `predict` has its diagonal: (B, B)."""
+    grid = np.stack(np.meshgrid(*levels, indexing="ij"), axis=-1).reshape(-1, len(levels))
+    K, cross, prior = np.ones((len(grid), len(grid))), np.ones((len(t), len(grid))), np.ones((len(t), len(t)))
+    for f, kernel in enumerate(kernels):
+        K *= kernel(grid[:, f], grid[:, f]) + jitter[f] * (grid[:, f][:, None] == grid[:, f])
+        cross *= kernel(t[:, f], grid[:, f])
+        prior *= kernel(t[:, f], t[:, f])
+    return np.asarray(prior - cross @ np.linalg.solve(K, cross.T))
+
+
 def chebyshev(levels: int, rho: float, amplitude: float) -> FactorKernel:
     """1 + amplitude sum_{0<m<2n} rho^m T_m T_m, and 1 + amplitude T_1 T_1 on two levels."""
     terms = 2 if levels == 2 else 2 * levels

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from solver import FactorError, Material, MaterialError, PrecisionWarning, solve, solve_interior
-from solver.names import EVERY_FILM_QUANTITY, EVERY_QUANTITY, FILM_QUANTITIES, QUANTITIES
+from solver.names import ALL_QUANTITIES, FILM_QUANTITIES, QUANTITIES
 from storage.files import output
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
@@ -24,8 +24,6 @@ from workflow.cli.query import query
 from workflow.cli.solving import solved
 from workflow.cli.words import numbers, say
 from workflow.study.reading import InputError, one_line, read_material
-
-_QUANTITIES = {*EVERY_QUANTITY, *EVERY_FILM_QUANTITY}
 
 
 class _Parser(argparse.ArgumentParser):
@@ -104,10 +102,10 @@ def _parser() -> _Parser:
 
     command = commands.add_parser(
         "query",
-        help="values and 95 %% intervals from a trained surrogate",
-        description="Values and the intervals that hold the exact ones in 95 %% of cases. Columns written: the inputs, "
-        "then NAME, NAME_std, NAME_lower and NAME_upper of every output. NAME_std is half the interval's width over "
-        "1.96; errors are not Gaussian, and NAME +- NAME_std holds few of them.",
+        help="values and intervals from a trained surrogate",
+        description="Values and the intervals that hold the exact ones in a stated share of cases, 95 %% unless "
+        "--level says another. Columns written: the inputs, then NAME, NAME_std, NAME_lower and NAME_upper of every "
+        "output. NAME +- NAME_std holds 68 %%; intervals are no fixed multiple of it: errors are not Gaussian.",
     )
     command.add_argument("surrogate", type=Path, metavar="surrogate.nc")
     command.add_argument(
@@ -115,6 +113,7 @@ def _parser() -> _Parser:
     )
     command.add_argument("--at", metavar="NAME=VALUE,...", help="one point, printed")
     command.add_argument("-o", "--output", type=Path, metavar="OUT.csv")
+    command.add_argument("--level", type=float, metavar="SHARE", help="of cases that intervals hold; default: 0.95")
     command.add_argument("--extrapolate", action="store_true", help="answer outside the trained box too, flagged")
     command.add_argument(
         "--exact", metavar="STUDY", help="also the exact answers, by the formula: the study that it came from"
@@ -179,7 +178,7 @@ def _solve(options: argparse.Namespace) -> None:
     missing = [name for name in asked if name not in out]
     if missing:
         print(f"left out, as some case has no such quantity: {', '.join(missing)}", file=sys.stderr)
-    _wrote(options, out, f"{sum(name in _QUANTITIES for name in out.data_vars)} quantities")
+    _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
 
 
 def _interior(options: argparse.Namespace) -> None:

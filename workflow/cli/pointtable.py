@@ -11,8 +11,8 @@ from workflow.language.spelling import nearest
 from workflow.study.reading import InputError
 
 
-def predicted(model: GaussianProcess, table: Table, *, extrapolate: bool) -> xr.Dataset:
-    """Every output of the model at every row, over dimension ``point``.
+def predicted(model: GaussianProcess, table: Table, level: float, *, extrapolate: bool) -> xr.Dataset:
+    """Every output of the model at every row, with intervals at a level, over dimension ``point``.
 
     Raises
     ------
@@ -26,7 +26,7 @@ def predicted(model: GaussianProcess, table: Table, *, extrapolate: bool) -> xr.
     wrong = outside(X, model.inputs_)
     try:
         with np.errstate(all="ignore"):  # what is not finite is named below
-            answer = predictions.predicted(model, named, extrapolate=extrapolate)
+            answer = predictions.predicted(model, named, level, extrapolate=extrapolate)
     except OutOfBoxError as error:
         raise InputError(f"{table.at(int(wrong.any(axis=1).argmax()))}: {error}") from None
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""What a surrogate says of points, as `meecontact query` gives it: value, standard deviation, 95 % interval."""
+"""What a surrogate says of points, as `meecontact query` gives it: value, standard deviation, interval."""
 
 from collections.abc import Mapping, Sequence
 from math import floor, isfinite, log10
@@ -6,34 +6,37 @@ from math import floor, isfinite, log10
 import xarray as xr
 
 from surrogate import GaussianProcess
+from surrogate.gp.distribution import NOMINAL
 
 #: Figures of a number whose interval says nothing of them, and the fewest and most that an interval asks for.
 _FIGURES, _FEWEST, _MOST = 10, 4, 15
 
 
-def predicted(model: GaussianProcess, points: Mapping[str, xr.DataArray], *, extrapolate: bool = False) -> xr.Dataset:
+def predicted(
+    model: GaussianProcess, points: Mapping[str, xr.DataArray], level: float, *, extrapolate: bool = False
+) -> xr.Dataset:
     """``<output>``, ``<output>_std``, ``<output>_lower`` and ``<output>_upper`` of every output, in this order.
 
     Raises
     ------
     ValueError
-        As ``model.predict``.
+        As ``model.interval``.
     """
     answer = model.predict(points, extrapolate=extrapolate)
-    whole = answer.assign(model.interval(points, extrapolate=extrapolate).data_vars)
+    whole = answer.assign(model.interval(points, level, extrapolate=extrapolate).data_vars)
     names = [f"{name}{part}" for name in model.outputs_ for part in ("", "_std", "_lower", "_upper")]
     return whole[names + (["extrapolated"] if extrapolate else [])]
 
 
-def table(answer: xr.Dataset, outputs: Sequence[str]) -> dict[str, str]:
+def table(answer: xr.Dataset, outputs: Sequence[str], level: float) -> dict[str, str]:
     """A line for every output, ``name value [lower, upper] (95 %)`` at the first point, all of one length."""
     ends = {name: [float(answer[f"{name}{part}"].values[0]) for part in ("", "_lower", "_upper")] for name in outputs}
-    lines = {name: f"{name:34s} {shown(*three)}" for name, three in ends.items()}
+    lines = {name: f"{name:34s} {shown(value, lower, upper, level)}" for name, (value, lower, upper) in ends.items()}
     length = max(map(len, lines.values()))
     return {name: line.ljust(length) for name, line in lines.items()}
 
 
-def shown(value: float, lower: float, upper: float) -> str:
+def shown(value: float, lower: float, upper: float, level: float = NOMINAL) -> str:
     """``value [lower, upper] (95 %)`` with two figures of the interval's half width.
 
     >>> shown(-527.568446, -527.5708, -527.5661)
@@ -41,7 +44,7 @@ def shown(value: float, lower: float, upper: float) -> str:
     """
     count = _figures(max(abs(lower), abs(upper)), (upper - lower) / 2)
     one, low, high = (f"{number:#.{count}g}".rstrip(".") for number in (value, lower, upper))
-    return f"{one} [{low}, {high}] (95 %)"
+    return f"{one} [{low}, {high}] ({100 * level:g} %)"
 
 
 def _figures(size: float, half_width: float) -> int:

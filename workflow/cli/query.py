@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 import surrogate
 from storage.files import output, regular, writing
 from surrogate import GaussianProcess
+from surrogate.gp.distribution import NOMINAL
 from workflow.cli import predictions
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.pointtable import predicted
@@ -48,16 +49,26 @@ def query(options: argparse.Namespace) -> None:
         table = Table("--at", values, np.empty(0, dtype=np.int64))
     else:
         table = read_cases(options.table)
-    answer = predicted(model, table, extrapolate=options.extrapolate)
+    level = _level(model, options.level)
+    answer = predicted(model, table, level, extrapolate=options.extrapolate)
     if model.calibration_ is None:
-        say("not calibrated: this surrogate's intervals may hold far less than 95 %")
+        say(f"not calibrated: this surrogate's intervals may hold far less than {100 * level:g} %")
     if options.exact is not None:
         answer = _with_exact(answer, model, table, studies.named(location.given(options.exact)))
     if options.output is None:
-        _print_answer(answer, list(model.outputs_))
+        _print_answer(answer, list(model.outputs_), level)
     else:
         _write_answer(options.output, table.columns, answer)
         say(f"wrote {options.output}: {answer.sizes['point']} points, {len(model.outputs_)} outputs")
+
+
+def _level(model: GaussianProcess, asked: float | None) -> float:
+    level = NOMINAL if asked is None else asked
+    try:
+        model.check_level(level)
+    except ValueError as error:
+        raise InputError(f"--level: {error}") from None
+    return level
 
 
 def _with_exact(answer: xr.Dataset, model: GaussianProcess, table: Table, study: studies.Study) -> xr.Dataset:
@@ -73,10 +84,10 @@ def _with_exact(answer: xr.Dataset, model: GaussianProcess, table: Table, study:
     return answer.assign({f"{name}_exact": exact[name] for name in model.outputs_})
 
 
-def _print_answer(answer: xr.Dataset, outputs: list[str]) -> None:
+def _print_answer(answer: xr.Dataset, outputs: list[str], level: float) -> None:
     if "extrapolated" in answer and bool(answer["extrapolated"].values[0]):
         print("extrapolated: the point lies outside the trained box; its intervals are not to be trusted")
-    said = predictions.table(answer, outputs)
+    said = predictions.table(answer, outputs, level)
     for name in outputs:
         exact = f"  exact {float(answer[f'{name}_exact'].values[0]): .10g}" if f"{name}_exact" in answer else ""
         print(one_line(f"{said[name]}{exact}  {answer[name].attrs.get('units', '')}"))

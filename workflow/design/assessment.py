@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from solver.names import CHOICES, EVERY_QUANTITY, PEAKS, PROFILES
+from solver.names import ALL_QUANTITIES, CHOICES, PROFILES
 from workflow.dataset import factorial
 from workflow.design import budget, perturbation
 from workflow.design.designs import Designs
@@ -22,7 +22,6 @@ Array = NDArray[np.float64]
 
 #: Excess over a limit's scale that counts as none: rounding of the exact solver, which is good to 4e-14.
 ROUNDING = 1e-12
-_NORMAL = 1.959964  # standard deviations of a 95 % interval
 _BINDS = 1e-3  # margin below which a limit binds
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
 _PLAIN = 10.0  # times a limit, from which an excess is written without digits behind the point
@@ -33,18 +32,22 @@ _PILOT = 512
 
 @dataclass(frozen=True)
 class Prediction:
-    """What the terms count as on the surrogate: values, the deciding scenario of each, and a standard deviation."""
+    """What the terms count as on the surrogate: values, the deciding scenario of each, and how far off they may be.
+
+    The standard deviation, and the reach of the 95 % interval.
+    """
 
     values: Array
     scenarios: list[int]
     stds: Array
+    reaches: Array
 
 
 def exactly(design: Designs, terms: Sequence[Term]) -> tuple[Array, int]:
-    """What some terms exactly count as at one design in the verdict, and the searched cases that they took."""
+    """What some terms exactly count as at one design in the verdict, and the costly cases that they took."""
     values, cases = [], 0
     for term in terms:
-        if budget.names(term):
+        if budget.names(design.question, term):
             found = budget.count_exactly(design, term)
             values.append(found.value)
             cases += found.cases
@@ -61,27 +64,30 @@ def excesses(design: Designs, source: Source) -> Array:
 
 def doubts(design: Designs) -> Array:
     """Half of the 95 % interval of every limited term at one design, over its scale; (k,)."""
-    terms, stds = design.question.terms, predict(design, design.question.searched).stds
-    scaled = [std / term.scale for term, std in zip(terms, stds, strict=True) if term.limited]
-    return _NORMAL * np.array(scaled).reshape(-1)
+    terms, reaches = design.question.terms, predict(design, design.question.searched).reaches
+    scaled = [reach / term.scale for term, reach in zip(terms, reaches, strict=True) if term.limited]
+    return np.array(scaled).reshape(-1)
 
 
 def predict(design: Designs, sets: Mapping[bool, Scenarios]) -> Prediction:
-    """Terms on the surrogate, with standard deviations carried through expression and risk measure as if they added."""
-    values, scenarios, stds = [], [], []
+    """Terms on the surrogate, with what may be off carried through expression and risk measure as if it added."""
+    values, scenarios = [], []
+    stds: list[float] = []
+    reaches: list[float] = []
     for term in design.question.terms:
         chosen = sets[term.drawn]
         found = design.values(design.predicted, chosen, term)
         weights = term.weights(found[0])
-        sizes = design.predicted.stds(design.factors(chosen), _quantities(term))
         values.append(float(term.counted(found)[0]))
         scenarios.append(int(weights.argmax()))
-        stds.append(float(weights @ _carried(design, chosen, term, {name: std[0] for name, std in sizes.items()})))
-    return Prediction(np.array(values), scenarios, np.array(stds))
+        for source, sizes in ((design.predicted.stds, stds), (design.predicted.reaches, reaches)):
+            own = {name: size[0] for name, size in source(design.factors(chosen), _quantities(term)).items()}
+            sizes.append(float(weights @ _carried(design, chosen, term, own)))
+    return Prediction(np.array(values), scenarios, np.array(stds), np.array(reaches))
 
 
 def _quantities(term: Term) -> list[str]:
-    return [name for name in term.expression.names() if name in EVERY_QUANTITY]
+    return [name for name in term.expression.names() if name in ALL_QUANTITIES]
 
 
 def _carried(design: Designs, chosen: Scenarios, term: Term, sizes: Mapping[str, Array]) -> Array:
@@ -104,9 +110,9 @@ def judge(design: Designs) -> xr.Dataset:
         in it; NaN where that is next to zero), ``loss`` (the same in its units), ``matters`` (whether that error
         changes any objective), ``margin_left`` (least margin of all limits after it) and ``edge`` (in words, the end
         of the range at which it stands). Over ``term``, the objective first:
-        ``predicted``, ``predicted_std``, ``half`` (of the interval, tolerance included), ``exact``, ``inside``,
-        ``limit``, ``margin``, ``units``. Over both: ``elasticity`` and ``worst`` (the scenario that decides). Over
-        ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``flags``.
+        ``predicted``, ``predicted_std``, ``half`` (reach of the 95 % interval, tolerance included), ``exact``,
+        ``inside``, ``limit``, ``margin``, ``units``. Over both: ``elasticity`` and ``worst`` (the scenario that
+        decides). Over ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``flags``.
     """
     question, terms = design.question, design.question.terms
     guessed = predict(design, question.judged)
@@ -115,7 +121,7 @@ def judge(design: Designs) -> xr.Dataset:
     scales = np.array([term.scale for term in terms])
     signs = np.array([term.sign for term in terms])
     margin = signs * (limits - exact) / scales
-    half = _NORMAL * guessed.stds + _tolerances(design)
+    half = guessed.reaches + _tolerances(design)
     corner = _corners(design)
     worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
     sensitivity = perturbation.sensitivities(design, exact, list(worst[0]))
@@ -151,10 +157,10 @@ def judge(design: Designs) -> xr.Dataset:
 
 
 def _corners(design: Designs) -> dict[str, Array]:
-    """Every quantity of a design, exactly, over many corners of the ranges; what is searched for over a few."""
+    """Every quantity of a design, exactly, over many corners of the ranges; what is costly over a few."""
     out: dict[str, Array] = {}
-    for sets, searched_for in ((design.question.judged, False), (design.question.searched, True)):
-        names = [name for name in design.exact.quantities if (name in PEAKS) == searched_for]
+    for sets, costly in ((design.question.judged, False), (design.question.searched, True)):
+        names = [name for name in design.exact.quantities if (name in design.question.study.costly) == costly]
         out |= design.exact.values(design.factors(sets[False]), names) if names else {}
     return out
 
@@ -244,10 +250,13 @@ def _flags(corner: Mapping[str, Array], radius: Array | None) -> list[str]:
     """Where a design leaves what the theory holds for."""
     flags = []
     width = corner["contact_trailing"] + corner["contact_leading"]
-    # an insulating punch has no one voltage
-    field = float((np.abs(corner["voltage"]) / width).max()) if "voltage" in corner else 0.0
+    field, over = 0.0, ""  # an insulating punch has no one voltage
+    if "nominal_field" in corner:
+        field, over = float(corner["nominal_field"].max()), "thickness"
+    elif "voltage" in corner:
+        field, over = float((np.abs(corner["voltage"]) / width).max()), "contact width"
     if field > _LINEAR_FIELD:
-        flags.append(f"nominal field |voltage| / contact width = {field / 1e6:.3g} kV/mm is beyond 0.3 kV/mm")
+        flags.append(f"nominal field |voltage| / {over} = {field / 1e6:.3g} kV/mm is beyond 0.3 kV/mm")
     share = float((width / radius).max()) if radius is not None else 0.0
     if share > _SLENDER:
         flags.append(f"the contact is {share:.2g} of the radius wide: no longer a parabola")

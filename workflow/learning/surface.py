@@ -78,7 +78,7 @@ def validate(study: Study, model: GridGP) -> xr.Dataset:
 
 
 def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[str, Any], X: Array) -> xr.Dataset:
-    """Surface fields and their standard deviations at positions under the punch.
+    """Surface fields and their intervals at positions under the punch.
 
     Parameters
     ----------
@@ -92,7 +92,8 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
     Returns
     -------
     xarray.Dataset
-        ``<field>`` and ``<field>_std`` over the points' dimensions and ``position``. The exponent is taken as known,
+        ``<field>``, ``<field>_std`` and the ends of the 95 % interval, ``<field>_lower`` and ``<field>_upper``, over
+        the points' dimensions and ``position``. The exponent is taken as known,
         being itself far more accurate.
 
     Raises
@@ -103,12 +104,13 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
     position = np.asarray(X, dtype=np.float64)
     weight = weights(position, quantities.predict(points, return_std=False)["pressure_exponent"])
     angle = xr.DataArray(np.arccos(-position), dims="position", coords={"position": position})
-    found = fields.predict({**_named(points), "angle": angle})
+    at = {**_named(points), "angle": angle}
+    found = fields.predict(at).assign(fields.interval(at).data_vars)
     return xr.Dataset(
         {
             f"{name}{suffix}": (found[f"{name}{suffix}"] * weight[name]).assign_attrs(FIELDS[name].attrs)
             for name in NAMES
-            for suffix in ("", "_std")
+            for suffix in ("", "_std", "_lower", "_upper")
         }
     )
 

@@ -1,7 +1,7 @@
 """Named inputs and outputs, refusals, and scikit-learn's conventions, for every engine."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -228,23 +228,62 @@ def test_points_of_another_shape_are_refused_in_one_line(model: GridGP, points: 
     assert "\n" not in str(caught.value)
 
 
-def test_the_interval_is_that_of_95_percent_and_no_other(model: GridGP) -> None:
-    answer, found = model.predict(MIDDLE), model.interval(MIDDLE)
+@pytest.mark.parametrize(("level", "deviations"), [(0.95, 1.959963984540054), (0.5, 0.6744897501960817)])
+def test_without_calibration_the_interval_is_that_of_a_normal_distribution(
+    model: GridGP, level: float, deviations: float
+) -> None:
+    answer, found = model.predict(MIDDLE), model.interval(MIDDLE, level)
     assert list(found.data_vars) == [f"{name}_{end}" for name in model.outputs_ for end in ("lower", "upper")]
     assert found["smooth_lower"].attrs == {
         "units": "Pa",
-        "long_name": "lower end of the 95 % interval of the smooth output",
+        "long_name": f"lower end of the {100 * level:g} % interval of the smooth output",
     }
-    for name in model.outputs_:
-        half = 1.959963984540054 * float(answer[f"{name}_std"])
-        assert float(found[f"{name}_lower"]) == pytest.approx(float(answer[name]) - half, rel=1e-15)
-        assert float(found[f"{name}_upper"]) == pytest.approx(float(answer[name]) + half, rel=1e-15)
-    far = model.interval({**MIDDLE, "mixture": [0.5, 0.951]}, extrapolate=True)
-    assert far["extrapolated"].values.tolist() == [False, True]
-    with pytest.raises(OutOfBoxError, match=re.escape("mixture = 0.951")):
-        model.interval({**MIDDLE, "mixture": 0.951})
-    with pytest.raises(ValueError, match=re.escape("level 0.68 is not 0.95, the only one that is calibrated")):
-        model.interval(MIDDLE, 0.68)
+    X = np.array([[MIDDLE[name] for name in model.box]])
+    for k, name in enumerate(model.outputs_):
+        half = deviations * float(answer[f"{name}_std"])
+        assert float(found[f"{name}_lower"]) == pytest.approx(float(answer[name]) - half, rel=1e-14)
+        assert float(found[f"{name}_upper"]) == pytest.approx(float(answer[name]) + half, rel=1e-14)
+        plain = [float(end[0, k]) for end in model.interval_array(X, level)]
+        assert plain == pytest.approx([float(found[f"{name}_{end}"]) for end in ("lower", "upper")], rel=1e-14)
+
+
+def test_quantiles_and_samples_are_labelled_and_of_one_distribution(model: GridGP) -> None:
+    points = {**MIDDLE, "angle": [0.1, 0.2, 0.4]}
+    both, one = model.quantile(points, [0.025, 0.975]), model.quantile(points, 0.975)
+    assert both["smooth"].dims == ("quantile", "point")
+    assert one["smooth"].dims == ("point",)
+    assert both["smooth"].attrs == model.predict(points)["smooth"].attrs
+    np.testing.assert_allclose(both["smooth"][1], one["smooth"], rtol=0, atol=0)
+    np.testing.assert_allclose(both["smooth"][0], model.interval(points)["smooth_lower"], rtol=1e-14)
+    drawn = model.sample(points, 4000, seed=3)
+    assert drawn["smooth"].dims == ("sample", "point")
+    xr.testing.assert_identical(drawn, model.sample(points, 4000, seed=3))
+    inside = (drawn["smooth"] > both["smooth"][0]) & (drawn["smooth"] <= both["smooth"][1])
+    np.testing.assert_allclose(inside.mean("sample"), 0.95, rtol=0, atol=0.014)  # four standard errors
+
+
+def test_points_outside_of_the_box_have_intervals_when_asked_for(model: GridGP) -> None:
+    far = {**MIDDLE, "mixture": [0.5, 0.951]}
+    asked: list[Callable[..., xr.Dataset]] = [
+        model.interval,
+        lambda at, **how: model.quantile(at, 0.5, **how),
+        lambda at, **how: model.sample(at, 2, 0, **how),
+    ]
+    for ask in asked:
+        assert ask(far, extrapolate=True)["extrapolated"].values.tolist() == [False, True]
+        with pytest.raises(OutOfBoxError, match=re.escape("mixture = 0.951")):
+            ask(far)
+
+
+@pytest.mark.parametrize("level", [0.0, 1.0, -0.5, float("nan")])
+def test_levels_that_are_none_are_refused(model: GridGP, level: float) -> None:
+    for ask in (model.interval, lambda at, level: model.gradient(at, return_std=True, level=level)):
+        with pytest.raises(ValueError, match=f"level {level:g} is not between 0 and 1"):
+            ask(MIDDLE, level)
+    with pytest.raises(ValueError, match=r"q 2 is not between"):
+        model.quantile(MIDDLE, [0.5, 2.0])
+    with pytest.raises(ValueError, match=r"n 0 must be at least 1"):
+        model.sample(MIDDLE, 0, 1)
 
 
 def test_the_common_face_is_no_model() -> None:
@@ -254,7 +293,12 @@ def test_the_common_face_is_no_model() -> None:
 
 def test_gradient_is_labelled(model: GridGP) -> None:
     both = model.gradient(MIDDLE, return_std=True)
-    assert list(both.data_vars) == [*model.outputs_, *(f"{name}_std_gradient" for name in model.outputs_)]
+    assert list(both.data_vars) == [
+        f"{one}{part}" for part in ("", "_std", "_lower", "_upper") for one in model.outputs_
+    ]
+    assert both["smooth_lower"].attrs["long_name"] == (
+        "lower end of the 95 % interval of the derivative of the smooth output with respect to the input"
+    )
     found = model.gradient({**MIDDLE, "angle": [0.1, 0.2]})
     assert found["smooth"].dims == ("input", "point")
     assert found["input"].values.tolist() == list(model.box)

@@ -68,6 +68,33 @@ def test_stationary_kernels_agree_with_a_dense_process(kernel: Kernel) -> None:
 
 
 @pytest.mark.parametrize("kernel", ["chebyshev", "rbf", "matern32", "matern52"])
+def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient(kernel: Kernel) -> None:
+    counts, step = (5, 3, 2), 1e-3
+    data = sample({one.name: one.levels(n) for one, n in zip(PLANE, counts, strict=True)})
+    fixed, nugget = {"x": 0.5, "y": 0.4, "z": 0.6}, 1e-4
+    model = GridGP(kernel, PLANE, hyperparameters=fixed, compression=0, nugget=nugget).fit(data)
+    levels, t = [one.to_unit(data[one.name]) for one in PLANE], unit_points(12)
+    found = model.gradient(dict(zip("xyz", _physical(t).T, strict=True)), return_std=True)
+    for p, name in enumerate(model.outputs_):
+        kernels = [
+            dense.chebyshev(n, fixed[one.name], model.amplitude_[f, p])
+            if kernel == "chebyshev"
+            else dense.stationary(kernel, fixed[one.name])
+            for f, (one, n) in enumerate(zip(PLANE, counts, strict=True))
+        ]
+        jitter = [0.0] * 3 if kernel == "chebyshev" else [nugget] * 3
+        size = model.variance_[p] * data[name].values.std() ** 2
+        for k, one in enumerate(PLANE):
+            ends = np.concatenate([t + step * np.eye(3)[k], t - step * np.eye(3)[k]])
+            C = dense.covariance(kernels, jitter, levels, ends)
+            above, below = np.diag(C)[:12], np.diag(C)[12:]
+            want = size * (above + below - 2 * np.diag(C[:12, 12:])) / (2 * step) ** 2
+            std = found[f"{name}_std"].sel(input=one.name).values / one.unit_slope(_physical(t)[:, k])
+            # the quotient of a process that is once differentiable only is off by the step itself
+            np.testing.assert_allclose(std**2, want, rtol=2e-2 if kernel == "matern32" else 1e-4, atol=1e-7 * size)
+
+
+@pytest.mark.parametrize("kernel", ["chebyshev", "rbf", "matern32", "matern52"])
 def test_leave_one_level_out_errors_are_those_of_refitting_without_the_level(kernel: Kernel) -> None:
     from surrogate.gp.hyperparameters import level_errors
 

@@ -77,7 +77,7 @@ def replaced(name: str, value: Any) -> Callable[[xr.Dataset], xr.Dataset]:  # an
     ("change", "says"),
     [
         (attribute("format", "other"), "not a surrogate model"),
-        (attribute("format_version", 2), "format version 2 is not 1"),
+        (attribute("format_version", 1), "format version 1 is not 2, the one known here: make the model anew"),
         (attribute("engine", "torch"), "unknown engine 'torch'; known are grid, scatter"),
         (attribute("kernel", "__import__('os')"), "unknown kernel"),
         (lambda d: d.drop_vars("amplitude"), "inconsistent"),

@@ -36,6 +36,28 @@ def radial(kernel: str, u: Array, v: Array) -> Array:
 
 
 @pytest.mark.parametrize("kernel", ["rbf", "matern32", "matern52"])
+def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient(kernel: KernelName) -> None:
+    data, held, step = cases(40), cases(10, seed=1), 1e-3
+    model = ScatterGP(kernel, INPUTS, nugget=1e-2).fit(data)
+    found = model.gradient(held[["x", "y"]], return_std=True)
+    t = np.stack([one.to_unit(data[one.name]) for one in INPUTS], axis=1)
+    at = np.stack([one.to_unit(held[one.name]) for one in INPUTS], axis=1)
+    for p, name in enumerate(("f", "g")):
+        theta = np.exp(model.regressors_[p].kernel_.theta)
+        factor = cho_factor(theta[0] * radial(kernel, t / theta[1:], t / theta[1:]) + 1e-2 * np.eye(len(t)))
+        for k, one in enumerate(INPUTS):
+            ends = np.concatenate([at + step * np.eye(2)[k], at - step * np.eye(2)[k]]) / theta[1:]
+            cross = theta[0] * radial(kernel, ends, t / theta[1:])
+            C = theta[0] * radial(kernel, ends, ends) - cross @ cho_solve(factor, cross.T)
+            want = (np.diag(C)[:10] + np.diag(C)[10:] - 2 * np.diag(C[:10, 10:])) / (2 * step) ** 2
+            std = found[f"{name}_std"].sel(input=one.name).values / one.unit_slope(held[one.name].values)
+            size = data[name].values.std() ** 2
+            np.testing.assert_allclose(
+                std**2, size * want, rtol=2e-2 if kernel == "matern32" else 1e-3, atol=1e-6 * size
+            )
+
+
+@pytest.mark.parametrize("kernel", ["rbf", "matern32", "matern52"])
 def test_prediction_is_that_of_a_dense_process(kernel: KernelName) -> None:
     data = cases(40)
     model = ScatterGP(kernel, INPUTS, nugget=1e-4).fit(data)

@@ -96,7 +96,7 @@ def test_intervals_hold_the_indices_of_the_truth_on_a_coarse_grid() -> None:
         assert bool((coarse[f"{name}_low"] <= fine[name] + 1e-12).all())
         assert bool((coarse[f"{name}_high"] >= fine[name] - 1e-12).all())
         width = coarse[f"{name}_high"] - coarse[f"{name}_low"]
-        assert 1e-6 < float(width.max()) < 0.5
+        assert 1e-6 < float(width.max()) < 0.7
 
 
 def test_scattered_models_are_refused_by_name() -> None:

@@ -199,6 +199,21 @@ def test_query_prints_and_writes_what_the_surrogate_says(
     assert list(rows[0]) == [*point, *columns]
     assert "+-" not in printed
     assert [row["radius"] for row in rows] == ["0.1", "0.02"]
+    assert (
+        main.main(["query", str(path), "--at", ",".join(f"{k}={v}" for k, v in point.items()), "--level", "0.8"]) == 0
+    )
+    name, narrow = model.outputs_[0], model.interval(named, 0.8)
+    line = next(one for one in capsys.readouterr().out.splitlines() if one.split()[0] == name)
+    found = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] \(80 %\) .*", line)
+    assert found, line
+    half = float(narrow[f"{name}_upper"][0] - narrow[f"{name}_lower"][0]) / 2
+    assert float(found[3]) == pytest.approx(float(narrow[f"{name}_upper"][0]), abs=0.051 * half)
+    for level in ("1", "0", "nan", "0.99999"):
+        assert main.main(["query", str(path), str(table), "-o", str(tmp_path / "no.csv"), "--level", level]) == 2
+        assert capsys.readouterr().err.startswith(
+            f"meecontact: --level: level {float(level):g} is not between 0 and 0.999"
+        )
+        assert not (tmp_path / "no.csv").exists()
 
 
 def test_query_gives_the_exact_answer_beside_its_own(

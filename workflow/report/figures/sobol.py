@@ -6,11 +6,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from surrogate.gp.conformal import HALF_WIDTH
 from workflow.language.numbers import prefixed
 from workflow.report.figures.style import BLUE, ORANGE, by_ratio, factor_scale, styled
 
 _SHOWN = 4
+_BAND = 2  # root-mean-square errors on either side of a main effect
 
 
 @styled
@@ -39,7 +39,7 @@ def indices(sensitivity: xr.Dataset) -> Figure:
 
 @styled
 def main_effects(sensitivity: xr.Dataset, outputs: list[str]) -> Figure:
-    """Mean of some outputs given one input, minus the mean over the box, with 95 % intervals."""
+    """Mean of some outputs given one input, minus the mean over the box, and twice its root-mean-square error."""
     inputs = [str(name) for name in sensitivity["input"].values]
     shown = outputs[:_SHOWN]
     figure, axes = plt.subplots(
@@ -61,7 +61,7 @@ def main_effects(sensitivity: xr.Dataset, outputs: list[str]) -> Figure:
 
 def _curve(ax: Axes, one: xr.Dataset, name: str, size: float) -> None:
     value, effect = one["value"].values / factor_scale(name, one["value"].values)[0], one["main_effect"].values / size
-    reach = HALF_WIDTH * one["main_effect_std"].values / size
+    reach = _BAND * one["main_effect_std"].values / size
     ax.fill_between(value, effect - reach, effect + reach, color=BLUE, alpha=0.25, lw=0)
     ax.plot(value, effect, color=BLUE, lw=1.4)
     ax.axhline(0, color="black", lw=0.5)

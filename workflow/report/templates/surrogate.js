@@ -1,4 +1,4 @@
-// The trained surrogate in the browser: the arithmetic of surrogate/gp/gridgp.py, factors.py and conformal.py.
+// The trained surrogate in the browser: the arithmetic of surrogate/gp/gridgp.py, factors.py, correction.py and conformal.py.
 "use strict";
 
 function readArray(stored) {
@@ -13,6 +13,8 @@ function loadSurrogate(plain) {
     model.calibration = {};
     for (const name of Object.keys(plain.calibration)) model.calibration[name] = readArray(plain.calibration[name]);
   }
+  if (plain.correction) model.correction = { ...plain.correction, coefficients: readArray(plain.correction.coefficients) };
+  model.interval = { lower: readArray(plain.interval.lower), upper: readArray(plain.interval.upper) };
   return model;
 }
 
@@ -61,7 +63,20 @@ function contract(state, core, feature) {
   return next;
 }
 
-// Means and standard deviations of all outputs at scaled coordinates t, one an input.
+// What held-out cases have told of the error of the means (correction.py): added to them.
+function correct(correction, t, mean) {
+  const { levels, degrees, coefficients } = correction, count = mean.length;
+  const T = t.map((one, k) => chebyshev(one, Math.max(levels[k], ...degrees.map((index) => index[k])) + 1));
+  degrees.forEach((index, a) => {
+    const product = index.reduce((all, degree, k) => all * T[k][degree], 1);
+    levels.forEach((n, f) => {
+      const row = (f * degrees.length + a) * count, weight = T[f][n] * product;
+      for (let p = 0; p < count; p++) mean[p] += weight * coefficients.data[row + p];
+    });
+  });
+}
+
+// Means, standard deviations and ends of the intervals of all outputs at scaled coordinates t, one an input.
 function predict(model, t) {
   const modes = new Array(t.length);
   model.order.forEach((k, position) => { modes[k] = model.cores[position].shape[1]; });
@@ -69,6 +84,7 @@ function predict(model, t) {
   let state = new Float64Array([1]);
   model.order.forEach((k, position) => { state = contract(state, model.cores[position], parts[k].mean); });
   const count = model.outputs.length, mean = new Float64Array(count), std = new Float64Array(count);
+  const lower = new Float64Array(count), upper = new Float64Array(count);
   for (let p = 0; p < count; p++) {
     mean[p] = state[p] * model.scale.data[p] + model.offset.data[p];
     let unknown = 0, known = 1;
@@ -81,19 +97,32 @@ function predict(model, t) {
     });
     std[p] = calibrated(model, t, p, unknown * model.variance.data[p]);
   }
-  return { mean, std };
+  if (model.correction) correct(model.correction, t, mean);
+  for (let p = 0; p < count; p++) {
+    lower[p] = mean[p] + model.interval.lower.data[p] * std[p];
+    upper[p] = mean[p] + model.interval.upper.data[p] * std[p];
+  }
+  return { mean, std, lower, upper };
 }
 
 function calibrated(model, t, p, variance) {
   const c = model.calibration, count = model.outputs.length;
   if (!c) return Math.sqrt(variance);
-  const degree = (c.trend.shape[0] - 1) / t.length, slabs = c.guard.shape[1];
-  let scale = c.trend.data[p], guard = -Infinity;
-  t.forEach((one, k) => {
-    const inside = Math.min(Math.max(one, -1), 1), T = chebyshev(inside, degree + 1);
+  const slabs = c.guard.shape[1], inside = t.map((one) => Math.min(Math.max(one, -1), 1));
+  const pairs = (t.length * (t.length - 1)) / 2, degree = (c.trend.shape[0] - pairs - 1) / t.length;
+  const slab = inside.map((one) => Math.min(Math.max(Math.trunc(((one + 1) / 2) * slabs), 0), slabs - 1));
+  const edge = slab.map((one) => (one > 0) + (one === slabs - 1)); // 0 in the lowest slab, 2 in the highest
+  let scale = c.trend.data[p], guard = -Infinity, pair = 0;
+  inside.forEach((one, k) => {
+    const T = chebyshev(one, degree + 1);
     for (let m = 1; m <= degree; m++) scale += T[m] * c.trend.data[(k * degree + m) * count + p];
-    const slab = Math.min(Math.max(Math.trunc(((inside + 1) / 2) * slabs), 0), slabs - 1);
-    guard = Math.max(guard, c.guard.data[(k * slabs + slab) * count + p]);
+    guard = Math.max(guard, c.guard.data[(k * slabs + slab[k]) * count + p]);
   });
+  for (let i = 0; i < t.length; i++) {
+    for (let j = i + 1; j < t.length; j++, pair++) {
+      scale += inside[i] * inside[j] * c.trend.data[(1 + t.length * degree + pair) * count + p];
+      guard = Math.max(guard, c.corner_guard.data[((pair * 3 + edge[i]) * 3 + edge[j]) * count + p]);
+    }
+  }
   return Math.sqrt(variance + c.floor.data[p]) * Math.exp(scale + guard);
 }

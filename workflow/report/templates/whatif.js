@@ -1,7 +1,7 @@
 // The what-if panel: sliders in, every quantity with its interval, the contact pressure and the limits out.
 "use strict";
 
-// Two figures of an interval's half width, as meecontact query prints (workflow/cli/predictions.py).
+// Two figures of half of an interval's width, as meecontact query prints (workflow/cli/predictions.py).
 function figures(size, half) {
   return half > 0 ? Math.min(Math.max(Math.floor(Math.log10(size)) - Math.floor(Math.log10(half)) + 2, 4), 15) : 10;
 }
@@ -53,11 +53,11 @@ function startWhatIf(root) {
 
   function show() {
     const answer = predict(model, point), values = { ...data.fixed };
-    const [mean, half] = [answer.mean, answer.std.map((std) => data.halfWidth * std)].map((all) => kind.columns.map((column) => all[column]));
+    const [mean, lower, upper] = [answer.mean, answer.lower, answer.upper].map((all) => kind.columns.map((column) => all[column]));
     model.inputs.forEach((input, k) => { values[input.name] = fromUnit(input, point[k]); });
     data.quantities.forEach((output, p) => { values[output.name] = mean[p]; });
     showInputs(values);
-    showOutputs(mean, half);
+    showOutputs(mean, lower, upper);
     showLimits();
     if (svg) svg.closest("figure").hidden = !kind.pressure;
     if (kind.pressure) drawPressure(svg, values);
@@ -72,28 +72,32 @@ function startWhatIf(root) {
     });
   }
 
-  function showOutputs(mean, half) {
+  function showOutputs(mean, lower, upper) {
     data.quantities.forEach((output, p) => {
       const row = root.querySelector(`tr[data-output="${output.name}"]`), shown = engineering(mean[p], output.units);
       row.dataset.mean = String(mean[p]);
-      const [lower, upper] = [mean[p] - half[p], mean[p] + half[p]], count = figures(Math.max(Math.abs(lower), Math.abs(upper)), half[p]);
-      [row.dataset.lower, row.dataset.upper] = [String(lower), String(upper)];
+      const ends = [lower[p], upper[p]], count = figures(Math.max(...ends.map(Math.abs)), (upper[p] - lower[p]) / 2);
+      [row.dataset.lower, row.dataset.upper] = ends.map(String);
       row.cells[1].textContent = fixed(mean[p] / shown.size, count);
-      row.cells[2].textContent = `[${[lower, upper].map((end) => fixed(end / shown.size, count)).join(", ")}]`;
+      row.cells[2].textContent = `[${ends.map((end) => fixed(end / shown.size, count)).join(", ")}]`;
       row.cells[3].textContent = shown.units;
       const [low, high] = data.ranges[kind.columns[p]], share = high > low ? (mean[p] - low) / (high - low) : 0.5;
       row.querySelector("i").style.left = `${100 * Math.min(Math.max(share, 0), 1)}%`;
     });
   }
 
-  // Values of every name in each scenario of a target at the point, and the standard deviations of the quantities.
+  // Values of every name in each scenario of a target at the point, and how far the intervals of the quantities reach from their means.
   function scenarios(target) {
     return Array.from({ length: target.count }, (_, s) => {
       const t = model.inputs.map((input, k) => (input.name in target.scenarios ? toUnit(input, target.scenarios[input.name][s]) : point[k]));
-      const answer = predict(model, t), values = { ...data.fixed }, std = {};
+      const answer = predict(model, t), values = { ...data.fixed }, reach = {};
       model.inputs.forEach((input, k) => { values[input.name] = input.name in target.scenarios ? target.scenarios[input.name][s] : fromUnit(input, t[k]); });
-      data.quantities.forEach(({ name }, p) => { values[name] = answer.mean[kind.columns[p]]; std[name] = answer.std[kind.columns[p]]; });
-      return { values, std };
+      data.quantities.forEach(({ name }, p) => {
+        const column = kind.columns[p], mean = answer.mean[column];
+        values[name] = mean;
+        reach[name] = Math.max(answer.upper[column] - mean, mean - answer.lower[column]);
+      });
+      return { values, reach };
     });
   }
 
@@ -103,9 +107,9 @@ function startWhatIf(root) {
     if (design !== null) return { value: limit.exact, room: 0, words: limit.held ? "held" : "broken" };
     if (!limit.judged) return { value: null, room: 0, words: "not judged at one point" };
     const all = cases.map(({ values }) => evaluate(limit.tree, values)), value = (limit.upper ? Math.max : Math.min)(...all);
-    const { values, std } = cases[all.indexOf(value)];
+    const { values, reach } = cases[all.indexOf(value)];
     const room = data.quantities.reduce((sum, { name }) => {
-      const size = data.halfWidth * std[name] + kind.allowances[name], at = (one) => evaluate(limit.tree, { ...values, [name]: one });
+      const size = reach[name] + kind.allowances[name], at = (one) => evaluate(limit.tree, { ...values, [name]: one });
       return sum + Math.abs(at(values[name] + size) - at(values[name] - size)) / 2;
     }, 1e-12 * Math.abs(limit.value));
     const excess = limit.upper ? value - limit.value : limit.value - value;

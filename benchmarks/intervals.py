@@ -1,0 +1,172 @@
+"""Whether intervals hold: the calibrated surrogate beside its raw process and standardised scores, on fresh cases.
+
+Standardised scores are those of MAPIE's residual-normalised conformity score: |truth - mean| over the raw standard
+deviation, whose quantile at level l of n cases is the one of rank ceil((n + 1) l) (J. Lei et al., J. Am. Stat. Assoc.
+113 (2018) 1094). The worst slab is that of MAPIE's worst-slab coverage (M. Cauchois, S. Gupta and J. C. Duchi, J. Mach.
+Learn. Res. 22 (2021) 81): of random directions, the tenth of one half of the cases, between two parallel planes, that
+holds fewest, judged on the other half.
+
+``python -m benchmarks.intervals [STUDY ...]``
+"""
+
+import sys
+from dataclasses import dataclass
+from time import perf_counter, process_time
+
+import numpy as np
+import xarray as xr
+
+from benchmarks.history import printed
+from surrogate import GridGP
+from surrogate.data.arrays import Array, Flags
+from surrogate.data.inputs import unit_coordinates
+from surrogate.gp.distribution import Distribution, Normal, Tabulated
+from surrogate.use.validation import DECILES, LEVELS, crps, distance, pit, worst_corner
+from workflow.dataset import factorial
+from workflow.learning import training
+from workflow.study.model import Study, named
+
+#: Levels of studies that leave them open, as their pilots choose them.
+OPEN = {"precise": (35, 7, 9, 12, 5)}
+DIRECTIONS = 200
+SLAB = 0.1
+SEED = 77
+
+
+@dataclass(frozen=True)
+class Method:
+    """Predictions of fresh cases: means and standard deviations, (p, n), their distribution, and ends of intervals."""
+
+    mean: Array
+    std: Array
+    distribution: Distribution
+    symmetric: dict[float, Array] | None = None  # standard deviations to either side, (p,), by level
+
+    def inside(self, true: Array, level: float) -> Flags:
+        """Whether the interval of a level holds the truth, (p, n)."""
+        lower, upper = (
+            self.distribution.ends(level) if self.symmetric is None else (-self.symmetric[level], self.symmetric[level])
+        )
+        ends = [self.mean + np.atleast_1d(end)[:, None] * self.std for end in (lower, upper)]
+        return np.asarray((ends[0] <= true) & (true <= ends[1]))
+
+
+def measure(
+    studies: tuple[str, ...] = ("quickstart", "precise", "sensor"), calibration: int = 10_000, fresh: int = 20_000
+) -> dict[str, float]:
+    """Coverage by level, least and largest over quantities, and in the worst parts of the box; PIT, CRPS and errors."""
+    found: dict[str, float] = {}
+    for name in studies:
+        study = _closed(named(name), name)
+        grid = factorial.learned(study, factorial.exact(study, factorial.levels(study)))
+        model = training.fit(study, grid)
+        held, new = (
+            factorial.learned(study, factorial.sample(study, *of)) for of in ((calibration, (1, 2)), (fresh, (SEED, 0)))
+        )
+        for key, value in compare(model, held, new).items():
+            found[f"{name}: {key}"] = value
+    return found
+
+
+def compare(model: GridGP, held: xr.Dataset, fresh: xr.Dataset) -> dict[str, float]:
+    """What `measure` gives, for one raw model; calibrates it."""
+    X, true = _cases(model, fresh)
+    raw = Method(*_predicted(model, X), Normal())
+    seconds = -_seconds(model, X)
+    at, known = _cases(model, held)
+    mean, std = _predicted(model, at)
+    methods = {"raw": raw, "standardised": _standardised(raw, (known - mean) / std)}
+    start = perf_counter()
+    model.calibrate(held)
+    found = {"calibrated, seconds of the calibration": perf_counter() - start}
+    methods["calibrated"] = Method(*_predicted(model, X), model.distribution)
+    seconds += _seconds(model, X)
+    t, spread = unit_coordinates(model.inputs_, X), np.ptp(true, axis=1)
+    over = np.where(spread > 0, spread, 1.0)
+    before = crps(true, raw.mean, raw.std).mean(axis=1)
+    for name, method in methods.items():
+        for level in LEVELS:
+            share = method.inside(true, level).mean(axis=1)
+            found[f"{name}, {100 * level:g} %, least"], found[f"{name}, {100 * level:g} %, largest"] = (
+                share.min(),
+                share.max(),
+            )
+        inside = method.inside(true, 0.95)
+        one_std = (np.abs(true - method.mean) <= method.std).mean(axis=1)
+        error = np.abs(true - method.mean).max(axis=1) / over
+        score = crps(true, method.mean, method.std, method.distribution).mean(axis=1)
+        found |= {
+            f"{name}, +- one std, least": one_std.min(),
+            f"{name}, +- one std, largest": one_std.max(),
+            f"{name}, worst decile": min(float(inside[:, part].mean(axis=1).min()) for x in t for part in _deciles(x)),
+            f"{name}, worst corner": float(worst_corner(t, inside).min()),
+            f"{name}, worst slab": float(worst_slab(t, inside).min()),
+            f"{name}, PIT off by": float(distance(pit(true, method.mean, method.std, method.distribution)).max()),
+            f"{name}, CRPS over raw, median": float(np.median(score / before)),
+            f"{name}, largest error over range": error.max(),
+            f"{name}, largest error over range, median": float(np.median(error)),
+        }
+    found["calibrated, more microseconds a query"] = 1e6 * seconds
+    return {key: float(value) for key, value in found.items()}
+
+
+def worst_slab(t: Array, inside: Flags) -> Array:
+    """Coverage in the worst slab of every output: scaled cases (d, n), flags (p, n) -> (p,)."""
+    random = np.random.default_rng(0)
+    half, width = t.shape[1] // 2, int(SLAB * (t.shape[1] // 2))
+    least, judged = np.full(len(inside), np.inf), np.ones(len(inside))
+    for direction in random.standard_normal((DIRECTIONS, len(t))):
+        along = direction @ t
+        order = np.argsort(along[:half])
+        sums = np.cumsum(np.pad(inside[:, order].astype(np.float64), ((0, 0), (1, 0))), axis=1)
+        windows = (sums[:, width:] - sums[:, :-width]) / width
+        for p in np.flatnonzero(windows.min(axis=1) < least):
+            k = int(windows[p].argmin())
+            low, high = along[order[k]], along[order[k + width - 1]]
+            least[p], judged[p] = windows[p, k], inside[p, half:][(along[half:] >= low) & (along[half:] <= high)].mean()
+    return judged
+
+
+def _standardised(raw: Method, scores: Array) -> Method:
+    ordered, cases = np.sort(np.abs(scores), axis=1), scores.shape[1]
+    rank = {level: min(int(np.ceil((cases + 1) * level)), cases) for level in LEVELS}
+    ends = {level: ordered[:, k - 1] for level, k in rank.items()}
+    return Method(raw.mean, raw.std, Tabulated.of(scores), ends)
+
+
+def _closed(study: Study, name: str) -> Study:
+    if name not in OPEN:
+        return study
+    axes = {
+        factor: axis.model_copy(update={"levels": count})
+        for (factor, axis), count in zip(study.factors.items(), OPEN[name], strict=True)
+    }
+    return study.model_copy(update={"factors": axes})
+
+
+def _cases(model: GridGP, cases: xr.Dataset) -> tuple[Array, Array]:
+    X = np.stack([cases[name].values for name in model.box], axis=1)
+    return X, np.stack([cases[name].values for name in model.outputs_])
+
+
+def _predicted(model: GridGP, X: Array) -> tuple[Array, Array]:
+    mean, std = model.predict_array(X, return_std=True)
+    return mean.T, std.T
+
+
+def _deciles(column: Array) -> list[np.ndarray[tuple[int, ...], np.dtype[np.intp]]]:
+    return np.array_split(np.argsort(column, kind="stable"), DECILES)
+
+
+def _seconds(model: GridGP, X: Array) -> float:
+    """Processor seconds of a query of all outputs with their 95 % intervals, the least of some runs."""
+    times = []
+    for _ in range(7):
+        start = process_time()
+        model.interval_array(X)
+        times.append(process_time() - start)
+    return min(times) / len(X)
+
+
+if __name__ == "__main__":
+    print(printed(measure(tuple(sys.argv[1:])) if sys.argv[1:] else measure()))

@@ -1,0 +1,234 @@
+"""The error of interpolation on Chebyshev-Gauss levels, learnt from held-out cases.
+
+On the n zeros of T_n every aliased term is T_{n+k} + T_{n-k} = 2 T_n T_k (L. N. Trefethen, Approximation Theory and
+Approximation Practice (2013), chapter 4), so that the error is, to leading order, sum_f T_{n_f}(t_f) g_f(t) with smooth
+g_f. One linear regression finds these amplitudes. What is left has no sign that could be foretold.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from heapq import heappop, heappush
+from typing import Self
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from surrogate.data.arrays import Array
+from surrogate.gp.factors import Features, chebyshev, chebyshev_slopes
+from surrogate.gp.trend import additive
+
+Indices = NDArray[np.intp]
+
+# A degree of g_f costs half of the decay of the factor's kernel, and no more than this.
+DEAREST = 1.5
+# Degrees are taken up to this cost together; where the cases do not allow this one, no correction is worth its terms.
+COST, LEAST_COST = 4.6, 1.5
+# Held-out cases that a term needs, and the most terms: memory and time stay bounded.
+CASES_A_TERM, MOST_TERMS = 7, 600
+# Directions of the regression that are this small beside the largest are dropped.
+TOLERANCE = 1e-9
+# Where ordinary least squares leave more than this share of the median error, they spread the errors of a small part
+# of the box over all of it. There a case weighs as a power of its scale: 1 would raise the largest errors by 40 %.
+LEAST_GAIN = 0.5
+WEIGHT_POWER = 0.25
+SCALE_DEGREE = 6
+# Smallest share of the median's scale, and of the largest error, that is told from zero.
+SMALLEST_SCALE, SMALLEST = 1e-3, 1e-9
+
+
+@dataclass(frozen=True)
+class Correction:
+    """What is added to the mean: sum_f T_{n_f}(t_f) sum_a coefficients[f, a] prod_j T_{indices[a, j]}(t_j).
+
+    Attributes
+    ----------
+    levels : tuple of int
+        Number of levels n_f of every factor.
+    indices : ndarray of int, shape (m, d)
+        Degrees of the amplitudes' terms.
+    coefficients : ndarray, shape (d, m, p)
+        In units of the outputs.
+    """
+
+    levels: tuple[int, ...]
+    indices: Indices
+    coefficients: Array
+
+    def values(self, t: Array) -> Array:
+        """Return what is added at scaled coordinates t, (d, B): (p, B)."""
+        T = self._polynomials(t)
+        amplitudes = (self._matrix @ _products(self.indices, T)).reshape(len(t), -1, t.shape[1])
+        return np.asarray(np.einsum("fpb,fb->pb", amplitudes, self._nodal(T)))
+
+    def slopes(self, t: Array) -> Array:
+        """Return the derivatives of `values` with respect to the scaled coordinates, (d, p, B)."""
+        T = self._polynomials(t)
+        S = chebyshev_slopes(t.ravel(), T.reshape(len(T), -1)).reshape(T.shape)
+        nodal, steep = self._nodal(T), self._nodal(S)
+        amplitudes = (self._matrix @ _products(self.indices, T)).reshape(len(t), -1, t.shape[1])
+        slopes = amplitudes * steep[:, None]
+        for k, slope in enumerate(slopes):
+            derived = (self._matrix @ _products(self.indices, T, S, k)).reshape(amplitudes.shape)
+            slope += np.einsum("fpb,fb->pb", derived, nodal)
+        return np.asarray(slopes)
+
+    def steepened(self, factor: int, slope: Features) -> Features:
+        """Return a factor's features of derivatives, with the variances as of what the correction leaves.
+
+        Low degrees are gone: along the factor the error's own terms begin at T_n T_{a+1}, those of others at T_{a+1},
+        with the correction's highest degree a; a polynomial's slope grows with its degree.
+        """
+        n, above = self.levels[factor], 1 + int(self.indices[:, factor].max())
+        return replace(slope, prior=slope.prior * above**2, residual=slope.residual * ((n + above) / n) ** 2)
+
+    def only(self, columns: Sequence[int]) -> Self:
+        """Return that of some outputs."""
+        return replace(self, coefficients=self.coefficients[..., list(columns)])
+
+    def state(self) -> dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]:
+        """Return the arrays with their dimensions, for a file."""
+        return {
+            "correction_degree": (("correction_term", "input"), self.indices),
+            "correction_coefficient": (("part", "correction_term", "output"), self.coefficients),
+        }
+
+    @classmethod
+    def restore(cls, stored: xr.Dataset, levels: tuple[int, ...], outputs: int) -> Self | None:
+        """Return the correction in a file, None where it has none; ValueError names what is inconsistent."""
+        if "correction_degree" not in stored:
+            return None
+        indices, coefficients = stored["correction_degree"].values, stored["correction_coefficient"].values
+        shape = (len(levels), len(indices), outputs)
+        if indices.dtype.kind not in "iu" or indices.shape[1:] != (len(levels),) or coefficients.shape != shape:
+            raise ValueError("the correction of the mean does not fit the model")
+        if not indices.size or indices.min() < 0 or indices.max() > MOST_TERMS or len(indices) > MOST_TERMS:
+            raise ValueError("the correction of the mean has degrees that none has")
+        return cls(levels, indices.astype(np.intp), coefficients)
+
+    @cached_property
+    def _matrix(self) -> Array:
+        """Coefficients as one matrix, (d * p, m)."""
+        return np.ascontiguousarray(self.coefficients.transpose(0, 2, 1).reshape(-1, len(self.indices)))
+
+    @cached_property
+    def _degree(self) -> int:
+        return max(int(self.indices.max()), *self.levels)
+
+    def _polynomials(self, t: Array) -> Array:
+        return chebyshev(t.ravel(), self._degree + 1).reshape(-1, *t.shape)
+
+    def _nodal(self, T: Array) -> Array:
+        """T_{n_f}(t_f), or its derivative: (d, B)."""
+        return np.asarray(T[list(self.levels), np.arange(len(self.levels))])
+
+
+def degrees(rho: Sequence[float], cases: int) -> Indices | None:
+    """Choose the terms of the amplitudes: every index with sum_j a_j cost_j up to what the number of cases allows.
+
+    Parameters
+    ----------
+    rho : sequence of float
+        Decay of every factor's kernel.
+    cases : int
+        Held-out cases.
+
+    Returns
+    -------
+    ndarray of int, shape (m, d), or None
+        In the order of their cost; None where there are too few cases.
+    """
+    cost = np.minimum(-0.5 * np.log(rho), DEAREST)
+    most = min(cases // CASES_A_TERM, MOST_TERMS) // len(cost)
+    heap: list[tuple[float, tuple[int, ...]]] = [(0.0, (0,) * len(cost))]
+    found: list[tuple[float, tuple[int, ...]]] = []
+    while heap and heap[0][0] <= COST and len(found) <= most:
+        spent, index = heappop(heap)
+        found.append((spent, index))
+        # each index is reached once: from the one without its last degree
+        last = max((j for j, degree in enumerate(index) if degree), default=0)
+        for j in range(last, len(cost)):
+            above = (*index[:j], index[j] + 1, *index[j + 1 :])
+            heappush(heap, (float(np.dot(above, cost)), above))
+    if len(found) > most:  # what costs as much as the first one too many goes with it
+        beyond = found[-1][0]
+        if beyond <= LEAST_COST:
+            return None
+        found = [one for one in found if one[0] < beyond * (1 - 1e-12)]
+    return np.array([index for _, index in found], dtype=np.intp)
+
+
+def correct(errors: Array, t: Array, levels: tuple[int, ...], rho: Sequence[float]) -> tuple[Correction | None, Array]:
+    """Learn the correction of a mean from held-out cases.
+
+    Ordinary least squares, and for outputs whose errors they spread about, weighted ones.
+
+    Parameters
+    ----------
+    errors : ndarray, shape (p, n)
+        True minus predicted.
+    t : ndarray, shape (d, n)
+        Scaled coordinates of the cases.
+    levels : tuple of int
+        Number of levels of every factor.
+    rho : sequence of float
+        Decay of every factor's kernel.
+
+    Returns
+    -------
+    correction : Correction or None
+        None where there are too few cases for one.
+    left : ndarray, shape (p, n)
+        What a correction from all other cases leaves of the error of each.
+    """
+    indices = degrees(rho, errors.shape[1])
+    if indices is None:
+        return None, errors
+    empty = Correction(levels, indices, np.empty((len(t), len(indices), 0)))
+    T = empty._polynomials(t)
+    features = (empty._nodal(T)[:, None] * _products(indices, T)).reshape(-1, t.shape[1])
+    basis, values, back = np.linalg.svd(features.T, full_matrices=False)
+    kept = values > TOLERANCE * values[0]
+    basis, back = basis[:, kept], (back[kept] / values[kept, None]).T
+    coefficients, leverage = errors @ basis, np.einsum("nk,nk->n", basis, basis)
+    left = _left_out(errors - coefficients @ basis.T, leverage)
+    stays = np.median(np.abs(left), axis=1) > LEAST_GAIN * np.median(np.abs(errors), axis=1)
+    for p in np.flatnonzero(stays):
+        coefficients[p], left[p] = _weighted(basis, errors[p], _rough_scale(left[p], t))
+    whole = (back @ coefficients.T).reshape(*empty.coefficients.shape[:2], len(errors))
+    return replace(empty, coefficients=whole), left
+
+
+def _weighted(basis: Array, error: Array, scale: Array) -> tuple[Array, Array]:
+    """Coefficients in an orthonormal basis, (n, k), and leave-one-out residuals, (n,), with errors of a known scale."""
+    root = scale**-WEIGHT_POWER
+    rows = basis * root[:, None]
+    factor = cho_factor(rows.T @ rows)
+    coefficients = cho_solve(factor, rows.T @ (error * root))
+    leverage = np.einsum("nk,kn->n", rows, cho_solve(factor, rows.T))
+    return coefficients, _left_out(error - basis @ coefficients, leverage)
+
+
+def _left_out(residuals: Array, leverage: Array) -> Array:
+    """What a fit to all other cases leaves of each (D. M. Allen, Technometrics 16 (1974) 125)."""
+    return np.asarray(residuals / np.maximum(1 - leverage, TOLERANCE))
+
+
+def _rough_scale(left: Array, t: Array) -> Array:
+    """Size of errors over the box, over its median: the exponential of an additive polynomial; (n,)."""
+    sizes = np.abs(left)
+    if not sizes.any():
+        return np.ones_like(left)
+    terms, logarithm = additive(t, SCALE_DEGREE), np.log(np.maximum(sizes, SMALLEST * sizes.max()))
+    scale = np.exp(terms @ np.linalg.lstsq(terms, logarithm, rcond=None)[0])
+    return np.asarray(np.maximum(scale / np.median(scale), SMALLEST_SCALE))
+
+
+def _products(indices: Indices, T: Array, S: Array | None = None, derived: int = -1) -> Array:
+    """prod_j T_{a_j}(t_j) of every index, one factor's polynomials replaced by their derivatives: (m, B)."""
+    product = np.ones((len(indices), T.shape[2]))
+    for j, column in enumerate(indices.T):
+        product *= (T if S is None or j != derived else S)[column, j]
+    return product

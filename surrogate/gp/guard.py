@@ -1,0 +1,108 @@
+"""What intervals need beyond their local scale in parts of the box: slabs of every factor, corners of every two.
+
+Source: V. Vovk, Proc. Mach. Learn. Res. 25 (2012) 475 (coverage by class).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.data.arrays import Array
+
+SLABS = 10
+# Cases below which the own quantile of a slab or a corner says too little, and the shares of them that hold beyond: a
+# corner has few, and needs room for their error.
+SLAB_CASES, CORNER_CASES = 20, 8
+SLAB_LEVEL, CORNER_LEVEL = 0.95, 0.97
+
+
+@dataclass(frozen=True)
+class Guard:
+    """Logarithms of further scales, >= 0; the largest of all cells that hold a point counts.
+
+    Attributes
+    ----------
+    slabs : ndarray, shape (d, SLABS, p)
+        In every slab of equal width of every scaled input.
+    corners : ndarray, shape (d (d - 1) / 2, 3, 3, p)
+        Where both of two inputs are in their outermost slabs, pairs in the order of `itertools.combinations`. Index 0
+        is the lower one, 2 the upper one, and 1 anything between, where the guard is zero.
+    """
+
+    slabs: Array
+    corners: Array
+
+    def at(self, t: Array) -> Array:
+        """Return the guard at scaled coordinates t within the box, (d, B): (B, p)."""
+        slab = slabs(t)
+        guard: Array = self.slabs[0][slab[0]]
+        for own, place in zip(self.slabs[1:], slab[1:], strict=True):
+            np.maximum(guard, own[place], out=guard)
+        for own, (i, j) in zip(self.corners, combinations(range(len(t)), 2), strict=True):
+            rows = np.flatnonzero(_outer(slab[i]) & _outer(slab[j]))
+            if rows.size:
+                guard[rows] = np.maximum(guard[rows], own[_edge(slab[i][rows]), _edge(slab[j][rows])])
+        return guard
+
+    def only(self, columns: Sequence[int]) -> Self:
+        """Return that of some outputs."""
+        return replace(self, slabs=self.slabs[..., list(columns)], corners=self.corners[..., list(columns)])
+
+
+def unguarded(inputs: int, outputs: int) -> Guard:
+    """Return the guard that adds nothing, as arrays to fill."""
+    pairs = inputs * (inputs - 1) // 2
+    return Guard(np.zeros((inputs, SLABS, outputs)), np.zeros((pairs, 3, 3, outputs)))
+
+
+def fill(guard: Guard, output: int, scores: Array, level: float, t: Array) -> None:
+    """Set the guard of one output so that the scores of every cell hold.
+
+    Parameters
+    ----------
+    guard : Guard
+        Its column `output` is overwritten.
+    scores : ndarray, shape (n,)
+        Logarithms of absolute errors over their scale.
+    level : float
+        Score that the scale alone allows for.
+    t : ndarray, shape (d, n)
+        Scaled coordinates of the cases.
+    """
+    for place, cell in _cells(slabs(t)):
+        slab, own = len(place) == 2, np.sort(scores[cell])
+        array, fewest, share = (
+            (guard.slabs, SLAB_CASES, SLAB_LEVEL) if slab else (guard.corners, CORNER_CASES, CORNER_LEVEL)
+        )
+        if len(own) >= fewest:
+            rank = min(len(own), int(np.ceil((len(own) + 1) * share)))
+            array[(*place, output)] = max(0.0, float(own[rank - 1]) - level)
+
+
+def slabs(t: Array) -> NDArray[np.intp]:
+    """Return the index of the slab of equal width: any shape."""
+    return np.clip(((t + 1) / 2 * SLABS).astype(np.intp), 0, SLABS - 1)
+
+
+def _cells(slab: NDArray[np.intp]) -> Iterator[tuple[tuple[int, ...], NDArray[np.intp]]]:
+    """Every cell: its place in the guard's arrays, and its cases."""
+    for factor, own in enumerate(slab):
+        for number in range(SLABS):
+            yield (factor, number), np.flatnonzero(own == number)
+    for pair, (i, j) in enumerate(combinations(range(len(slab)), 2)):
+        for a in (0, 2):
+            for b in (0, 2):
+                yield (pair, a, b), np.flatnonzero((_edge(slab[i]) == a) & (_edge(slab[j]) == b))
+
+
+def _outer(slab: NDArray[np.intp]) -> NDArray[np.bool_]:
+    return np.asarray((slab == 0) | (slab == SLABS - 1))
+
+
+def _edge(slab: NDArray[np.intp]) -> NDArray[np.intp]:
+    """0 in the lowest slab, 2 in the highest, 1 between."""
+    return np.asarray((slab > 0).astype(np.intp) + (slab == SLABS - 1))

@@ -1,0 +1,132 @@
+"""The correction of the mean: what it can represent it finds, and what it leaves of a case is what a refit leaves."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.polynomial.chebyshev import chebval, chebval2d
+
+from surrogate import GridGP, load, save
+from surrogate.gp import correction
+from surrogate.gp.correction import Correction, correct, degrees
+from surrogate.use.validation import validate
+from tests.surrogate import functions
+
+COUNTS = (24, 8, 6, 8, 4)
+
+
+def test_the_terms_are_all_those_up_to_a_cost() -> None:
+    rho = (0.3, 1e-3, 0.02, 0.05, 1e-3)
+    found = degrees(rho, 10_000)
+    assert found is not None
+    cost = np.minimum(-0.5 * np.log(rho), 1.5)
+    every = np.stack(np.meshgrid(*[np.arange(9)] * 5, indexing="ij"), -1).reshape(-1, 5)
+    want = every[every @ cost <= 4.6]
+    assert {tuple(row) for row in found.tolist()} == {tuple(row) for row in want.tolist()}
+    assert found[0].tolist() == [0] * 5
+    assert (np.diff(found @ cost) >= -1e-12).all()
+
+
+@pytest.mark.parametrize("cases", [100, 400, 1000, 3000])
+def test_every_term_has_its_cases(cases: int) -> None:
+    rho = (0.3, 1e-3, 0.02, 0.05, 1e-3)
+    found = degrees(rho, cases)
+    if found is None:
+        assert cases == 100
+        return
+    assert len(found) * 5 <= cases / 7
+    cost = np.minimum(-0.5 * np.log(rho), 1.5)
+    # whatever costs no more than the dearest is there
+    every = np.stack(np.meshgrid(*[np.arange(9)] * 5, indexing="ij"), -1).reshape(-1, 5)
+    assert len(found) == np.count_nonzero(every @ cost <= (found @ cost).max() + 1e-9)
+
+
+def test_slow_decay_does_not_fill_the_memory() -> None:
+    found = degrees((0.95,) * 6, 10**9)
+    assert found is None or len(found) * 6 <= correction.MOST_TERMS
+
+
+def test_an_error_of_its_own_kind_is_found_and_evaluated() -> None:
+    rng = np.random.default_rng(0)
+    levels, rho = (9, 5), (0.2, 0.1)
+    t = rng.uniform(-1, 1, (2, 400))
+    own = degrees(rho, 400)
+    assert own is not None
+    coefficients = rng.normal(size=(2, len(own), 3))
+    error = np.zeros((3, 400))
+    for f, n in enumerate(levels):
+        tensor = np.zeros((*(own.max(axis=0) + 1), 3))
+        tensor[tuple(own.T)] = coefficients[f]
+        error += chebval(t[f], np.eye(n + 1)[n]) * chebval2d(t[0], t[1], tensor)
+    made, left = correct(error, t, levels, rho)
+    assert made is not None
+    np.testing.assert_allclose(Correction(levels, own, coefficients).values(t), error, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(made.values(t), error, rtol=0, atol=1e-10)
+    assert np.abs(left).max() < 1e-9
+    step = 1e-6
+    for k, slope in enumerate(made.slopes(t)):
+        up, down = (made.values(t + sign * step * np.eye(2)[k][:, None]) for sign in (1, -1))
+        np.testing.assert_allclose(slope, (up - down) / (2 * step), rtol=0, atol=1e-7 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize("weighted", [False, True])
+def test_what_is_left_of_a_case_is_what_a_fit_to_the_others_leaves(
+    weighted: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(1)
+    levels, rho = (7, 5), (0.2, 0.1)
+    t, scale = rng.uniform(-1, 1, (2, 150)), rng.uniform(0.1, 3, 150)
+    error = (np.sin(9 * t[0]) * np.exp(t[1]))[None]
+    monkeypatch.setattr(correction, "LEAST_GAIN", 0.0 if weighted else np.inf)
+    monkeypatch.setattr(correction, "_rough_scale", lambda left, t: scale)
+    made, left = correct(error, t, levels, rho)
+    assert made is not None
+    terms = np.stack(
+        [
+            chebval(t[f], np.eye(n + 1)[n])
+            * np.prod([chebval(x, np.eye(a + 1)[a]) for x, a in zip(t, row, strict=True)], 0)
+            for f, n in enumerate(levels)
+            for row in made.indices
+        ],
+        axis=1,
+    )
+    root = scale**-0.25 if weighted else np.ones(150)
+    for case in (0, 17, 149):
+        rest = np.arange(150) != case
+        fitted = np.linalg.lstsq(terms[rest] * root[rest, None], (error[0] * root)[rest], rcond=1e-12)[0]
+        assert left[0, case] == pytest.approx(error[0, case] - terms[case] @ fitted, rel=1e-6)
+
+
+def test_few_cases_and_other_kernels_leave_the_mean_alone() -> None:
+    data = functions.factorial((6, 4, 4, 3, 2))
+    points = functions.scattered(20, seed=5)[[one.name for one in functions.INPUTS]]
+    for model, count in ((GridGP(inputs=functions.INPUTS), 60), (GridGP("matern52", functions.INPUTS), 3000)):
+        raw = model.fit(data).predict(points, return_std=False)
+        assert model.calibrate(functions.scattered(count, seed=1)).correction_ is None
+        xr.testing.assert_identical(model.predict(points, return_std=False), raw)
+
+
+def test_a_corrected_mean_is_far_better_on_fresh_cases_and_in_its_gradient(tmp_path: Path) -> None:
+    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial(COUNTS))
+    model.calibrate(functions.scattered(3000, seed=1))
+    fresh = functions.scattered(3000, seed=2)
+    table = validate(model, fresh, None).sel(output=["near_pole", "smooth", "ratio", "no_bias"])
+    assert bool((table["rmse"] < 0.3 * table["raw_rmse"]).all())
+    assert float((table["rmse"] / table["raw_rmse"]).median()) < 0.1
+    points = fresh[list(model.box)].isel(case=slice(200))
+    one = functions.INPUTS[0]
+    step = 1e-5 * (one.high - one.low)
+    inner = points.where((points[one.name] > one.low + step) & (points[one.name] < one.high - step), drop=True)
+    above, below = (functions.outputs({**_columns(inner), one.name: inner[one.name] + s * step}) for s in (1, -1))
+    plain, found = model.uncalibrated().gradient(inner), model.gradient(inner)
+    for name in ("near_pole", "no_bias"):
+        true = (above[name] - below[name]) / (2 * step)
+        before, after = (float(np.abs(own[name].sel(input=one.name) - true).max()) for own in (plain, found))
+        assert after < 0.5 * before
+    save(model, tmp_path / "a.nc")
+    xr.testing.assert_identical(load(tmp_path / "a.nc").predict(points), model.predict(points))
+
+
+def _columns(points: xr.Dataset) -> dict[str, xr.DataArray]:
+    return {str(name): array for name, array in points.items()}
