@@ -36,9 +36,9 @@ from workflow.study.types import CategoryName, FactorName, InputName, Number, St
 _LABEL = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 _SMOOTH = {"profile": "cylinder", "electric": "conducting", "magnetic": "conducting"}
 #: Groups of checks in verification/, in the order of the page.
-CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "digits")
+CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "films", "film_elements", "digits")
 #: Those with convergence curves.
-CONVERGING = ("integral_equations", "finite_elements")
+CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements")
 #: Sections that decide what a case is and what the solver answers.
 PHYSICS = ("phases", "materials", "fixed", "factors", "categories")
 
