@@ -26,8 +26,9 @@ Indices = NDArray[np.intp]
 DEAREST = 1.5
 # Degrees are taken up to this cost together; where the cases do not allow this one, no correction is worth its terms.
 COST, LEAST_COST = 4.6, 1.5
-# Held-out cases that a term needs, and the most terms: memory and time stay bounded.
-CASES_A_TERM, MOST_TERMS = 7, 600
+# Held-out cases that a term needs. The most terms and cases of a regression bound its memory and time; what it leaves
+# of further cases is evaluated in blocks.
+CASES_A_TERM, MOST_TERMS, MOST_CASES, BLOCK = 7, 600, 20_000, 2048
 # Directions of the regression that are this small beside the largest are dropped.
 TOLERANCE = 1e-9
 # Where ordinary least squares leave more than this share of the median error, they spread the errors of a small part
@@ -186,6 +187,16 @@ def correct(errors: Array, t: Array, levels: tuple[int, ...], rho: Sequence[floa
     indices = degrees(rho, errors.shape[1])
     if indices is None:
         return None, errors
+    made, left = _fitted(errors[:, :MOST_CASES], t[:, :MOST_CASES], levels, indices)
+    rest = [
+        errors[:, start : start + BLOCK] - made.values(t[:, start : start + BLOCK])
+        for start in range(MOST_CASES, errors.shape[1], BLOCK)
+    ]
+    return made, np.concatenate([left, *rest], axis=1)
+
+
+def _fitted(errors: Array, t: Array, levels: tuple[int, ...], indices: Indices) -> tuple[Correction, Array]:
+    """The correction and what it leaves of every case left out."""
     empty = Correction(levels, indices, np.empty((len(t), len(indices), 0)))
     T = empty._polynomials(t)
     features = (empty._nodal(T)[:, None] * _products(indices, T)).reshape(-1, t.shape[1])

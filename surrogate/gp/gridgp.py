@@ -18,6 +18,8 @@ from surrogate.gp.tensortrain import TensorTrain, compress
 
 Kernel = Literal["chebyshev", "rbf", "matern32", "matern52"]
 KERNELS: tuple[str, ...] = get_args(Kernel)
+# As good as the end of a decay: an affine factor has no parameter to tell it.
+AFFINE_DECAY = 1e-3
 
 
 class GridGP(GaussianProcess):
@@ -265,7 +267,8 @@ class GridGP(GaussianProcess):
     def _corrected(self, errors: Array, t: Array) -> Array:
         if self.kernel != "chebyshev":
             return errors
-        counts, decays = tuple(map(len, self.levels_)), [factor.parameter for factor in self.factors_]
+        counts = tuple(map(len, self.levels_))
+        decays = [AFFINE_DECAY if factor.affine else factor.parameter for factor in self.factors_]
         self.correction_, left = correct(errors, t, counts, decays)
         return left
 

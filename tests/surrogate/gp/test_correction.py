@@ -98,6 +98,20 @@ def test_what_is_left_of_a_case_is_what_a_fit_to_the_others_leaves(
         assert left[0, case] == pytest.approx(error[0, case] - terms[case] @ fitted, rel=1e-6)
 
 
+def test_cases_beyond_the_most_are_held_out_from_the_regression(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(2)
+    t = rng.uniform(-1, 1, (2, 500))
+    error = np.stack([np.sin(9 * t[0]) * np.exp(t[1]), np.cos(7 * t[0] * t[1])])
+    indices = degrees((0.2, 0.1), 500)
+    assert indices is not None
+    monkeypatch.setattr(correction, "MOST_CASES", 300)
+    monkeypatch.setattr(correction, "BLOCK", 64)
+    made, left = correct(error, t, (7, 5), (0.2, 0.1))
+    assert made is not None
+    np.testing.assert_allclose(left[:, 300:], (error - made.values(t))[:, 300:], rtol=0, atol=1e-12)
+    assert left.shape == error.shape
+
+
 def test_few_cases_and_other_kernels_leave_the_mean_alone() -> None:
     data = functions.factorial((6, 4, 4, 3, 2))
     points = functions.scattered(20, seed=5)[[one.name for one in functions.INPUTS]]
