@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from solver.halfplane.precision import PrecisionWarning
     from solver.halfplane.profile import Profile
     from solver.halfplane.speed import limiting_speed
+    from solver.material.alloy import aluminium_scandium_nitride
     from solver.material.composite import fibrous, laminate
     from solver.material.constants import Material, MaterialError
     from solver.material.library import find, materials
@@ -20,6 +21,7 @@ __all__ = [
     "MaterialError",
     "PrecisionWarning",
     "Profile",
+    "aluminium_scandium_nitride",
     "fibrous",
     "find",
     "laminate",
@@ -36,6 +38,7 @@ _MODULES = {
     "MaterialError": "material.constants",
     "PrecisionWarning": "halfplane.precision",
     "Profile": "halfplane.profile",
+    "aluminium_scandium_nitride": "material.alloy",
     "fibrous": "material.composite",
     "find": "material.library",
     "laminate": "material.composite",

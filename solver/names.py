@@ -35,6 +35,7 @@ class Described:
     """Unit and meaning of an output, and what one must know to use it.
 
     ``on_datum``: it hangs on the datum of a half-plane. ``sparse``: it is NaN in a case that has none.
+    ``formula``: how it follows from smoother ones, in the language of designs.
     """
 
     units: str
@@ -42,6 +43,7 @@ class Described:
     comment: str = ""
     on_datum: bool = False
     sparse: bool = False
+    formula: str = ""
 
     @property
     def attrs(self) -> dict[str, str]:
@@ -67,6 +69,7 @@ _OUTSIDE = (
 #: Numeric factors of a case.
 FACTORS: dict[str, Factor] = {
     "volume_fraction": Factor("1", "volume fraction of phase one", None, 0.0, high=1.0),
+    "scandium_fraction": Factor("1", "scandium's share x of the metal atoms of Al(1-x)Sc(x)N", None, 0.0, high=0.5),
     "radius": Factor("m", "punch radius R", None, 0.0, low_allowed=False),
     "width": Factor("m", "width of a flat punch", None, 0.0, low_allowed=False),
     "slope": Factor("1", "slope dg/dx of a wedge's face, or tilt of a flat punch"),
@@ -93,7 +96,7 @@ FACTORS: dict[str, Factor] = {
 
 #: Factors that take one of a few names; the first is the default.
 CHOICES: dict[str, tuple[str, ...]] = {
-    "composite": ("fibrous", "laminate"),
+    "composite": ("fibrous", "laminate", "AlScN"),
     "profile": ("cylinder", "flat", "wedge", "half_cylinder"),
     "corner": ("leading", "trailing"),
     "electric": ("conducting", "insulating"),
@@ -101,6 +104,9 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "interface_electric": ("grounded", "bonded"),
     "interface_magnetic": ("grounded", "bonded", "insulated"),
 }
+
+#: The factor that says what each composite is made of.
+COMPOSITES = {"fibrous": "volume_fraction", "laminate": "volume_fraction", "AlScN": "scandium_fraction"}
 
 #: Factors that name materials.
 MATERIALS = ("material", "base")
@@ -136,7 +142,7 @@ REGULAR: dict[str, Described] = {
     for name in SINGULAR
 }
 
-#: Fields inside the half-plane over (case factors..., y, x), as :func:`solver.solve_interior` gives them unasked.
+#: Fields inside the body over (case factors..., y, x), as :func:`solver.solve_interior` gives them unasked.
 INTERIOR: dict[str, Described] = {
     "stress_xx": Described("Pa", "stress sigma_xx"),
     "stress_yy": Described("Pa", "stress sigma_yy"),
@@ -153,7 +159,7 @@ INTERIOR: dict[str, Described] = {
     "magnetic_field_y": Described("A m-1", "magnetic field H_y"),
 }
 
-#: Fields inside the half-plane that are given when asked for by name.
+#: Fields inside the body that are given when asked for by name.
 INTERIOR_ON_REQUEST: dict[str, Described] = {
     "electric_potential": _on_datum("V", "electric potential relative to the datum"),
     "magnetic_potential": _on_datum("A", "magnetic potential relative to the datum"),
@@ -163,10 +169,10 @@ INTERIOR_ON_REQUEST: dict[str, Described] = {
     "strain_xy": Described("1", "tensor shear strain epsilon_xy"),
 }
 
-#: Every field inside the half-plane there is.
+#: Every field inside the body there is.
 EVERY_INTERIOR = {**INTERIOR, **INTERIOR_ON_REQUEST}
 
-#: Fields inside the half-plane that need c12.
+#: Fields inside the body that need c12.
 NEED_C12 = ("stress_zz", "von_mises", "principal_tension")
 
 #: Quantities, one number per case.
@@ -209,7 +215,9 @@ FILM_QUANTITIES: dict[str, Described] = {
     "contact_offset": Described("m", "centre of the contact, (a - b)/2"),
     "capacitance": Described("F m-1", "d charge / d voltage at a fixed contact and magnetic charge"),
     "permeance": Described("Wb A-1 m-1", "d magnetic charge / d magnetic potential at a fixed contact and charge"),
-    "nominal_field": Described("V m-1", "abs(voltage)/thickness: the field away from the edges"),
+    "nominal_field": Described(
+        "V m-1", "abs(voltage)/thickness: the field away from the edges", formula="abs(voltage)/thickness"
+    ),
 }
 
 #: Quantities of a film that are searched for and given when asked for, in place of ``PEAKS``.
@@ -226,3 +234,30 @@ FILM_PEAKS: dict[str, Described] = {
 
 #: Every quantity of a film beside those of a half-plane.
 EVERY_FILM_QUANTITY = {**FILM_QUANTITIES, **FILM_PEAKS}
+
+#: What a material bears, beside its constants; not every one is known of a material.
+LIMITS: dict[str, Described] = {
+    "tensile_strength": Described("Pa", "principal tension at which it breaks"),
+    "yield_strength": Described("Pa", "von Mises stress at which it yields"),
+    "depoling_stress": Described("Pa", "compressive stress along the poling from which the poling is lost"),
+    "coercive_field": Described("V m-1", "electric field that reverses the poling"),
+    "breakdown_field": Described("V m-1", "electric field at which it breaks down"),
+}
+
+#: Quantities that each limit of the top material bounds; those of a film's base bound ``base_peak_...``.
+LIMITED: dict[str, tuple[str, ...]] = {
+    "tensile_strength": ("trailing_tension", "peak_principal_tension", "film_peak_principal_tension"),
+    "yield_strength": ("peak_von_mises", "film_peak_von_mises"),
+    "depoling_stress": ("peak_pressure",),
+    "coercive_field": ("nominal_field",),
+    "breakdown_field": ("nominal_field",),
+}
+
+#: Every quantity of any body.
+ALL_QUANTITIES = {**EVERY_QUANTITY, **EVERY_FILM_QUANTITY}
+
+#: Those that are searched for over a body.
+ALL_PEAKS = {**PEAKS, **FILM_PEAKS}
+
+#: Numeric factors of a film for whose every value the solver makes tables; it reads from these at all others.
+TABLED = ("volume_fraction", "scandium_fraction", "friction", "base_modulus", "base_poisson")

@@ -34,8 +34,13 @@ FILES = {
         "tests/workflow/run/test_standin.py",
         "tests/workflow/study/test_planned.py",
     ),
-    "undisturbed": ("tests/faults/test_disk.py", "tests/faults/test_tampered.py", "tests/faults/test_together.py"),
-    "quickstart_run": ("tests/faults/test_killed.py", "tests/test_docs.py", "tests/test_documents.py"),
+    "undisturbed": (
+        "tests/faults/test_disk.py",
+        "tests/faults/test_killed.py",
+        "tests/faults/test_tampered.py",
+        "tests/faults/test_together.py",
+    ),
+    "quickstart_run": ("tests/test_docs.py", "tests/test_documents.py"),
 }
 
 #: What takes longest begins first, so that the last groups to end are short.

@@ -11,7 +11,17 @@ from scipy.special import digamma
 import solver
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
-from solver.names import CHOICES, EVERY_FILM_QUANTITY, EVERY_QUANTITY, FACTORS, PEAKS, PROFILES, QUANTITIES
+from solver.names import (
+    CHOICES,
+    EVERY_FILM_QUANTITY,
+    EVERY_QUANTITY,
+    FACTORS,
+    LIMITED,
+    LIMITS,
+    PEAKS,
+    PROFILES,
+    QUANTITIES,
+)
 from workflow.cli.casetable import TEXT_FACTORS, read_cases
 from workflow.run.provenance import ROOT
 from workflow.study.reading import read_material
@@ -77,7 +87,7 @@ def test_the_formulas_of_quantities_are_the_solver_s(name: str) -> None:
 
 def test_the_table_of_constants_is_the_code_s() -> None:
     found = rows("key")
-    assert list(found) == [*UNITS, "name", "source`, `note"]
+    assert list(found) == [*UNITS, "name", "source`, `note", "limits", "alternatives"]
     bare = solver.Material.from_mapping(dict.fromkeys(("c11", "c33"), 3.0) | dict.fromkeys(("c13", "c44"), 1.0))
     for name, units in UNITS.items():
         default = float(getattr(bare, name))
@@ -86,10 +96,30 @@ def test_the_table_of_constants_is_the_code_s() -> None:
         assert found[name][:2] == [units, expected]
 
 
+def test_the_table_of_limits_is_the_code_s() -> None:
+    found = {name: [*cells[:2], tuple(re.findall(r"`(\w+)`", cells[2]))] for name, cells in rows("limit").items()}
+    assert found == {name: [one.units, one.long_name, LIMITED[name]] for name, one in LIMITS.items()}
+
+
+def test_the_table_of_alternatives_is_what_they_give() -> None:
+    """In docs/solver.md: contact width, voltage and charge per force over those of the entry, to two digits."""
+    page = (ROOT / "docs/solver.md").read_text(encoding="utf-8")
+    table = page.split("| material | other values | width | voltage | charge |\n")[1].split("\n\n")[0].splitlines()[1:]
+    for line in table:
+        name, _, *cells = (cell.strip() for cell in line.strip("|").split("|"))
+        material = solver.find(name)
+        out = solver.solve({"material": [material, *material.variants()], "radius": 0.05, "load": 1e4, "friction": 0.3})
+        width = out["contact_trailing"] + out["contact_leading"]
+        for cell, values in zip(cells, (width, out["voltage"], out["charge_sensitivity"]), strict=True):
+            assert cell == "; ".join(f"{float(one / values[0]):.2f}" for one in values[1:]), name
+
+
 def test_the_examples_are_as_shown() -> None:
     text = (ROOT / "examples/material.yaml").read_text(encoding="utf-8")
     assert "".join(f"    {line}\n" for line in text.splitlines()) in PAGE
     name, material = read_material(ROOT / "examples/material.yaml")
     for key in UNITS:
         np.testing.assert_array_equal(getattr(material, key), getattr(solver.find("PZT-5H"), key))
+    assert material.limits["depoling_stress"].value == 10e6
+    assert material.spread["eps33"] == (12.7e-9, 13.02e-9)
     assert name in read_cases(ROOT / "examples/own_material.csv").columns["material"]

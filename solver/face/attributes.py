@@ -14,6 +14,7 @@ from solver.names import CHOICES, FACTORS, OF_A_FILM, PROFILES, Described
 #: How every solution is made (CF: the method of production).
 SOURCE = "meecontact: closed-form solution of plane contact in the Stroh formalism"
 _ON_FILMS = "; on films, integral equations with the closed form as their singular part"
+_RELATIVE = " relative to the datum"
 _FILM_DATUM = "of a film absolute above a grounded interface (depths: on a rigid base); elsewhere it "
 _LISTS = ("composite", "phases", "defaults")
 _TEXTS = ("title", "source")
@@ -36,9 +37,10 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
     found = {"title": title, "source": SOURCE + (_ON_FILMS if np.any(on_films) else "")}
     if np.any(on_films):
         found["title"] = title.replace("half-plane", "film" if np.all(on_films) else "film or half-plane")
-    if "volume_fraction" in arrays:
+    if "material" not in arrays:
         used = _kinds(arrays, "composite") or [str(defaults["composite"])]
         found["composite"] = ", ".join(str(one) for one in used)
+    if "volume_fraction" in arrays:
         found["phases"] = ", ".join(one.name if isinstance(one, Material) else one for one in phases)
     words = {name: f" {FACTORS[name].units}" for name in defaults if name in FACTORS and FACTORS[name].units != "1"}
     shown = {name: f"{value:g}" if isinstance(value, float) else value for name, value in defaults.items()}
@@ -54,8 +56,10 @@ def of_output(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[
         length = f"{FACTORS['datum'].default:g} m, the default"
     else:
         length = "that of the coordinate datum" if datum.ndim else f"{float(datum):.15g} m"
-    on_films = _FILM_DATUM if np.any(has(arrays, "thickness")) else ""
-    return described.attrs | {"comment": f"{on_films}{described.comment}; datum: {length}"}
+    on_films = has(arrays, "thickness")
+    words = described.long_name.removesuffix(_RELATIVE) if np.all(on_films) else described.long_name
+    comment = f"{_FILM_DATUM if np.any(on_films) else ''}{described.comment}; datum: {length}"
+    return described.attrs | {"long_name": words, "comment": comment}
 
 
 def united(parts: Sequence[Mapping[Any, Any]]) -> dict[Any, Any]:
@@ -78,7 +82,7 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
     takes = {name for kind in kinds if not isinstance(kind, Profile) for name in PROFILES[str(kind)][1]}
     if "slope" in takes and not {"slope", "moment"} & set(arrays):
         found["slope"] = 0.0
-    spared = {"composite"} if "volume_fraction" not in arrays else set()
+    spared = {"composite"} if "material" in arrays else set()
     spared |= set() if "corner" in takes else {"corner"}
     if not np.any(has(arrays, "thickness")):
         spared |= set(OF_A_FILM)

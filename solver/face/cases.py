@@ -118,8 +118,12 @@ class Cases:
         described: Mapping[str, Described],
         of: str,
         axes: Mapping[str, xr.Variable] | None = None,
+        *,
+        hollow: bool = False,
     ) -> dict[str, xr.Variable]:
         """Outputs over the dimensions of the cases and own axes; what does not vary is a broadcast view.
+
+        ``hollow``: the body has places without fields, which are NaN.
 
         Raises
         ------
@@ -129,7 +133,7 @@ class Cases:
         own = {name: axis.size for name, axis in (axes or {}).items()}
         found = {}
         for name, value in values.items():
-            if not np.all(np.isfinite(value) | (np.isnan(value) & described[name].sparse)):
+            if not np.all(np.isfinite(value) | (np.isnan(value) & (described[name].sparse | hollow))):
                 raise FactorError(f"{name}: not finite for these {of}")
             whole = np.broadcast_to(value, (*self.sizes.values(), *own.values()))
             found[name] = xr.Variable((*self.sizes, *own), whole, of_output(described[name], self.arrays))

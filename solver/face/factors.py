@@ -12,7 +12,7 @@ from solver.face.filmfactors import check_films
 from solver.face.refusal import FactorError
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import CHOICES, FACTORS, MATERIALS, OF_A_FILM, PROFILES
+from solver.names import CHOICES, COMPOSITES, FACTORS, MATERIALS, OF_A_FILM, PROFILES
 
 _OUTPUT_DIMS = ("position", "x", "y")
 _CHARGES = {"charge": "electric", "magnetic_charge": "magnetic"}
@@ -42,10 +42,7 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
         elif name in CHOICES and not isinstance(value, Profile):
             _choice(str(name), array, (*CHOICES[str(name)], *((None, "") if name in OF_A_FILM else ())))
         arrays[str(name)] = array
-    if "material" in arrays and {"composite", "volume_fraction"} & set(arrays):
-        raise FactorError("material: give either a material or a composite's volume_fraction, not both")
-    if "material" not in arrays and "volume_fraction" not in arrays:
-        raise FactorError("material: missing; give a material's name, or a composite's volume_fraction")
+    _check_material(arrays)
     _check_profile(arrays)
     for name, array in arrays.items():
         for dim in array.dims:
@@ -58,6 +55,27 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
     _check_charges(arrays)
     check_films(arrays)
     return arrays
+
+
+def _check_material(arrays: Mapping[str, xr.DataArray]) -> None:
+    """Either a material, or composites with the fractions that they need and no other."""
+    fractions = [name for name in dict.fromkeys(COMPOSITES.values()) if name in arrays]
+    if "material" in arrays:
+        if fractions or "composite" in arrays:
+            other = fractions[0] if fractions else "volume_fraction"
+            raise FactorError(f"material: give either a material or a composite's {other}, not both")
+        return
+    if "composite" not in arrays and not fractions:
+        raise FactorError("material: missing; give a material's name, or a composite's volume_fraction")
+    kinds = dict.fromkeys(arrays["composite"].values.flat) if "composite" in arrays else [CHOICES["composite"][0]]
+    taken = {COMPOSITES[kind]: kind for kind in kinds}
+    for name in fractions:
+        if name not in taken:
+            owners = [kind for kind, fraction in COMPOSITES.items() if fraction == name]
+            raise FactorError(f"{name}: the composite {', '.join(kinds)} has none; {' or '.join(owners)} has it")
+    for name, kind in taken.items():
+        if name not in fractions:
+            raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed} (composite {kind})")
 
 
 def _check_profile(arrays: Mapping[str, xr.DataArray]) -> None:

@@ -14,12 +14,13 @@ from solver.face.filmfactors import absent
 from solver.face.materials import base_of, material_of
 from solver.face.refusal import FactorError
 from solver.film.along import fields
+from solver.film.inside import inside
 from solver.film.quantities import peaks, quantities
 from solver.film.similar import Constants, Films, Kind
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.material.constants import UNITS, Material, MaterialError
-from solver.names import CHOICES, FIELDS, SINGULAR
+from solver.names import CHOICES, FIELDS, INTERIOR, NEED_C12, SINGULAR
 
 _STRUCTURE = tuple(key for key in UNITS if key != "rho")
 
@@ -41,6 +42,9 @@ class OnFilm:
         An unknown base, an interface that a base does not have, inadmissible materials, a contact that does not exist.
     """
 
+    #: A rigid base has no fields inside.
+    hollow = True
+
     def __init__(self, cases: Cases) -> None:
         self.cases = cases
         self.shape = tuple(cases.sizes.values())
@@ -52,9 +56,8 @@ class OnFilm:
 
     def peaks(self) -> dict[str, Array]:
         """Those of ``solver.names.FILM_PEAKS`` that every case has; (...)."""
-        for material in (self._material, self._base[0]):
-            if np.any(np.isnan(material.c12)):
-                raise MaterialError(f"{material.name}: c12: missing; film_peak_von_mises needs it [Pa]")
+        if (lacks := self._lacks_c12) is not None:
+            raise MaterialError(f"{lacks}: c12: missing; film_peak_von_mises needs it [Pa]")
         return self._put_together(peaks)
 
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
@@ -72,9 +75,26 @@ class OnFilm:
         return {name: whole[name] for name in order}
 
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """No fields inside yet: they stand in ``solver.film.interior`` only."""
-        thickness = self.cases.values["thickness"].flat[0]
-        raise FactorError(f"thickness: {thickness:g} m; interior fields are given of half-planes only")
+        """The fields asked for, by default all of ``INTERIOR`` that the materials have; (..., y, x)."""
+        names = tuple(asked or [name for name in INTERIOR if name not in NEED_C12 or self._lacks_c12 is None])
+        if (lacks := self._lacks_c12) is not None:
+            for name in names:
+                if name in NEED_C12:
+                    raise MaterialError(f"{lacks}: c12: missing; {name} needs it [Pa]")
+
+        def found(films: Films) -> dict[str, Array]:
+            return dict(zip(names, np.moveaxis(inside(films, x, y, names), 1, 0), strict=True))
+
+        return self._put_together(found)
+
+    @property
+    def _lacks_c12(self) -> str | None:
+        """The name of a material without c12, of films and of bases that are not rigid."""
+        base, rigid = self._base
+        for material, there in ((self._material, True), (base, ~rigid)):
+            if np.any(np.isnan(material.c12) & there):
+                return material.name
+        return None
 
     @np.errstate(all="ignore")  # what is not finite is named in the outputs
     def _put_together(self, output: Callable[[Films], dict[str, Array]]) -> dict[str, Array]:

@@ -41,6 +41,9 @@ class OnHalfPlane:
         Rounding costs digits: constants many decades apart, a speed next to the limiting one.
     """
 
+    #: A half-plane has fields everywhere.
+    hollow = False
+
     def __init__(self, cases: Cases) -> None:
         self.cases = cases
         self.contact = _contact(cases)

@@ -29,7 +29,7 @@ def solve_interior(
     materials: Mapping[str, Material] = MappingProxyType({}),
     phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
 ) -> xr.Dataset:
-    """Exact fields inside the half-plane, on the surface too, for every case on a grid.
+    """Exact fields inside half-planes, films and their bases, on the surface too, for every case on a grid.
 
     Parameters
     ----------
@@ -37,7 +37,8 @@ def solve_interior(
         As for :func:`solve`.
     x, y
         (x - c)/h and y/h <= 0, dimensionless: the grid is their product. An edge of the contact, (+-1, 0), has no
-        value. On the surface the fields are those of the body.
+        value. On the surface the fields are those of the body. Under a film the fields are those of its base; a rigid
+        base has none: NaN. A point on an interface belongs to the film.
     fields
         Names of ``solver.names.INTERIOR`` and ``INTERIOR_ON_REQUEST``; by default all of the former, without those that
         need c12 if a material has none.
@@ -45,14 +46,22 @@ def solve_interior(
     Returns
     -------
     xarray.Dataset
-        Fields over the factors' dimensions, ``y`` and ``x``, SI units.
+        Fields over the factors' dimensions, ``y`` and ``x``, SI units. Potentials in a film above a grounded interface
+        are absolute.
 
     Raises
     ------
     FactorError
         As :func:`solve`; a point above the surface or on an edge; an unknown field.
     MaterialError
-        Unknown or inadmissible material, or one without c12 when a field asked for needs it.
+        Unknown or inadmissible material, or one without c12 when a field asked for needs it; inside a film, points
+        some hundred thicknesses beside the contact, or the magnetic potential over a base that insulates that field.
+
+    Examples
+    --------
+    >>> film = {"material": "BaTiO3", "thickness": 0.5e-3, "base": "rigid", "radius": 0.05, "load": 1e5}
+    >>> round(float(solve_interior(film, [0.0], [-1.0], fields=["stress_yy"])["stress_yy"].squeeze()) / 1e6, 3)
+    -221.241
     """
     cases = Cases(checked(factors), materials, phases)
     grid_x, grid_y = _grid(x, y)
@@ -62,8 +71,9 @@ def solve_interior(
     axes = {"y": xr.Variable("y", grid_y, _ALONG_Y), "x": xr.Variable("x", grid_x, _ALONG_X)}
 
     def part(cases: Cases) -> xr.Dataset:
-        values = body_of(cases).interior(grid_x, grid_y, fields)
-        found = cases.labelled(values, EVERY_INTERIOR, "factors and points (overflow)", axes)
+        body = body_of(cases)
+        values = body.interior(grid_x, grid_y, fields)
+        found = cases.labelled(values, EVERY_INTERIOR, "factors and points (overflow)", axes, hollow=body.hollow)
         return xr.Dataset(found, cases.coordinates | axes)
 
     return cases.solved("exact fields inside a magneto-electro-elastic half-plane below a sliding punch", part)

@@ -1,4 +1,4 @@
-"""The material of every case, from names, own materials or a composite's volume fraction."""
+"""The material of every case, from names, own materials or a composite's fraction."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -11,12 +11,11 @@ from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.refusal import FactorError
 from solver.film.stack import RIGID
+from solver.material.alloy import aluminium_scandium_nitride
 from solver.material.composite import fibrous, laminate
 from solver.material.constants import UNITS, Material, MaterialError
 from solver.material.library import find
-from solver.names import CHOICES
-
-_COMPOSITES = {"fibrous": fibrous, "laminate": laminate}
+from solver.names import CHOICES, COMPOSITES
 
 
 def material_of(cases: Cases) -> Material:
@@ -32,12 +31,21 @@ def material_of(cases: Cases) -> Material:
     one, two = (_found(phase, cases.materials) for phase in _named("phases", cases.phases))
     if "material" in cases.values:
         return _chosen(cases.values["material"], cases.materials)
-    fraction, kind = cases.values["volume_fraction"], cases.values.get("composite", np.array("fibrous"))
-    mixed = [_COMPOSITES[name](one, two, fraction) for name in CHOICES["composite"] if np.any(kind == name)]
-    if len(mixed) == 1:
-        return mixed[0]
-    either: dict[str, Any] = {c: np.where(kind == "fibrous", *(getattr(m, c) for m in mixed)) for c in UNITS}
+    kinds = cases.values.get("composite", np.array(CHOICES["composite"][0]))
+    made = {str(kind): _composite(str(kind), one, two, cases) for kind in dict.fromkeys(kinds.flat)}
+    if len(made) == 1:
+        return next(iter(made.values()))
+    places = [kinds == kind for kind in made]
+    either: dict[str, Any] = {c: np.select(places, [getattr(m, c) for m in made.values()]) for c in UNITS}
     return Material(**either, name="composite")
+
+
+def _composite(kind: str, one: Material, two: Material, cases: Cases) -> Material:
+    """The composite of a kind of every case, from the factor that it takes."""
+    fraction = cases.values[COMPOSITES[kind]]
+    if kind == "AlScN":
+        return aluminium_scandium_nitride(fraction)
+    return (fibrous if kind == "fibrous" else laminate)(one, two, fraction)
 
 
 def base_of(cases: Cases) -> tuple[Material, BoolArray]:

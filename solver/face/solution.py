@@ -14,9 +14,8 @@ from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.refusal import FactorError
 from solver.material.constants import Material
-from solver.names import EVERY_FILM_QUANTITY, EVERY_QUANTITY, FIELDS, REGULAR
+from solver.names import ALL_QUANTITIES, FIELDS, REGULAR
 
-_QUANTITIES = EVERY_QUANTITY | EVERY_FILM_QUANTITY
 _ALONG = {"units": "1", "long_name": "surface position X = (x - c)/h"}
 
 
@@ -37,10 +36,10 @@ def solve(
         Values by factor name: scalars, ``DataArray`` of any dimensions, or plain sequences, which become a dimension
         named after their factor; dimensions broadcast, so sequences span the full factorial. ``load`` must be given,
         what the ``profile`` needs (default ``cylinder``: ``radius``; see ``solver.names.PROFILES``; or a
-        :class:`Profile` of one's own), and either ``material`` (a name or :class:`Material`) or ``volume_fraction``
-        (with ``composite``, default ``fibrous``). The rest default to 0 (``datum``: 1 m; ``electric`` and
-        ``magnetic``: conducting). A case with a ``thickness`` is a film on its ``base``, see
-        ``solver.names.OF_A_FILM``; NaN and empty names mean that a case has none.
+        :class:`Profile` of one's own), and either ``material`` (a name or :class:`Material`) or the fraction of a
+        composite (``composite``, default ``fibrous``; see ``solver.names.COMPOSITES``). The rest default to 0
+        (``datum``: 1 m; ``electric`` and ``magnetic``: conducting). A case with a ``thickness`` is a film on its
+        ``base``, see ``solver.names.OF_A_FILM``; NaN and empty names mean that a case has none.
     positions
         Surface positions X = (x - c)/h, dimensionless, any but +-1.
     materials
@@ -78,7 +77,7 @@ def solve(
     def part(cases: Cases) -> xr.Dataset:
         body, coordinates = body_of(cases), cases.coordinates
         values = body.quantities() | (body.peaks() if peaks else {})
-        found = cases.labelled(values, _QUANTITIES, "factors (contact as wide as the datum, or overflow)")
+        found = cases.labelled(values, ALL_QUANTITIES, "factors (contact as wide as the datum, or overflow)")
         if X is not None:
             coordinates |= (axis := {"position": xr.Variable("position", X, _ALONG)})
             fields = body.surface(X, regular=regular)
@@ -86,7 +85,7 @@ def solve(
         return xr.Dataset(found, coordinates)
 
     out = cases.solved("exact solution of a punch sliding on a magneto-electro-elastic half-plane", part)
-    first = [name for name in _QUANTITIES if name in out]
+    first = [name for name in ALL_QUANTITIES if name in out]
     return out[[*first, *(name for name in out.data_vars if name not in first)]]
 
 

@@ -67,10 +67,11 @@ class Assembly:
         for columns, nodes, rule, carried in self.sources():
             distances = self.half_lengths[:, None, None] * (points[:, None] - nodes)
             kernels = self.system.kernel.at(distances, mixing(self.system.coefficients.friction, carried))
-            slopes = np.moveaxis(kernels[..., :4], -1, 1)  # (half, 4, point, node)
+            # (half, 4, point, node), contiguous: matrices that are not are multiplied without BLAS
+            slopes = np.ascontiguousarray(np.moveaxis(kernels[..., :4], -1, 1))
             gradients[..., columns] = self.half_lengths[:, None, None, None] * (slopes @ rule)
-            mean = np.einsum("p,hpnc->hcn", self.basis.mean, kernels[:, : self.basis.terms, :, 4:])
-            displacements[..., columns] = mean @ rule
+            mean = np.tensordot(self.basis.mean, kernels[:, : self.basis.terms, :, 4:], (0, 1))
+            displacements[..., columns] = np.swapaxes(mean, 1, 2) @ rule
         return gradients, displacements
 
     @cached_property

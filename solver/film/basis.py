@@ -15,7 +15,10 @@ from scipy.special import beta, roots_jacobi
 
 from solver.arrays import Array, Points
 
-_CANCELS = 1e3  # of the closed transforms: beyond, a Gauss rule is exact to rounding
+#: By the logarithm of what the closed transforms cancel, 2 M times that of the ellipse through z: beyond three digits,
+#: Gauss's rules are exact to rounding, with so many nodes a term.
+CANCELS = 6.9
+RULES = ((5.0, CANCELS, 20.0), (2.4, 20.0, 60.0), (1.2, 60.0, np.inf))
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +70,7 @@ class Basis:
     @cached_property
     def _dual_rule(self) -> tuple[Array, Array]:
         A, B = self.exponents
-        return _gauss_jacobi(self.terms, -A, -B)
+        return gauss_jacobi(self.terms, -A, -B)
 
     @cached_property
     def projection(self) -> Array:
@@ -92,7 +95,7 @@ class Basis:
     @cached_property
     def pressure_rule(self) -> tuple[Array, Array]:
         """Nodes S of weight w, and weights times P_j(S); (N,) and (N, pressures)."""
-        S, weights = _gauss_jacobi(self.samples, *self.exponents)
+        S, weights = gauss_jacobi(self.samples, *self.exponents)
         return S, weights[:, None] * self.pressure_factor(S)
 
     @cached_property
@@ -108,7 +111,7 @@ class Basis:
         weights = 8 / 3 * np.sin(angle) ** 4 / (self.terms + 1)  # Gauss's of weight sqrt(1 - X^2)
         return np.asarray(weights @ self.dual(np.cos(angle), self.terms).T @ self.projection)
 
-    def pressure_factor(self, X: Array) -> Array:
+    def pressure_factor(self, X: Points) -> Points:
         """P_j^(A,B); (X, pressures)."""
         return jacobi(self.pressures, *self.exponents, X)
 
@@ -117,7 +120,7 @@ class Basis:
         A, B = self.exponents
         return jacobi(count, -A, -B, X).T
 
-    def local(self, X: Array) -> Array:
+    def local(self, X: Points) -> Points:
         """The right side (2^k0 / sin pi A) P_(j+k0)^(-A,-B), P_(-1) = 0; (X, pressures)."""
         A, B = self.exponents
         dual = jacobi(self.terms, -A, -B, X)
@@ -138,24 +141,42 @@ class Basis:
         z
             Points, real with |z| > 1, or complex with Im z >= 0.
         """
-        root = np.sqrt(z - 1) * np.sqrt(z + 1) if np.iscomplexobj(z) else np.sign(z) * np.sqrt(z * z - 1)
-        beyond = np.abs(z + root)  # > 1: the ellipse through z
-        A, B = self.exponents
-        pressed = np.empty((*z.shape, self.pressures), z.dtype)
-        near = beyond ** (2 * self.terms) < _CANCELS
-        one = z[near]
-        product = (one - 1) ** A * (one + 1) ** B if np.iscomplexobj(z) else self._outside(one)
-        pressed[near] = self.gain / 2.0**self.order * product[..., None] * self.pressure_factor(one) - self.local(one)
-        S, weights = _gauss_jacobi(5 * self.terms, A, B)
-        rule = weights[:, None] * self.pressure_factor(S) / np.pi
-        pressed[~near] = (1 / (S - z[~near][..., None])) @ rule
-        charged = -(((z + root)[..., None] + 0 * z[..., None]) ** -np.arange(self.terms + 1.0)) / root[..., None]
-        return pressed, charged
+        return self.transformed(z, np.eye(self.pressures)), self.charged(z)
 
-    def _outside(self, X: Array) -> Array:
-        """(z - 1)^A (z + 1)^B on the real axis, |X| > 1."""
+    def charged(self, z: Points) -> Points:
+        """H[T_n / sqrt(1 - X^2)] off the contact; (..., M + 1); z as for :meth:`transforms`."""
+        outer, root = ellipse(z)
+        out = np.empty((self.terms + 1, *z.shape), z.dtype)
+        out[0], inverse = -1 / root, 1 / outer
+        for n in range(self.terms):
+            out[n + 1] = out[n] * inverse
+        return np.moveaxis(out, 0, -1)
+
+    def transformed(self, z: Points, terms: Array) -> Points:
+        """H[w sum_j terms_j P_j] off the contact, of terms (pressures, c): (..., c); z as for :meth:`transforms`."""
+        apart = 2 * self.terms * np.log(np.abs(ellipse(z)[0]))
         A, B = self.exponents
-        return np.asarray(np.where(X > 1, 1.0, (-1.0) ** self.order) * np.abs(X - 1) ** A * np.abs(X + 1) ** B)
+        out = np.empty((*z.shape, terms.shape[-1]), z.dtype)
+        near = apart < CANCELS
+        one = z[near]
+        own = self._outside(one)[..., None] * (self.pressure_factor(one) @ terms)
+        out[near] = own - self.local(one) @ terms
+        for count, least, most in RULES:
+            far = (apart >= least) & (apart < most)
+            S, weights = gauss_jacobi(int(np.ceil(count * self.terms)), A, B)
+            rule = weights[:, None] * (self.pressure_factor(S) @ terms) / np.pi
+            out[far] = (1 / (S - z[far][..., None])) @ rule
+        return out
+
+    def _outside(self, z: Points) -> Points:
+        """(z - 1)^A (z + 1)^B / sin pi A off the contact."""
+        A, B = self.exponents
+        scale = self.gain / 2.0**self.order
+        if np.iscomplexobj(z):
+            out: Points = scale * ((z - 1) ** A * (z + 1) ** B)
+        else:
+            out = z * 0 + scale * np.where(z > 1, 1.0, (-1.0) ** self.order) * np.abs(z - 1) ** A * np.abs(z + 1) ** B
+        return out
 
     @property
     def total(self) -> float:
@@ -183,13 +204,19 @@ class Basis:
         return np.asarray((weight * mean) @ self.pressure_factor(S))
 
 
-def _gauss_jacobi(count: int, one: float, other: float) -> tuple[Array, Array]:
+def gauss_jacobi(count: int, one: float, other: float) -> tuple[Array, Array]:
     """Gauss's rule of weight (1 - X)^one (1 + X)^other."""
     with np.errstate(
         invalid="ignore", divide="ignore"
     ):  # SciPy divides by 0 where one + other = -1, in a place that it then replaces
         X, weights = roots_jacobi(count, one, other)
     return X, weights
+
+
+def ellipse(z: Points) -> tuple[Points, Points]:
+    """z + sqrt(z^2 - 1), outside of the unit disk, and the root."""
+    root = np.sqrt(z - 1) * np.sqrt(z + 1) if np.iscomplexobj(z) else np.sign(z) * np.sqrt(z * z - 1)
+    return z + root, root
 
 
 def log_mean(S: Array) -> Array:

@@ -14,7 +14,8 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.arrays import Array
+from solver.arrays import Array, ComplexArray
+from solver.halfplane.spectrum import spectrum
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
 
@@ -83,6 +84,20 @@ class Medium:
         """G: tractions of a wave decay like exp(k G y) downwards; (..., 4, 4), eigenvalues with positive real part."""
         W, Q_s, _ = self._blocks
         return np.asarray(Q_s @ self.compliance - W)
+
+    @cached_property
+    def modes(self) -> tuple[ComplexArray, ComplexArray]:
+        """Rates m_j (mode,) and parts E_j (mode, 4, 4) of a wave: exp(-G s) = sum_j E_j exp(-m_j s); no case axes.
+
+        Eigenvalues and projectors of G, or a contour around those that coincide (:mod:`solver.halfplane.spectrum`).
+        """
+        values, vectors = np.linalg.eig(self.decay)
+        if np.linalg.cond(vectors) < _WELL_CONDITIONED:
+            return values.astype(np.complex128), np.einsum("ij,jk->jik", vectors, np.linalg.inv(vectors)) + 0j
+        nodes, parts = spectrum(self.halfplane)
+        there = np.any(parts != 0, (-2, -1))
+        turned = self.scale / self.halfplane.scale * np.array([1j, 1, 1, 1])
+        return 1j * np.conj(nodes[there]), turned[:, None] * np.conj(parts[there]) / turned
 
     @cached_property
     def slowest(self) -> Array:

@@ -1,257 +1,309 @@
-"""Fields inside a film and its base (films, section 6).
+"""Fields inside films and their bases (films, section 6).
 
 In the top layer the half-plane's part of the field is closed (theory section 5); what the layers below reflect, and
 everything below the top layer, decays at least like exp(-k h1 g) and is integrated over the wavenumbers k. Inside, a
 graded layer is two staircases of homogeneous ones, extrapolated, loaded by the tractions of the graded film.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.arrays import Array, ComplexArray
-from solver.film.assembly import Assembly
-from solver.film.basis import Basis
+from solver.arrays import Array, BoolArray, ComplexArray
 from solver.film.contact import FilmContact
-from solver.film.fourier import FLIP, Medium, falling
+from solver.film.fourier import Medium
 from solver.film.grading import Graded, staircase
 from solver.film.kernel import strip, wavenumbers
-from solver.film.reflection import LayerWaves, waves
+from solver.film.reflection import LayerWaves, held, waves
 from solver.film.stack import Stack, StackError
-from solver.film.system import System
+from solver.film.tractions import Tractions, TractionTable
+from solver.film.within import TURN, below, layer_waves, modal
 from solver.halfplane.interior import LINEAR, field_rows, principal_tension, von_mises
-from solver.halfplane.spectrum import spectrum
+from solver.halfplane.potentials import POTENTIALS
 
-_SUBLAYERS = 24  # and half of them, extrapolated
+SUBLAYERS = 24  # of a graded layer, and half of them, extrapolated
+FARTHEST = 2000.0  # distance over the width of the strip: bounded time
+
 _STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
 _DERIVED = {"von_mises": von_mises, "principal_tension": principal_tension}
-_MOST = 4_000_000  # entries of a block of the synthesis: bounded memory
+_STEP = 512  # wavenumbers at a time
+_MOST = 1 << 20  # entries of a block of waves: bounded memory
+_ON = 1 + 1e-12  # a depth on an interface belongs to the layer above it
 
 
 @dataclass(frozen=True, eq=False)
 class Interior:
-    """Fields of the unit causes of one system at one half-length.
+    """Fields under tractions.
 
     Parameters
     ----------
-    system
-        The contact.
-    half_length
-        h [m].
+    tractions
+        Tractions of members, several columns of each.
     sublayers
         Number of homogeneous layers that a graded one is inside.
     """
 
-    system: System
-    half_length: float
-    sublayers: int = _SUBLAYERS
-
-    @cached_property
-    def basis(self) -> Basis:
-        """Basis of the tractions."""
-        return self.system.basis(self.half_length)
+    tractions: Tractions
+    sublayers: int = SUBLAYERS
 
     @cached_property
     def body(self) -> Stack:
         """The stack; a graded layer as sublayers of the materials at their middles."""
-        stack = self.system.kernel.stack
+        stack = self._stack
         return staircase(stack, self.sublayers) if stack.top.graded else stack
 
     @property
+    def _stack(self) -> Stack:
+        return self.tractions.system.kernel.stack
+
+    @property
     def _units(self) -> Array:
-        """Units of tractions of the body over those of the system; (4,)."""
-        return np.asarray(self.body.scale / self.system.kernel.stack.scale)
+        """Units of tractions of the body over those of the system; (4, 1)."""
+        return np.asarray(self.body.scale / self._stack.scale)[:, None]
 
-    @cached_property
-    def _terms(self) -> tuple[Array, Array]:
-        """Terms of the pressure (pressures, cause) and of both fields (2, M + 1, cause)."""
-        unknowns = Assembly(self.system, self.basis, np.array([self.half_length])).unknowns[0]
-        pressures, charges = self.system.split(self.basis, unknowns.T)
-        return pressures.T, np.moveaxis(charges, 0, -1)
-
-    def fields(self, x: Array, depth: Array, names: tuple[str, ...]) -> Array:
-        """Fields of ``solver.halfplane.interior.LINEAR`` by cause; (field, depth, x, cause), SI per unit cause.
+    def fields(self, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
+        """Fields of ``solver.halfplane.interior.LINEAR``, SI; (member, field, y, x, column).
 
         Parameters
         ----------
-        x
-            Distance from the centre of the contact [m]; (x,).
-        depth
-            Depth >= 0 [m]; (depth,). A depth on an interface belongs to the layer above it.
+        X, Y
+            (x - c)/h and y/h <= 0, for all members (1, x), (1, y) or for each (member, x), (member, y). A depth on an
+            interface belongs to the layer above it; a rigid base has no fields: NaN.
         names
             Fields; ``stress_zz`` needs c12.
 
         Raises
         ------
         StackError
-            A depth inside a rigid base.
+            Positions farther from the contact than is resolved.
         """
         which = [LINEAR.index(name) for name in names]
-        out: Array = np.empty((len(names), depth.size, x.size, self.system.causes))
-        scale = self.body.scale
-        units = np.concatenate([scale, 1 / scale])
-        for medium, members, states in self._states(x, depth):
-            half = self._local(medium, depth[members]).halfplane
-            rows = (
-                field_rows(half)[..., which, :]
-                * (units / np.concatenate([half.scale, 1 / half.scale], -1))[..., None, :]
+        depth = -Y * self.tractions.half_lengths[:, None]
+        body = self._body_at(depth)
+        if len(which) < 8 and not self._stack.top.graded:  # less to sum than the whole state
+            return np.moveaxis(self._summed(X, Y, [self._rows_of(medium, which) for medium in self._media]), 2, 1)
+        states = self._summed(X, Y, [np.eye(8) for _ in self._media])
+        rows = self._rows(depth, body, which)
+        flat = states.reshape(*states.shape[:3], -1)
+        return np.moveaxis((rows @ flat).reshape(*rows.shape[:3], *states.shape[3:]), 2, 1)
+
+    def potentials(self, X: Array, Y: Array, datum: Array) -> Array:
+        """Electric [V] and magnetic [A] potential; (member, 2, y, x, column).
+
+        Parameters
+        ----------
+        X, Y
+            As of :meth:`fields`.
+        datum
+            Reference length L of the base [m], which counts where no interface below holds a potential at zero;
+            (member,).
+
+        Notes
+        -----
+        The magnetic potential over a base that insulates the magnetic field has no such datum: it means nothing here.
+        """
+        stack, tractions = self.body, self.tractions
+        out = self._summed(X, Y, [np.eye(8)[2:4]] * len(self._media), integrated=True)
+        h, width = tractions.half_lengths, strip(stack)
+        k, weights = self._wavenumbers(X)
+        near = float(weights / k @ np.exp(-k * width))  # the datum of the integrals is the width
+        totals = tractions.totals.real * self._units
+        to_datum = np.log(np.broadcast_to(datum, h.shape) / width)[:, None, None]
+        body = self._body_at(-Y * h[:, None])
+        for number, far in enumerate(_far(stack, totals)):
+            constant = (to_datum - near) * far
+            if number == 0:  # the closed form's datum is h
+                constant += (near - np.log(h / width)[:, None, None]) * (stack.media[0].compliance @ totals)[:, 2:]
+            out += np.where((body == number)[:, :, None, None, None], constant[:, None, :, None] / np.pi, 0)
+        return np.moveaxis(out * stack.scale[2:, None, None], 2, 1)
+
+    @property
+    def _media(self) -> list[Medium]:
+        return [*self.body.media, *filter(None, [self.body.base_medium])]
+
+    def _body_at(self, depth: Array) -> NDArray[np.intp]:
+        """Number of the layer at every depth, that of the base last; as ``depth``."""
+        ends = np.cumsum([layer.thickness for layer in self.body.layers]) * _ON
+        return np.searchsorted(ends, depth)
+
+    def _rows(self, depth: Array, body: NDArray[np.intp], which: list[int]) -> Array:
+        """What the fields take of the state; (member, y, field, 8)."""
+        rows = np.full((*depth.shape, len(which), 8), np.nan)
+        layer, own = self._stack.top, np.ones_like(depth, dtype=bool)
+        if isinstance(layer, Graded):  # strain and traction meet at sublayers, the material is that of the depth
+            own = body >= self.sublayers
+            if not np.all(own):
+                share = np.minimum(depth[~own] / layer.thickness, 1.0)
+                rows[~own] = self._rows_of(Medium(layer.profile(share), self.body.scale), which)
+        media = [*self.body.media, *filter(None, [self.body.base_medium])]
+        for number in np.unique(body[own]).tolist():
+            if number < len(media):
+                rows[own & (body == number)] = self._rows_of(media[number], which)
+        return rows
+
+    def _rows_of(self, medium: Medium, which: list[int]) -> Array:
+        half, scale = medium.halfplane, self.body.scale
+        units = np.concatenate([scale, 1 / scale]) / np.concatenate([half.scale, 1 / half.scale], -1)
+        return np.asarray(field_rows(half)[..., which, :] * units[..., None, :])
+
+    def _wavenumbers(self, X: Array) -> tuple[Array, Array]:
+        """Nodes and weights in k for positions."""
+        tractions, width = self.tractions, strip(self.body) / 2
+        sizes = tractions.longest if len(X) == 1 else tractions.half_lengths[:, None]
+        reach = float(np.max(np.abs(X) * sizes, initial=0.0)) + tractions.longest
+        if reach > FARTHEST * width:
+            raise StackError(
+                f"x: {np.max(np.abs(X)):g} is farther from the contact than the fields inside this film are resolved, "
+                f"{FARTHEST * width / tractions.longest - 1:.3g}"
             )
-            out[:, members] = np.einsum(
-                "dfs,sdxc->fdxc", np.broadcast_to(rows, (members.size, *rows.shape[-2:])), states
-            )
+        return wavenumbers(self.body, reach, width)
+
+    def _summed(self, X: Array, Y: Array, rows: list[Array], *, integrated: bool = False) -> Array:
+        """Rows, those of each body, of [u,x; t] in the units of the body; (member, y, row, x, column).
+
+        ``integrated``: of what these are the derivatives of, up to a constant in every body.
+        """
+        stack, h = self.body, self.tractions.half_lengths
+        depth = -Y * h[:, None]
+        body, columns, count = self._body_at(depth), self.tractions.pressures.shape[-1], len(rows[0])
+        out: Array = np.zeros((h.size, depth.shape[1], count, X.shape[1], columns))
+        k, weights = self._wavenumbers(X)
+        shares = weights / np.pi / (1j * k if integrated else 1)
+        share = max(_MOST // (min(k.size, _STEP) * depth.shape[1] * count * columns), 1)
+        for first in range(0, k.size, _STEP):
+            here = slice(first, first + _STEP)
+            layers = waves(stack, k[here])
+            for start in range(0, h.size, share):
+                some = slice(start, start + share)
+                top = self.tractions.part(some).in_fourier_space(k[here]) * self._units
+                found = self._waves(layers, k[here], top, depth[some], body[some], rows)
+                found *= shares[here, None, None, None]
+                x = X[some] if len(X) > 1 else X
+                _add(out[some], x * h[some, None], k[here], found)
+        if np.any(inside := np.any(body == 0, 0)):
+            upper = (body[:, inside] == 0)[:, :, None, None, None]
+            own = self._halfplane(X, Y[:, inside], rows[0], integrated=integrated)
+            out[:, inside] += np.where(upper, own * h[:, None, None, None, None] if integrated else own, 0)
+        if stack.rigid:
+            out[body == len(stack.layers)] = np.nan
         return out
 
-    def _local(self, medium: Medium, depth: Array) -> Medium:
-        """The medium at depths; within a graded layer that of its profile: strain and traction meet at sublayers."""
-        layer = self.system.kernel.stack.top
-        if isinstance(layer, Graded) and np.all(depth <= layer.thickness * (1 + 1e-14)):
-            return Medium(layer.profile(np.minimum(depth / layer.thickness, 1.0)), medium.scale)
-        return medium
+    def _waves(
+        self, layers: list[LayerWaves], k: Array, top: ComplexArray, depth: Array, body: NDArray[np.intp],
+        rows: list[Array],
+    ) -> ComplexArray:  # fmt: skip
+        """Rows of [u,x; t] in Fourier space, in the top layer without the half-plane's; (member, k, y, row, column).
 
-    def _states(self, x: Array, depth: Array) -> list[tuple[Medium, NDArray[np.intp], Array]]:
-        """Of every body that is asked for: medium, which depths, and [u,x; t] (8, depth, x, cause)."""
-        stack = self.body
-        reach = float(np.max(np.abs(x), initial=0.0)) + self.half_length
-        k, weights = wavenumbers(stack, reach, strip(stack) / 2)
-        synthesis = _Synthesis(k, weights, x)
-        top, start, found = self._transforms(k), 0.0, []
-        for number, layer in enumerate(waves(stack, k)):
-            end = start + layer.thickness
-            inside = np.flatnonzero((depth <= end * (1 + 1e-14)) & ((depth > start * (1 + 1e-14)) | (number == 0)))
-            if inside.size:
-                states = synthesis.fields(*_layer_waves(layer, k, depth[inside] - start, top, reflected=number == 0))
-                if number == 0:
-                    states = states + self._halfplane(x, depth[inside])
-                found.append((layer.medium, inside, states))
-            top, start = _below(layer, k, top, stack.grounded[number]), end
-        inside = np.flatnonzero(depth > start * (1 + 1e-14))
-        if inside.size:
-            base = stack.base_medium
-            if base is None:
-                raise StackError(f"depth: {depth[inside[0]]:g} m lies inside the rigid base; at most {start:g} m")
-            down: ComplexArray = falling(base.decay, k * (depth[inside] - start)[:, None]) @ top
-            found.append((base, inside, synthesis.fields(base.compliance @ down, down)))
-        return found
+        ``top``: (i sigma_xy, sigma_yy, D_y, B_y) at the surface; (member, k, 4, column).
+        """
+        out: ComplexArray = np.zeros((*top.shape[:2], depth.shape[1], len(rows[0]), top.shape[-1]), np.complex128)
+        start, every = 0.0, np.arange(k.size)
+        for number, layer in enumerate(layers):
+            amplitude = layer.amplitude @ top
+            for members, places, those in _blocks(body == number):
+                zeta = np.clip(depth[np.ix_(members, places)] - start, 0.0, layer.thickness)
+                own = layer_waves(layer, k, zeta, amplitude[members], rows[number], reflected=number == 0)
+                out[np.ix_(members, every, places)] += np.where(those[:, None, :, None, None], own, 0)
+            start += layer.thickness
+            top = below(layer, k, amplitude, self.body.grounded[number])
+        base = self.body.base_medium
+        if base is not None:
+            for members, places, those in _blocks(body == len(layers)):
+                zeta = np.maximum(depth[np.ix_(members, places)] - start, 0.0)
+                own = modal(base, k, zeta, top[members], rows[-1])
+                out[np.ix_(members, every, places)] += np.where(those[:, None, :, None, None], own, 0)
+        return out
 
-    def _transforms(self, k: Array) -> ComplexArray:
-        """(i sigma_xy, sigma_yy, D_y, B_y) at the surface in Fourier space for every cause; (k, 4, cause)."""
-        samples = self.basis.terms + 20 + int(np.max(k) * self.half_length / 2)
-        fine = Basis(self.basis.delta, self.basis.smooth, self.basis.terms, samples)
-        (pressures, charges), c, h = self._terms, self.system.coefficients, self.half_length
-        (S, rule), (X, charge_rule) = fine.pressure_rule, fine.charge_rule
-        loaded, charged = rule @ pressures, np.moveaxis(charge_rule @ charges, 0, 1)
-        t: ComplexArray = np.empty((k.size, 4, pressures.shape[-1]), np.complex128)
-        for block in range(0, k.size, step := max(_MOST // samples, 1)):
-            some = slice(block, block + step)
-            t[some, 1] = np.exp(-1j * h * k[some, None] * S) @ loaded
-            t[some, 2:] = np.tensordot(np.exp(-1j * h * k[some, None] * X), charged, 1)
-        for f in c.fields:
-            t[:, 2 + f] += c.follower[f] * t[:, 1]
-        t[:, 0] = 1j * c.friction * t[:, 1]
-        return h * t * self._units[:, None]
-
-    def _halfplane(self, x: Array, depth: Array) -> Array:
-        """[u,x; t] of the half-plane of the top material in the units of the stack; (8, depth, x, cause)."""
-        half = self.body.media[0].halfplane
-        nodes, parts = spectrum(half)
-        both = np.concatenate([half.surface_impedance, np.eye(4)])
-        (pressures, charges), c, h = self._terms, self.system.coefficients, self.half_length
-        out: Array = np.zeros((8, depth.size * x.size, self.system.causes))
-        X, Y = (np.ravel(v) for v in np.broadcast_arrays(x / h, -depth[:, None] / h))
-        for p, part in zip(nodes, parts, strict=True):
-            of_pressure, of_charge = self.basis.transforms(X + np.real(p) * Y + 1j * np.abs(np.imag(p) * Y))
-            H: ComplexArray = np.empty((4, X.size, self.system.causes), np.complex128)
-            H[1] = of_pressure @ pressures
-            H[0] = c.friction * H[1]
-            for f in (0, 1):
-                H[2 + f] = of_charge @ charges[f] + (c.follower[f] if f in c.fields else 0.0) * H[1]
-            out += np.tensordot(np.conj(1j * both @ part) * self._units, H, 1).real
-        return out.reshape(8, depth.size, x.size, -1)
+    def _halfplane(self, X: Array, Y: Array, rows: Array, *, integrated: bool) -> Array:
+        """Rows of [u,x; t] of the half-plane of the top material; (member, y, row, x, column)."""
+        medium, shape = self.body.media[0], (max(len(X), len(Y)), Y.shape[1], X.shape[1])
+        own = rows @ (TURN[:, None] * np.concatenate([medium.compliance, np.eye(4)]))
+        out = np.zeros(())
+        for rate, part in zip(*medium.modes, strict=True):
+            z = np.empty(shape, np.complex128)  # x - c and the rate times the depth, over h
+            z.real = X[:, None, :] + rate.imag * Y[..., None]
+            z.imag = np.abs(rate.real * Y)[..., None]
+            H = self.tractions.on_plane(z.reshape(shape[0], -1), integrated=integrated) * self._units[..., None, None]
+            H[0] *= 1j
+            out = out + ((-1j * own @ part) @ H.reshape(4, -1)).real
+        whole = out.reshape(len(rows), -1, *shape[1:], self.tractions.pressures.shape[-1])
+        return np.moveaxis(whole, 0, 2)
 
 
-@dataclass(frozen=True, eq=False)
-class _Synthesis:
-    """From wavenumbers to positions x."""
-
-    k: Array
-    weights: Array
-    x: Array
-
-    def fields(self, ku: ComplexArray, t: ComplexArray) -> Array:
-        """[u,x; t] at every x of waves (depth, k, 4, cause) whose x-components are times i; (8, depth, x, cause)."""
-        turned = np.concatenate([ku[..., :1, :], 1j * ku[..., 1:, :], -1j * t[..., :1, :], t[..., 1:, :]], -2)
-        turned = turned * (self.weights / np.pi)[:, None, None]
-        out: Array = np.empty((t.shape[0], self.x.size, 8, t.shape[-1]))
-        flat = np.moveaxis(turned, 1, 0).reshape(self.k.size, -1)
-        parts = np.concatenate([flat.real, -flat.imag])
-        for block in range(0, self.x.size, step := max(_MOST // self.k.size, 1)):
-            phase = self.x[block : block + step, None] * self.k
-            summed = np.concatenate([np.cos(phase), np.sin(phase)], -1) @ parts
-            out[:, block : block + step] = np.moveaxis(summed.reshape(len(phase), t.shape[0], 8, -1), 0, 1)
-        return np.moveaxis(out, 2, 0)
+def _far(stack: Stack, totals: Array) -> list[Array]:
+    """What k (phi, psi) tends to in every body as k -> 0, of totals of the tractions; (member, 2, column) each."""
+    response = [np.zeros((4, 4)) if stack.base_medium is None else stack.base_medium.compliance]
+    for held_below in reversed(stack.grounded):
+        response.append(held(response[-1], held_below))
+    *under, Y = response
+    found, t = [(Y @ totals)[:, 2:]], totals
+    for Y, components in zip(under[::-1], stack.grounded, strict=True):
+        free, there = [i for i in range(4) if i not in components], list(components)
+        t = np.array(t)
+        t[:, there] = -np.linalg.pinv(Y[np.ix_(there, there)]) @ Y[np.ix_(there, free)] @ t[:, free]
+        found.append((Y @ t)[:, 2:])
+    return found
 
 
-def _layer_waves(
-    layer: LayerWaves, k: Array, depth: Array, top: ComplexArray, *, reflected: bool
-) -> tuple[ComplexArray, ComplexArray]:
-    """Waves k u and t at depths within a layer under the tractions on its top; (depth, k, 4, cause) each.
-
-    ``reflected``: without what the layer's own half-plane would carry.
-    """
-    G, own = layer.medium.decay, layer.medium.compliance
-    amplitude = layer.amplitude @ top
-    down = -layer.round_trip @ amplitude if reflected else amplitude  # (I + F)^-1 - I = -F (I + F)^-1
-    up = layer.reflection @ falling(G, k * layer.thickness) @ amplitude
-    falls = falling(G, k * depth[:, None]) @ down
-    rises = (FLIP * falling(G, k * (layer.thickness - depth)[:, None])) @ up
-    return own @ falls - (FLIP * own) @ rises, falls + rises
+def _blocks(inside: BoolArray) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], BoolArray]]:
+    """Members and depths of which some are inside a body, and which of their pairs are; nothing if none is."""
+    if np.any(inside):
+        members, places = np.flatnonzero(inside.any(1)), np.flatnonzero(inside.any(0))
+        yield members, places, inside[np.ix_(members, places)]
 
 
-def _below(layer: LayerWaves, k: Array, top: ComplexArray, held: tuple[int, ...]) -> ComplexArray:
-    """Tractions on the top of what lies below a layer; an electrode carries the flux that it does not pass on."""
-    down = falling(layer.medium.decay, k * layer.thickness) @ layer.amplitude @ top
-    t: ComplexArray = down + layer.reflection @ down
-    free = [i for i in range(4) if i not in held]
-    if held and np.any(layer.below):
-        Y = layer.below[:, list(held)]
-        t[:, list(held)] = -np.linalg.solve(Y[:, :, list(held)], Y[:, :, free] @ t[:, free])
-    return t
+def _add(out: Array, x: Array, k: Array, found: ComplexArray) -> None:
+    """Add waves (member, k, y, 8, column) at positions x (member, x) to ``out`` (member, y, 8, x, column)."""
+    phase = x[..., None] * k
+    flat = found.reshape(*found.shape[:2], -1)
+    real, imaginary = (np.ascontiguousarray(part) for part in (flat.real, flat.imag))
+    summed = np.cos(phase) @ real - np.sin(phase) @ imaginary
+    out += np.moveaxis(summed.reshape(*phase.shape[:2], *found.shape[2:]), 1, 3)
 
 
 def interior_fields(contact: FilmContact, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
-    """Fields inside films and bases; (case, field, y, x), SI.
+    """Fields inside films and bases of contacts read from one table; (case, field, y, x), SI.
 
     Parameters
     ----------
     contact
         Contacts of cases.
     X, Y
-        (x - c)/h and y/h <= 0; (x,) and (y,).
+        (x - c)/h and y/h <= 0; (x,) and (y,). A rigid base has no fields: NaN.
     names
-        Names of ``solver.halfplane.interior.LINEAR``, ``von_mises`` or ``principal_tension``.
+        Names of ``solver.names.EVERY_INTERIOR``.
 
     Raises
     ------
     StackError
-        A point inside a rigid base.
+        Positions farther from the contact than is resolved, the magnetic potential over an insulated base.
     """
+    return fields_of(TractionTable(contact.table).read(contact), X, Y, names, contact.datum)
+
+
+def fields_of(tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...], datum: Array) -> Array:
+    """As :func:`interior_fields`, of tractions of one column and data L [m]; (member,)."""
+    if "magnetic_potential" in names and tractions.system.kernel.stack.insulated:
+        raise StackError("magnetic_potential: is not given inside a film on a base that insulates the magnetic field")
     needed = [name for name in names if name in LINEAR]
     if any(name in _DERIVED for name in names):
         needed += _STRESSES
-    linear = tuple(dict.fromkeys(needed))
-    out: Array = np.empty((contact.load.size, len(names), Y.size, X.size))
-    # milliseconds a case: every half-length has wavenumbers and depths of its own
-    for case, h in enumerate(contact.half_width):
-        system = contact.table.system
-        parts = Interior(system, float(h)).fields(h * X, -h * Y, linear)
-        if system.kernel.graded is not None:  # of second order in the thickness of the sublayers
-            coarse = Interior(system, float(h), _SUBLAYERS // 2).fields(h * X, -h * Y, linear)
-            parts = parts + (parts - coarse) / 3
-        values = dict(zip(linear, parts @ contact.causes.values[case], strict=True))
-        for name in names:
-            if name in _DERIVED:
-                values[name] = _DERIVED[name](*(values[stress] for stress in _STRESSES))
-        out[case] = [values[name] for name in names]
-    return out
+    linear, asked = tuple(dict.fromkeys(needed)), [name for name in POTENTIALS if name in names]
+
+    def parts(sublayers: int) -> Array:
+        inside = Interior(tractions, sublayers)
+        found = [inside.fields(X[None], Y[None], linear)] if linear else []
+        found += [inside.potentials(X[None], Y[None], datum)] if asked else []
+        return np.concatenate(found, 1)[..., 0]
+
+    whole = parts(SUBLAYERS)
+    if tractions.system.kernel.graded is not None:  # of second order in the thickness of the sublayers
+        whole = whole + (whole - parts(SUBLAYERS // 2)) / 3
+    values = dict(zip((*linear, *(POTENTIALS if asked else ())), np.moveaxis(whole, 1, 0), strict=True))
+    for name in names:
+        if name in _DERIVED:
+            values[name] = _DERIVED[name](*(values[stress] for stress in _STRESSES))
+    return np.stack([values[name] for name in names], 1)

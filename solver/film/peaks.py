@@ -15,6 +15,7 @@ from solver.film.contact import FilmContact
 from solver.film.interior import Interior
 from solver.film.stack import StackError
 from solver.film.table import Table
+from solver.film.tractions import Tractions
 from solver.halfplane.interior import principal_tension, von_mises
 
 DEPTH = 0.1  # of the half-length: the least depth of the film's peaks
@@ -81,12 +82,22 @@ class PeakTable:
     @cached_property
     def _interface_series(self) -> Array:
         """Chebyshev coefficients in log h of (sigma_xy, sigma_yy) on the interface; (node, 2, x, cause)."""
-        found = []
-        for h in self.table.half_lengths:
-            x = np.concatenate([_map(n, *ends) for n, ends in zip(_INTERFACE, self._spans(float(h)), strict=True)])
-            depth = np.array([self._thickness])
-            found.append(Interior(self.table.system, float(h)).fields(x, depth, ("stress_xy", "stress_yy"))[:, 0])
-        return self.table.in_series(np.array(found))
+        found = self._inside(_INTERFACE, self._spans, lambda h: np.array([self._thickness]), ("stress_xy", "stress_yy"))
+        return self.table.in_series(found[:, :, 0])
+
+    def _inside(
+        self, counts: tuple[int, ...], spans: Spans, depths: Callable[[float], Array], names: tuple[str, ...]
+    ) -> Array:
+        """Fields at the half-lengths of the table, on panels and at depths of each; (node, field, depth, x, cause)."""
+        lengths = self.table.half_lengths.tolist()
+        across = [[_map(n, *ends) / h for n, ends in zip(counts, spans(h), strict=True)] for h in lengths]
+        X = np.array([np.concatenate(panels) for panels in across])
+        Y = np.array([-depths(h) / h for h in lengths])
+        return Interior(self._tractions).fields(X, Y, names)
+
+    @cached_property
+    def _tractions(self) -> Tractions:
+        return Tractions.by_cause(self.table.system, self.table.half_lengths)
 
     def _spans(self, h: float) -> tuple[tuple[float, float], ...]:
         """Ends of the panels on the interface [m]."""
@@ -118,11 +129,7 @@ class PeakTable:
 
     def _in_body(self, spans: Spans, depths: Callable[[float], Array]) -> Array:
         """Chebyshev coefficients in log h of the four stresses at depths, over panels."""
-        found = []
-        for h in self.table.half_lengths.tolist():
-            x = np.concatenate([_map(count, *ends) for count, ends in zip(_ACROSS, spans(h), strict=True)])
-            found.append(Interior(self.table.system, h).fields(x, depths(h), _STRESSES))
-        return self.table.in_series(np.array(found))
+        return self.table.in_series(self._inside(_ACROSS, spans, depths, _STRESSES))
 
     def _film_spans(self, h: float) -> tuple[tuple[float, float], ...]:
         """Ends of the panels over the film [m]: beside the contact as far as its width or the thickness lets it be."""

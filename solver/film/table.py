@@ -25,7 +25,7 @@ from solver.halfplane.surface import HalfPlane
 LEAST, MOST = 1e-4, 60.0
 
 _PER_DECADE = 15.0  # nodes: 1e-8 between them, up to 30 thicknesses
-_BATCH = 50_000_000  # bytes of kernels held at once
+BATCH = 50_000_000  # bytes of kernels held at once
 _ALIKE = 0.75  # of the number of terms: half-lengths that share one basis
 
 
@@ -151,7 +151,7 @@ def batches(system: System, half_lengths: Array, points: int = 2) -> list[tuple[
     end = len(order)
     while end > 0:
         basis = system.basis(float(half_lengths[order[end - 1]]))
-        room = max(_BATCH // (8 * 19 * basis.samples * (basis.terms + points)), 1)
+        room = max(BATCH // (8 * 19 * basis.samples * (basis.terms + points)), 1)
         alike = int(np.searchsorted(terms, _ALIKE * basis.terms))
         start = min(max(alike, end - room), end - 1)
         groups.append((basis, order[start:end]))

@@ -26,8 +26,9 @@ _START: ComplexArray = np.array([2j])
 _RAY, _RAY_WEIGHTS = ((a + b) / 2 for a, b in zip(np.polynomial.legendre.leggauss(32), (1.0, 0.0), strict=True))
 _STEP = 0.08
 _U: Array = np.asarray(_STEP * np.arange(-41, 42), dtype=np.float64)
-_LINE: Array = np.asarray(1 / (1 + np.exp(-np.pi * np.sinh(_U))), dtype=np.float64)  # 0 to 1, dense at both ends
-_LINE_WEIGHTS: Array = np.asarray(_STEP * np.pi * np.cosh(_U) * _LINE / (1 + np.exp(np.pi * np.sinh(_U))))
+#: Nodes and weights of a double exponential rule from 0 to 1, which is dense at both ends.
+LINE: Array = np.asarray(1 / (1 + np.exp(-np.pi * np.sinh(_U))), dtype=np.float64)
+LINE_WEIGHTS: Array = np.asarray(_STEP * np.pi * np.cosh(_U) * LINE / (1 + np.exp(np.pi * np.sinh(_U))))
 
 
 def potentials(contact: Contact, x: Array, y: Array, datum: Array) -> Array:
@@ -55,9 +56,9 @@ def _antiderivatives(
     far_S, far_D = _from_infinity(contact, np.where(far, z, _START))
     start_S, start_D = _from_infinity(contact, _START)
     path = np.where(far, 0.0, z - _START)
-    line: ComplexArray = (_START + path[..., None] * _LINE).reshape(*path.shape[:-1], -1)
+    line: ComplexArray = (_START + path[..., None] * LINE).reshape(*path.shape[:-1], -1)
     near_S, near_D = (
-        path * np.sum(values.reshape(*values.shape[:-1], -1, _LINE.size) * _LINE_WEIGHTS, -1)
+        path * np.sum(values.reshape(*values.shape[:-1], -1, LINE.size) * LINE_WEIGHTS, -1)
         for values in transforms(contact, line)[:2]
     )
     of_S: ComplexArray = np.where(far, far_S, start_S + near_S)

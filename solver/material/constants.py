@@ -1,13 +1,14 @@
 """Material constants of a transversely isotropic magneto-electro-elastic solid, poled along y."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
-from typing import Self
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.arrays import Array, BoolArray, is_finite
+from solver.material.evidence import Alternative, Limit, read_alternatives, read_limits
 
 VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m (CODATA 2022)
 VACUUM_PERMEABILITY = 1.25663706127e-6  # N s2/C2
@@ -59,6 +60,10 @@ class Material:
         Mass density [kg/m3]; NaN where unknown. Only a moving punch needs it.
     name, source, note
         What it is, where the constants come from, what is disputed about them.
+    limits
+        What it bears, by the names of ``solver.names.LIMITS``; a limit that is not known is not there.
+    alternatives
+        Other published values of its constants, set by set: what :meth:`variants` are made of.
     """
 
     c11: Array
@@ -82,6 +87,8 @@ class Material:
     name: str = "material"
     source: str = ""
     note: str = ""
+    limits: Mapping[str, Limit] = field(default_factory=dict)
+    alternatives: tuple[Alternative, ...] = ()
 
     def __post_init__(self) -> None:
         for name in UNITS:
@@ -91,6 +98,9 @@ class Material:
     def from_mapping(cls, mapping: Mapping[str, object]) -> Self:
         """Material from plain values, checked for unknown, missing and non-numeric entries and for admissibility.
 
+        Constants by name, texts ``name``, ``source`` and ``note``, ``limits`` (see :func:`read_limits`) and
+        ``alternatives`` (see :func:`read_alternatives`), each of which must be admissible too.
+
         Raises
         ------
         MaterialError
@@ -98,10 +108,16 @@ class Material:
         """
         known = [entry.name for entry in fields(cls)]
         label = str(mapping.get("name", "material"))
+        evidence: dict[str, Any] = {}
         for key, value in mapping.items():
             if key not in known:
                 raise MaterialError(f"{label}: {key}: unknown entry; known are {', '.join(known)}")
-            if key not in UNITS:
+            if key in ("limits", "alternatives"):
+                try:
+                    evidence[key] = read_limits(value) if key == "limits" else read_alternatives(value, UNITS)
+                except ValueError as error:
+                    raise MaterialError(f"{label}: {error}") from None
+            elif key not in UNITS:
                 if not isinstance(value, str):
                     raise MaterialError(f"{label}: {key}: {value!r} is not a text")
             elif not is_finite(value):
@@ -109,8 +125,10 @@ class Material:
         missing = [key for key in ("c11", "c13", "c33", "c44") if key not in mapping]
         if missing:
             raise MaterialError(f"{label}: {missing[0]}: missing; needed are c11, c13, c33, c44 [Pa]")
-        material = cls(**mapping)  # type: ignore[arg-type]  # each entry was checked against the fields above
-        material.check()
+        entries: dict[str, Any] = {**mapping, **evidence}
+        material = cls(**entries)
+        for one in (material, *material.variants()):
+            one.check()
         return material
 
     @classmethod
@@ -139,6 +157,37 @@ class Material:
     def renamed(self, name: str, source: str = "") -> Self:
         """The same constants under another name and source."""
         return replace(self, name=name, source=source)
+
+    def variants(self) -> list[Self]:
+        """The material with the constants of each alternative in place of its own, for which they are named.
+
+        Designs and studies may take them by name, as ``BaTiO3 (alternative 1)``: see :func:`solver.find`.
+        """
+        found = []
+        for k, one in enumerate(self.alternatives, 1):
+            changed: dict[str, Any] = {**one.constants, "source": one.source, "alternatives": ()}
+            found.append(replace(self, **changed, name=f"{self.name} (alternative {k})"))
+        return found
+
+    @property
+    def spread(self) -> dict[str, tuple[float, float]]:
+        """Lowest and highest value of every constant on which its own values and the alternatives differ.
+
+        The alternatives hold as sets: a mixture of their constants need not be admissible.
+        """
+        several = (self, *self.variants())
+        values = {name: [float(getattr(one, name)) for one in several] for name in UNITS}
+        return {name: (min(found), max(found)) for name, found in values.items() if min(found) < max(found)}
+
+    def plain(self) -> dict[str, Any]:
+        """The mapping that :meth:`from_mapping` reads back to the last bit, of a material without case axes."""
+        constants = {name: float(getattr(self, name)) for name in UNITS}
+        return {
+            **{name: value for name, value in constants.items() if not np.isnan(value)},
+            **{name: getattr(self, name) for name in ("name", "source", "note")},
+            "limits": {name: asdict(limit) for name, limit in self.limits.items()},
+            "alternatives": [{**one.constants, "source": one.source} for one in self.alternatives],
+        }
 
     def generalised_stiffness(self) -> tuple[Array, Array, Array]:
         """Q, R and T of the Stroh formalism (theory section 2), each (..., 4, 4), rows (u_x, u_y, phi, psi), SI."""

@@ -32,13 +32,25 @@ def published() -> Mapping[str, Mapping[str, float]]:
 def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Material:
     """The material of this name, from ``more`` (a user's own) first, then from the built-in ones.
 
+    ``NAME (alternative 1)`` has the constants of the first alternative of NAME, and so on.
+
     Raises
     ------
     MaterialError
         Naming the nearest known name.
+
+    Examples
+    --------
+    >>> low, high = find("BaTiO3").spread["eps33"]
+    >>> float(find("BaTiO3 (alternative 1)").eps33) == low
+    True
     """
     known = {**materials(), **more}
     if name not in known:
+        origin = known.get(name.partition(" (alternative ")[0])
+        for variant in origin.variants() if origin else ():
+            if variant.name == name:
+                return variant
         near = get_close_matches(name, known, 1, 0.5)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise MaterialError(f"material: {shown(name)} is unknown; {hint}known are {', '.join(known)}")

@@ -15,7 +15,7 @@ factors:
   friction: {low: 0.0, high: 0.5, levels: 4}
   load: {low: 5e3, high: 5e4, levels: 4, scale: log}
   radius: {low: 0.02, high: 0.2, levels: 4, scale: log}
-dataset: {slabs: 3, positions: {inside: 12, outside: 8}}
+dataset: {slabs: 2, positions: {inside: 12, outside: 8}}
 surrogate: {outputs: [voltage_sensitivity, trailing_tension, peak_pressure]}
 validation: {cases: 100, tolerance: 1e-3}
 effects:

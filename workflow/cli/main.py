@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from solver import FactorError, Material, MaterialError, PrecisionWarning, solve, solve_interior
-from solver.names import EVERY_FILM_QUANTITY, EVERY_QUANTITY, FILM_QUANTITIES, QUANTITIES
+from solver.names import ALL_QUANTITIES, FILM_QUANTITIES, QUANTITIES
 from storage.files import output
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
@@ -24,8 +24,6 @@ from workflow.cli.query import query
 from workflow.cli.solving import solved
 from workflow.cli.words import numbers, say
 from workflow.study.reading import InputError, one_line, read_material
-
-_QUANTITIES = {*EVERY_QUANTITY, *EVERY_FILM_QUANTITY}
 
 
 class _Parser(argparse.ArgumentParser):
@@ -180,7 +178,7 @@ def _solve(options: argparse.Namespace) -> None:
     missing = [name for name in asked if name not in out]
     if missing:
         print(f"left out, as some case has no such quantity: {', '.join(missing)}", file=sys.stderr)
-    _wrote(options, out, f"{sum(name in _QUANTITIES for name in out.data_vars)} quantities")
+    _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
 
 
 def _interior(options: argparse.Namespace) -> None:

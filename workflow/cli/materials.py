@@ -7,6 +7,7 @@ import numpy as np
 from solver import Material, MaterialError, find, limiting_speed, materials
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
+from solver.names import COMPOSITES, LIMITS
 from workflow.study.reading import read_material
 
 
@@ -15,9 +16,12 @@ def listed() -> str:
     known = materials()
     width = max(map(len, known))
     lines = [
-        f"{name:{width}s} {'*' if one.note else ' '} {_coupling(one):23s}  {one.source}" for name, one in known.items()
+        f"{name:{width}s} {'*' if one.note or one.alternatives else ' '} {_coupling(one):23s}  {one.source}"
+        for name, one in known.items()
     ]
     lines.append("* repaired, doubtful or disputed: meecontact material NAME says what, with the constants and roots")
+    mixed = ", ".join(f"{name} ({fraction})" for name, fraction in COMPOSITES.items())
+    lines.append(f"composites, and the factor each takes: {mixed}")
     lines.append("own materials: meecontact material FILE.yaml")
     return "\n".join(lines)
 
@@ -32,7 +36,7 @@ def _coupling(material: Material) -> str:
 
 
 def described(name: str) -> str:
-    """Constants, Stroh roots, limiting speed and compliance of a built-in material, or of a material's file.
+    """Constants, alternatives, limits, Stroh roots and compliance of a built-in material, or of a material's file.
 
     Raises
     ------
@@ -50,10 +54,16 @@ def described(name: str) -> str:
 
 def _described(material: Material, half: HalfPlane) -> str:
     texts = (("source", material.source), ("note", material.note))
-    lines = [f"{' '.join(material.name.split())}: admissible"]
-    lines += [f"{label}: {' '.join(text.split())}" for label, text in texts if text]
+    lines = [f"{_in_line(material.name)}: admissible"]
+    lines += [f"{label}: {_in_line(text)}" for label, text in texts if text]
     lines.append("constants")
-    lines += [f"  {name:6s} {float(getattr(material, name)):< 14.6g} {unit}" for name, unit in UNITS.items()]
+    lines += [_constant(material, name) for name in UNITS]
+    for variant, other in zip(material.variants(), material.alternatives, strict=True):
+        values = ", ".join(f"{name} = {value:.6g} {UNITS[name]}" for name, value in other.constants.items())
+        lines.append(f"{_in_line(variant.name)}: {values}: {_in_line(other.source)}")
+    lines += ["limits"] if material.limits else []
+    for name, limit in material.limits.items():
+        lines.append(f"  {name:16s} {limit.value:< 14.6g} {LIMITS[name].units:6s} {_in_line(limit.source)}")
     lines.append("Stroh roots")
     lines += [f"  {p.real:+.6f} {p.imag:+.6f}i" for p in half.roots]
     if not np.isnan(material.rho):
@@ -64,3 +74,16 @@ def _described(material: Material, half: HalfPlane) -> str:
     lines.append("friction coupling k of (u_y, phi, psi), SI")
     lines.append("  " + "  ".join(f"{value: .6e}" for value in half.friction_coupling))
     return "\n".join(lines)
+
+
+def _constant(material: Material, name: str) -> str:
+    """A constant with its unit, and where other sources have it."""
+    line = f"  {name:6s} {float(getattr(material, name)):< 14.6g} {UNITS[name]}"
+    if name not in material.spread:
+        return line
+    low, high = material.spread[name]
+    return f"{line:38s} {low:.6g} to {high:.6g} by source"
+
+
+def _in_line(text: str) -> str:
+    return " ".join(text.split())

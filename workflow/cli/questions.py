@@ -200,7 +200,8 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None]) -> str:
             study.check_values("--at", name, [given])
         kinds = {name: str(at.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in at.items()}
-        inversion = Inversion(model, infer, [output(name, kinds) for name, _ in pairs], held)
+        asked = [output(name, kinds) for name, _ in pairs]
+        inversion = Inversion(model.only(asked) if study.on_film else model, infer, asked, held)
     except ValueError as error:
         raise InputError(f"invert: {error}") from None
     found = inversion.estimate(np.array(values), np.array(errors))

@@ -28,7 +28,7 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
     benchmarks
         Snakemake's records of their jobs; where one is missing, the times are not told.
     """
-    files = [_file(path, next(iter(study.factors))) for path in slabs]
+    files = [_file(path, next(iter(study.axes))) for path in slabs]
     variables = {one: _merged([file["variables"][one] for file in files]) for one in files[0]["variables"]}
     seconds = [_seconds(path) for path in benchmarks if path.is_file()]
     return {
@@ -39,6 +39,7 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
         "categories": study.categories,
         "fixed": study.fixed,
         "datum": datum.length(study),
+        "on_datum": sorted(datum.hanging(study) & variables.keys()),
         "bytes": sum(file["bytes"] for file in files),
         "bytes_unpacked": sum(one["count"] * np.dtype(one["type"]).itemsize for one in variables.values()),
         "seconds_of_jobs": sum(seconds) if len(seconds) == len(slabs) else None,
@@ -83,7 +84,7 @@ def markdown(card: Mapping[str, Any]) -> str:
 
 def _datum(card: Mapping[str, Any]) -> str:
     """Which variables hang on the datum, and which datum that is."""
-    names = [name for name in card["variables"] if name in datum.HANGING]
+    names = [name for name in card["variables"] if name in card["on_datum"]]
     which = "a factor" if card["datum"] is None else f"{card['datum']:g} m"
     return (
         f"Datum: {which}; on this arbitrary length of the potentials hang {', '.join(names) or 'none of the variables'}"

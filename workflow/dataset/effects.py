@@ -1,14 +1,25 @@
 """The parametric study: one factor at a time about a baseline, on the exact solver, along the surface and inside."""
 
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
 import xarray as xr
 
 from solver import solve, solve_interior
-from solver.names import FIELDS
+from solver.names import FACTORS, FIELDS, OF_A_FILM
 from workflow.study.model import Study
+from workflow.study.sections import Effects
+
+#: What stands for the value of a film's factor where there is no film.
+HALF_PLANE = "half-plane"
 
 
 def effect(study: Study, factor: str) -> xr.Dataset:
     """Quantities over the values of one factor and surface fields over (factor, position).
+
+    The last value of a film's factor is the half-plane beside it, where the study asks for that: `HALF_PLANE`, or NaN
+    among numbers.
 
     Parameters
     ----------
@@ -19,14 +30,19 @@ def effect(study: Study, factor: str) -> xr.Dataset:
     """
     if study.effects is None:
         raise ValueError("effects: the study has none")
-    case = study.effects.case(factor)
     positions = study.effects.positions.values()
-    out = solve(case, positions, materials=study.own_materials, phases=study.phases)
+
+    def solved(case: Mapping[str, Any]) -> xr.Dataset:
+        return solve(case, positions, materials=study.own_materials, phases=study.phases)
+
+    out = _beside_half_plane(study.effects, factor, study.effects.case(factor), solved)
     return out.assign_attrs(title=f"effect of {factor}", fields=" ".join(FIELDS))
 
 
 def interior(study: Study, factor: str) -> xr.Dataset:
     """Fields below the punch over (factor, y, x), at three of the factor's values: first, middle and last.
+
+    With the half-plane beside them as in `effect`.
 
     Parameters
     ----------
@@ -42,5 +58,28 @@ def interior(study: Study, factor: str) -> xr.Dataset:
     values = study.effects.vary[factor]
     case[factor] = [values[k] for k in dict.fromkeys((0, len(values) // 2, len(values) - 1))]
     x, y = shown.grid()
-    out = solve_interior(case, x, y, fields=shown.fields, materials=study.own_materials, phases=study.phases)
+
+    def solved(case: Mapping[str, Any]) -> xr.Dataset:
+        return solve_interior(case, x, y, fields=shown.fields, materials=study.own_materials, phases=study.phases)
+
+    out = _beside_half_plane(study.effects, factor, case, solved)
     return out.assign_attrs(title=f"effect of {factor} inside the body", fields=" ".join(shown.fields))
+
+
+def _beside_half_plane(
+    effects: Effects, factor: str, case: Mapping[str, Any], solved: Callable[[Mapping[str, Any]], xr.Dataset]
+) -> xr.Dataset:
+    """Solved cases, and behind those of a film the half-plane of the baseline: what both have."""
+    out, beside = solved(case), effects.half_plane(factor)
+    if beside is None:
+        return out
+    half_plane = solved(beside)
+    held = ", ".join(f"{name} = {value}" for name, value in case.items() if name in OF_A_FILM and name != factor)
+    out = out.drop_vars([name for name in OF_A_FILM if name in out.coords and name != factor])
+    shared = [name for name in out.data_vars if name in half_plane]
+    label = np.array([np.nan if factor in FACTORS else HALF_PLANE])
+    whole = xr.concat(
+        [out[shared], half_plane[shared].expand_dims({factor: label})],
+        factor, data_vars="all", coords="minimal", compat="override", join="override",
+    )  # fmt: skip
+    return whole.assign_attrs(out.attrs, film=held)

@@ -63,7 +63,8 @@ def choose(study: Study) -> xr.Dataset:
     names = list(study.factors)
     counts = dict(choice.counts)
     # every slab needs a level of the first axis
-    counts[names[0]] = max(counts[names[0]], partition.count(study))
+    first = next(iter(study.axes))
+    counts[first] = max(counts[first], partition.count(study))
     chosen = choice.decay.assign(
         levels=("input", [counts[name] for name in names]),
         pilot_levels=("input", [pilot.levels[name] for name in names]),

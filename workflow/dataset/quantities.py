@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import xarray as xr
 
-from solver.names import EVERY_QUANTITY
+from solver.names import ALL_QUANTITIES
 from storage.blocks import STATISTICS
 
 
 def gather(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
     """Quantities of the whole factorial from its slabs, without the statistics of each slab."""
-    names = [name for name in EVERY_QUANTITY if name in slabs[0]]
+    names = [name for name in ALL_QUANTITIES if name in slabs[0]]
     whole = xr.concat([part[names] for part in slabs], dim=str(slabs[0][names[0]].dims[0]))
     for array in whole.data_vars.values():
         array.attrs = {key: value for key, value in array.attrs.items() if key not in STATISTICS}

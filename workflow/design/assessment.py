@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from solver.names import CHOICES, EVERY_QUANTITY, PEAKS, PROFILES
+from solver.names import ALL_QUANTITIES, CHOICES, PROFILES
 from workflow.dataset import factorial
 from workflow.design import budget, perturbation
 from workflow.design.designs import Designs
@@ -44,10 +44,10 @@ class Prediction:
 
 
 def exactly(design: Designs, terms: Sequence[Term]) -> tuple[Array, int]:
-    """What some terms exactly count as at one design in the verdict, and the searched cases that they took."""
+    """What some terms exactly count as at one design in the verdict, and the costly cases that they took."""
     values, cases = [], 0
     for term in terms:
-        if budget.names(term):
+        if budget.names(design.question, term):
             found = budget.count_exactly(design, term)
             values.append(found.value)
             cases += found.cases
@@ -87,7 +87,7 @@ def predict(design: Designs, sets: Mapping[bool, Scenarios]) -> Prediction:
 
 
 def _quantities(term: Term) -> list[str]:
-    return [name for name in term.expression.names() if name in EVERY_QUANTITY]
+    return [name for name in term.expression.names() if name in ALL_QUANTITIES]
 
 
 def _carried(design: Designs, chosen: Scenarios, term: Term, sizes: Mapping[str, Array]) -> Array:
@@ -157,10 +157,10 @@ def judge(design: Designs) -> xr.Dataset:
 
 
 def _corners(design: Designs) -> dict[str, Array]:
-    """Every quantity of a design, exactly, over many corners of the ranges; what is searched for over a few."""
+    """Every quantity of a design, exactly, over many corners of the ranges; what is costly over a few."""
     out: dict[str, Array] = {}
-    for sets, searched_for in ((design.question.judged, False), (design.question.searched, True)):
-        names = [name for name in design.exact.quantities if (name in PEAKS) == searched_for]
+    for sets, costly in ((design.question.judged, False), (design.question.searched, True)):
+        names = [name for name in design.exact.quantities if (name in design.question.study.costly) == costly]
         out |= design.exact.values(design.factors(sets[False]), names) if names else {}
     return out
 
@@ -250,10 +250,13 @@ def _flags(corner: Mapping[str, Array], radius: Array | None) -> list[str]:
     """Where a design leaves what the theory holds for."""
     flags = []
     width = corner["contact_trailing"] + corner["contact_leading"]
-    # an insulating punch has no one voltage
-    field = float((np.abs(corner["voltage"]) / width).max()) if "voltage" in corner else 0.0
+    field, over = 0.0, ""  # an insulating punch has no one voltage
+    if "nominal_field" in corner:
+        field, over = float(corner["nominal_field"].max()), "thickness"
+    elif "voltage" in corner:
+        field, over = float((np.abs(corner["voltage"]) / width).max()), "contact width"
     if field > _LINEAR_FIELD:
-        flags.append(f"nominal field |voltage| / contact width = {field / 1e6:.3g} kV/mm is beyond 0.3 kV/mm")
+        flags.append(f"nominal field |voltage| / {over} = {field / 1e6:.3g} kV/mm is beyond 0.3 kV/mm")
     share = float((width / radius).max()) if radius is not None else 0.0
     if share > _SLENDER:
         flags.append(f"the contact is {share:.2g} of the radius wide: no longer a parabola")

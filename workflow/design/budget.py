@@ -1,9 +1,9 @@
-"""Quantities that the exact solver searches for, milliseconds a case, and how a design question spends such cases.
+"""Quantities of which an exact case is costly, and how a design question spends such cases.
 
 A case of the closed-form quantities costs microseconds, so that a design question may ask for many thousands. One of
-`solver.names.PEAKS` costs 6 ms in a batch and 18 ms scattered: a question solves `AFFORDABLE` of them in each of its
-parts (the polish, the front), some seconds to 18. They go to the scenarios that decide what a term counts as; in all
-others the surrogate is believed.
+`solver.names.PEAKS` costs 6 ms in a batch and 18 ms scattered, and one of any quantity of a film that needs tables of
+its own 30 to 200 ms: a question solves `most` of them in each of its parts (the polish, the front), some seconds to 20.
+They go to the scenarios that decide what a term counts as; in all others the surrogate is believed.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.names import PEAKS
 from workflow.design.designs import Designs
 from workflow.design.question import Question
 from workflow.design.scenarios import Scenarios
@@ -23,36 +22,42 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Bools = NDArray[np.bool_]
 
-#: Searched cases of one part of a question.
-AFFORDABLE = 1000
+#: Costly cases of one part of a question, and of one about films.
+AFFORDABLE, AFFORDABLE_FILMS = 1000, 150
 _MOST = 256  # of one value of one term
 _LEAST = 9  # designs of a front
-_BATCH = 12  # scenarios solved at a time, at least: a dozen cost as much as three alone
+_BATCH = 12  # scenarios solved at a time, at least: a dozen peaks cost as much as three alone
+_BATCH_FILMS = 3  # every one with tables of its own
 _SAFETY = 3e-7  # relative safety margin: near a kink a shifted limit leaves 0.14 of what the shift corrects
 
 
-def names(term: Term) -> list[str]:
-    """Quantities of a term that are searched for."""
-    return [name for name in term.expression.names() if name in PEAKS]
+def names(question: Question, term: Term) -> list[str]:
+    """Quantities of a term of which a case is costly."""
+    return [name for name in term.expression.names() if name in question.study.costly]
+
+
+def most(question: Question) -> int:
+    """Costly cases of one part of a question."""
+    return AFFORDABLE_FILMS if question.study.on_film else AFFORDABLE
 
 
 def asked(question: Question) -> bool:
     """Whether some term of a question asks for them."""
-    return any(names(term) for term in question.terms)
+    return any(names(question, term) for term in question.terms)
 
 
 class Hybrid:
-    """The exact solver but for what it searches for, which comes from the surrogate."""
+    """The exact solver but for what is costly, which comes from the surrogate."""
 
     step: float | None = Exact.step
 
-    def __init__(self, exact: Exact, predicted: Predicted) -> None:
-        self._exact, self._predicted = exact, predicted
+    def __init__(self, exact: Exact, predicted: Predicted, costly: frozenset[str]) -> None:
+        self._exact, self._predicted, self._costly = exact, predicted, costly
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Quantities by name."""
-        searched = [name for name in names if name in PEAKS]
-        closed = [name for name in names if name not in PEAKS]
+        searched = [name for name in names if name in self._costly]
+        closed = [name for name in names if name not in self._costly]
         out = self._exact.values(factors, closed) if closed else {}
         return out | (self._predicted.values(factors, searched) if searched else {})
 
@@ -63,7 +68,9 @@ class Hybrid:
 
 def affordable(designs: Designs) -> Source:
     """What stands for the exact solver where a question asks for many cases, as in difference quotients."""
-    return Hybrid(designs.exact, designs.predicted) if asked(designs.question) else designs.exact
+    if not asked(designs.question):
+        return designs.exact
+    return Hybrid(designs.exact, designs.predicted, designs.question.study.costly)
 
 
 def safety(question: Question, usual: float) -> float:
@@ -73,13 +80,14 @@ def safety(question: Question, usual: float) -> float:
 
 def words(question: Question, cases: int, moved: bool) -> str:
     """How a design was polished: on the exact solver alone, led by the surrogate, or not at all."""
-    searched = ", ".join(dict.fromkeys(name for term in question.terms for name in names(term)))
+    searched = ", ".join(dict.fromkeys(name for term in question.terms for name in names(question, term)))
+    kind = "exact" if question.study.on_film else "searched"
     if not searched:
         return "on the exact solver"
     if not moved:
-        return f"none; as far from the limits as the interval of the surrogate asks for ({cases} searched cases)"
-    shifted = f", limits shifted to exact values ({cases} searched cases)" if cases else ""
-    return f"on the exact solver; {searched} led by the surrogate{shifted}"
+        return f"none; as far from the limits as the interval of the surrogate asks for ({cases} {kind} cases)"
+    shifted = f", limits shifted to exact values ({cases} {kind} cases)" if cases else ""
+    return f"{'' if question.study.on_film else 'on the exact solver; '}{searched} led by the surrogate{shifted}"
 
 
 @dataclass(frozen=True)
@@ -120,16 +128,16 @@ def _count_exactly(design: Designs, chosen: Scenarios, term: Term, predicted: Ar
         missing &= ~solved
         if not missing.any():
             return Counted(value, int(solved.sum()))
-        batch = _batch(missing, solved, away)
+        batch = _batch(missing, solved, away, _BATCH_FILMS if design.question.study.on_film else _BATCH)
         found = _solve(design, chosen, batch, [term])[0][0]
         error = max(error, float(np.abs(found - flat[batch]).max()))
         flat[batch], solved[batch] = found, True
 
 
-def _batch(missing: Bools, solved: Bools, away: Array) -> Indices:
-    """Scenarios to solve next: what is missing, and up to a batch those nearest to what decides."""
+def _batch(missing: Bools, solved: Bools, away: Array, least: int) -> Indices:
+    """Scenarios to solve next: what is missing, and up to ``least`` those nearest to what decides."""
     order = np.argsort(np.where(solved, np.inf, np.where(missing, -1.0, away)), kind="stable")
-    return order[: min(max(_BATCH, int(missing.sum())), int((~solved).sum()))]
+    return order[: min(max(least, int(missing.sum())), int((~solved).sum()))]
 
 
 def thinned(designs: Designs, share: float) -> tuple[Designs, dict[bool, Indices]]:
@@ -140,14 +148,14 @@ def thinned(designs: Designs, share: float) -> tuple[Designs, dict[bool, Indices
     """
     columns: dict[bool, Indices] = {}
     for drawn, chosen in designs.question.searched.items():
-        terms = [term for term in chosen.terms.values() if names(term)]
+        terms = [term for term in chosen.terms.values() if names(designs.question, term)]
         found = designs.question.values(designs.predicted, designs.variables, chosen, terms) if terms else []
         marks = [term.deciding(values) for term, every in zip(terms, found, strict=True) for values in every]
         if marks:
             columns[drawn] = np.flatnonzero(np.any(marks, 0))
     if not columns:
         return designs, columns
-    count = max(_LEAST, int(share * AFFORDABLE / sum(len(indices) for indices in columns.values())))
+    count = max(_LEAST, int(share * most(designs.question) / sum(len(indices) for indices in columns.values())))
     n = len(designs.x)
     return designs.at(designs.x[np.unique(np.linspace(0, n - 1, min(count, n)).astype(int))]), columns
 
@@ -157,7 +165,7 @@ def corrected(designs: Designs, counts: Array, columns: Mapping[bool, Indices]) 
     out = counts.copy()
     for drawn, indices in columns.items():
         chosen = designs.question.searched[drawn]
-        terms = {place: term for place, term in chosen.terms.items() if names(term)}
+        terms = {place: term for place, term in chosen.terms.items() if names(designs.question, term)}
         guessed = designs.question.values(designs.predicted, designs.variables, chosen, list(terms.values()))
         solved = _solve(designs, chosen, indices, list(terms.values()))
         for (place, term), values, found in zip(terms.items(), guessed, solved, strict=True):

@@ -26,7 +26,7 @@ def first_feasible(ranked: list[Candidate]) -> Candidate:
         first, spent = first or polished, spent + polished.cases
         if polished.best.feasible:
             return polished
-        if not candidate.best.feasible or spent > budget.AFFORDABLE:
+        if not candidate.best.feasible or spent > budget.most(candidate.question):
             break
     return first or ranked[0]
 
@@ -81,7 +81,7 @@ def _polish(found: Candidate) -> Candidate:
             break
         last = now if np.all(excess.kept) else last
         done = not now.best.feasible or excess.agrees(safety)
-        if (k > 0 and done) or k == rounds or spent + excess.cases > budget.AFFORDABLE:
+        if (k > 0 and done) or k == rounds or spent + excess.cases > budget.most(question):
             break
         # what a few scenarios make of a limit differs from what many do: shift it by that
         safety = excess.judged - excess.searched + usual

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.names import EVERY_QUANTITY
+from solver.names import ALL_QUANTITIES
 from surrogate.search.optimise import Problem
 from workflow.design.question import Question
 from workflow.design.scenarios import Scenarios
@@ -92,7 +92,7 @@ class _Program:
         """All names in some terms at one point: values (scenarios,), and derivatives by the variables."""
         factors = self.question.factors(variables, scenarios)
         known = self.question.known(self.source, factors, [term.expression for term in terms])
-        learned = [name for name in known if name in EVERY_QUANTITY]
+        learned = [name for name in known if name in ALL_QUANTITIES]
         slopes = self.source.slopes(factors, learned, list(variables))
         for name in set(known) - set(learned):
             own = [float(name == variable) for variable in variables]

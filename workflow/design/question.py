@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from solver.names import EVERY_QUANTITY, FACTORS
+from solver.names import ALL_QUANTITIES, FACTORS
 from surrogate import Input
 from workflow.dataset import factorial
 from workflow.design import kinks, misread, scenarios
@@ -155,7 +155,7 @@ class Question:
     def known(self, source: Source, factors: Factors, expressions: Sequence[Expression]) -> dict[str, Array]:
         """Values of all names in some expressions, over (points, scenarios) or an axis of length one."""
         names = list(dict.fromkeys(name for expression in expressions for name in expression.names()))
-        learned = [name for name in names if name in EVERY_QUANTITY]
+        learned = [name for name in names if name in ALL_QUANTITIES]
         known = source.values(factors, learned) if learned else {}
         for name in set(names) - set(learned):
             known[name] = factors[name] if name in factors else np.full((1, 1), self._fixed(name))

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.names import EVERY_QUANTITY
+from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem, maximise
 from surrogate.search.pareto import Front
@@ -94,7 +94,7 @@ def _asked(
 ) -> Candidate:
     categories = {key: str(choice[key]) for key in study.categories}
     held = {key: float(value) for key, value in choice.items() if key not in categories}
-    wanted = [output(quantity, categories) for quantity in target.names() if quantity in EVERY_QUANTITY]
+    wanted = [output(quantity, categories) for quantity in target.names() if quantity in ALL_QUANTITIES]
     own, predicted = study.narrowed(categories), Predicted(model.only(wanted) if wanted else model, categories)
     question = ask(own, name, target, predicted, held)
     return Candidate(choice, Designs(question, predicted, Exact(own), np.empty((0, len(question.inputs)))))

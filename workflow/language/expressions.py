@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.names import EVERY_QUANTITY, FACTORS
+from solver.names import ALL_QUANTITIES, FACTORS
 from workflow.language import units
 
 Array = NDArray[np.float64]
 Partials = dict[str, Array]
 
 #: Units of all names, as the interface writes them.
-UNITS: dict[str, str] = {name: one.units for name, one in EVERY_QUANTITY.items()}
+UNITS: dict[str, str] = {name: one.units for name, one in ALL_QUANTITIES.items()}
 UNITS |= {name: one.units for name, one in FACTORS.items()}
 
 

@@ -5,13 +5,14 @@
     signed  := ("-" | "+") signed | atom ["^" integer]          ("**" is "^")
     atom    := number | name | function "(" sum ("," sum)* ")" | "(" sum ")"
 
-Names are the quantities and numeric factors of the interface; functions are abs, sqrt, log, exp, min and max.
+Names are the quantities and numeric factors of the interface; functions are abs, sqrt, log, exp, min and max. A
+quantity that has a formula of smoother ones is read as that.
 """
 
 import re
 from math import isfinite
 
-from solver.names import EVERY_QUANTITY, FACTORS
+from solver.names import ALL_QUANTITIES, FACTORS
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.spelling import nearest
 
@@ -106,10 +107,11 @@ class _Parser:
         if group == "name" and self._take("("):
             return self._call(token, depth)
         if group == "name":
-            known = [*EVERY_QUANTITY, *FACTORS]
+            known = [*ALL_QUANTITIES, *FACTORS]
             if token not in known:
                 raise ValueError(f"{token!r} is not a quantity; {nearest(token, known)}")
-            return Name(token)
+            formula = ALL_QUANTITIES[token].formula if token in ALL_QUANTITIES else ""
+            return _Parser(formula).whole() if formula else Name(token)
         if token == "(":
             return self._closed(self._sum(depth + 1))
         raise ValueError(f"{token!r} is not expected there")

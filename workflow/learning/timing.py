@@ -6,14 +6,14 @@ from time import perf_counter
 import numpy as np
 import xarray as xr
 
-from solver.names import PEAKS
+from solver.names import ALL_PEAKS, TABLED
 from surrogate import GaussianProcess
 from workflow.dataset import factorial
 from workflow.learning import training
 from workflow.study.model import Study
 
-#: Cases on which what is searched for over the body is timed.
-_SEARCHED = 200
+#: Cases on which what is searched for over the body is timed, and those of films with tables of their own.
+_SEARCHED, _FILMS = 200, 8
 
 
 def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> dict[str, float]:
@@ -30,21 +30,18 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
     -------
     dict
         Counts (``cases``, ``queries``, ``outputs``), seconds a case or query (all closed-form quantities at once, all
-        outputs at once), and, where the study has them, ``exact_per_searched_case`` of the largest stresses.
+        outputs at once), and, where the study has them, ``exact_per_searched_case`` of the largest stresses. What the
+        solver takes for the tables of films is part of it.
     """
     plain = study.model_copy(update={"dataset": study.dataset.model_copy(update={"peaks": False})})
     points = {name: cases[name] for name in study.factors}
     X = np.stack([array.values for array in points.values()], -1)
-    one = {name: array[0] for name, array in points.items()}
-    grid = dict(factorial.levels(study))
-    count, combinations = X.shape[0], len(study.combinations)
+    count = X.shape[0]
     found = {
         "cases": float(study.cases),
         "queries": float(count),
         "outputs": float(len(study.outputs)),
-        "exact_per_factorial_case": seconds(lambda: factorial.exact(plain, grid)) / study.cases,
-        "exact_per_scattered_case": seconds(lambda: factorial.exact(plain, points)) / (count * combinations),
-        "exact_single_case": seconds(lambda: factorial.exact(plain.narrowed(study.combinations[0]), one)),
+        **(_films(plain) if study.on_film else _half_planes(plain, points)),
         "surrogate_fit": seconds(lambda: training.fit(study, quantities)),
         "surrogate_mean_per_query": seconds(lambda: model.predict_array(X)) / count,
         "surrogate_mean_std_per_query": seconds(lambda: model.predict_array(X, return_std=True)) / count,
@@ -53,9 +50,36 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
     if study.dataset.peaks:
         some = {name: array[:_SEARCHED] for name, array in points.items()}
         found["exact_per_searched_case"] = seconds(lambda: factorial.exact(study, some), 1) / (
-            len(next(iter(some.values()))) * combinations
+            len(next(iter(some.values()))) * len(study.combinations)
         )
     return found
+
+
+def _half_planes(study: Study, points: dict[str, xr.DataArray]) -> dict[str, float]:
+    """Exact cases of a half-plane: of the factorial, at points over ``case``, and one alone."""
+    one = {name: array[0] for name, array in points.items()}
+    count = len(next(iter(points.values()))) * len(study.combinations)
+    return {
+        "exact_per_factorial_case": seconds(lambda: factorial.exact(study, factorial.levels(study))) / study.cases,
+        "exact_per_scattered_case": seconds(lambda: factorial.exact(study, points)) / count,
+        "exact_single_case": seconds(lambda: factorial.exact(study.narrowed(study.combinations[0]), one)),
+    }
+
+
+def _films(study: Study) -> dict[str, float]:
+    """The same of films, each at tables that nobody has made before: that of the factorial at one place of these."""
+    new = factorial.points(study, _FILMS + 2, (study.validation.seed, 6), together=1)
+    own = {name: levels for name, levels in factorial.levels(study).items() if name not in TABLED}
+    block = {name: new[name][0] if name in TABLED else own[name] for name in study.factors}
+    scattered = {name: values[1:-1] for name, values in new.items()}
+    combinations = len(study.combinations)
+    cases = combinations * np.prod([levels.size for levels in own.values()])
+    single = study.narrowed(study.combinations[0])
+    return {
+        "exact_per_factorial_case": _once(lambda: factorial.exact(study, block)) / cases,
+        "exact_per_scattered_case": _once(lambda: factorial.exact(study, scattered)) / (_FILMS * combinations),
+        "exact_single_case": _once(lambda: factorial.exact(single, {name: one[-1] for name, one in new.items()})),
+    }
 
 
 def by_quantity(study: Study, times: dict[str, float]) -> list[dict[str, float | str]]:
@@ -67,9 +91,16 @@ def by_quantity(study: Study, times: dict[str, float]) -> list[dict[str, float |
     query = times["surrogate_mean_std_per_query"]
     rows: list[dict[str, float | str]] = []
     for name in study.outputs:
-        exact = times["exact_per_searched_case" if name in PEAKS else "exact_per_scattered_case"]
+        exact = times["exact_per_searched_case" if name in ALL_PEAKS else "exact_per_scattered_case"]
         rows.append({"name": name, "exact": exact, "surrogate": query, "ratio": exact / query})
     return rows
+
+
+def _once(action: Callable[[], object]) -> float:
+    """The first run, in which tables are made."""
+    start = perf_counter()
+    action()
+    return perf_counter() - start
 
 
 def seconds(action: Callable[[], object], repeats: int = 3) -> float:

@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver.names import EVERY_QUANTITY
+from solver.names import ALL_QUANTITIES
 from workflow.dataset import factorial
 from workflow.design import answers
 from workflow.language.expressions import Expression
-from workflow.study.datum import HANGING, length
+from workflow.study.categories import output
+from workflow.study.datum import HANGING, hanging, inner, length
 from workflow.study.model import Study
 from workflow.study.target import Target
 
@@ -22,19 +23,21 @@ _STRAIGHT = 1e-9  # relative difference of two slopes up to which they are one
 def changes(study: Study) -> list[dict[str, Any]]:
     """What hangs on the datum in the middle of the box, at a tenth of it, at it and at ten times it.
 
-    With the change per decade of the datum, NaN where that is no constant.
+    With the change per decade of the datum, NaN where that is no constant. Of half-planes for the first name of every
+    category, of films for all: whether anything hangs depends on the base.
     """
-    kinds = {name: names[0] for name, names in study.categories.items()}
-    middle = {
-        name: float(np.sqrt(axis.low * axis.high) if axis.scale == "log" else (axis.low + axis.high) / 2)
-        for name, axis in study.factors.items()
-    }
     rows = []
-    for name, values in _solved(study.narrowed(kinds), middle).items():
-        steps = np.diff(values)
-        straight = abs(steps[1] - steps[0]) <= _STRAIGHT * np.abs(values).max()
-        slope = float(steps.mean()) if straight else np.nan
-        rows.append({"name": name, "values": values.tolist(), "slope": slope, "units": EVERY_QUANTITY[name].units})
+    for kinds in study.combinations if study.on_film else study.combinations[:1]:
+        own = study.narrowed(kinds)
+        hangs = hanging(own)
+        for name, values in _solved(own, inner(study)).items():
+            if name not in hangs:
+                continue
+            steps = np.diff(values)
+            straight = abs(steps[1] - steps[0]) <= _STRAIGHT * np.abs(values).max()
+            slope = float(steps.mean()) if straight else np.nan
+            said = output(name, kinds) if study.on_film else name
+            rows.append({"name": said, "values": values.tolist(), "slope": slope, "units": ALL_QUANTITIES[name].units})
     return rows
 
 
@@ -47,9 +50,9 @@ def of_design(study: Study, target: Target, answer: xr.Dataset) -> list[dict[str
     expressions |= {str(one): one.expression for one in target.limits}
     deviations = {str(one) for one in target.limits if one.deviation}
     own = study.narrowed({name: kind for name, kind, _ in answers.kinds(answer)})
-    rows = []
+    hangs, rows = hanging(own), []
     for label in map(str, answer["term"].values):
-        if HANGING.isdisjoint(expressions[label].names()):
+        if hangs.isdisjoint(expressions[label].names()):
             continue
         case = _case(answer.sel(term=label))
         known: dict[str, Any] = {**case, **_solved(own, case, every=True)}

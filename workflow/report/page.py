@@ -10,7 +10,7 @@ import xarray as xr
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from solver.names import CHOICES, EVERY_QUANTITY, FACTORS
+from solver.names import ALL_QUANTITIES, CHOICES, FACTORS, TABLED
 from storage.netcdf import read_whole
 from surrogate import load
 from workflow.dataset.slabs import CARD
@@ -21,7 +21,7 @@ from workflow.report import datum_effect, problem, whatif
 from workflow.report.figures.design_kinds import kinds
 from workflow.report.svg import element, inlined
 from workflow.report.verdict import findings
-from workflow.study.datum import HANGING, length
+from workflow.study.datum import hanging, length, meaning
 from workflow.study.model import CHECK_GROUPS, Study
 
 _JUDGED = ("coverage", "worst_decile_coverage", "worst_corner_coverage", "pit_distance", "crps")
@@ -29,12 +29,15 @@ _INTERVALS = (*_JUDGED, *(f"raw_{key}" for key in _JUDGED), "raw_max_error")
 
 #: Factors that take a name, in words.
 _MEANINGS = {
-    "material": "material of the half-plane",
-    "composite": "arrangement of the two phases",
+    "material": "material under the punch",
+    "base": "what a film lies on",
+    "composite": "kind of composite",
     "profile": "shape of the punch",
     "corner": "sharp edge of the punch",
     "electric": "the punch in the electric field",
     "magnetic": "the punch in the magnetic field",
+    "interface_electric": "the film's interface in the electric field",
+    "interface_magnetic": "the film's interface in the magnetic field",
 }
 
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
@@ -60,6 +63,7 @@ def page(
     levels
         Holds ``levels.nc`` where the study leaves levels open.
     """
+    hangs = hanging(study)
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
         autoescape=True,
@@ -79,14 +83,18 @@ def page(
     content: dict[str, Any] = {
         "study": study,
         "name": name,
-        "problem": element(problem.draw(), "problem", problem.TITLE),
+        "problem": _problem(study),
         "figures": {path.stem: _figure(path) for path in figures},
         "provenance": json.loads(provenance.read_text(encoding="utf-8")),
         "factors": FACTORS,
-        "quantities": EVERY_QUANTITY,
+        "quantities": ALL_QUANTITIES,
         "meanings": _MEANINGS,
-        "hanging": HANGING,
+        "hanging": hangs,
         "datum": length(study),
+        "on_film": study.on_film,
+        "tabled": [name for name in study.factors if name in TABLED],
+        "film_beside": study.effects.film if study.effects else {},
+        "costly": study.costly.issuperset(study.quantities),
         "datum_changes": [],
         "composites": _composites(study),
         "dataset": None,
@@ -103,7 +111,7 @@ def page(
         "verification": _verification(folder) if study.verification else None,
     }
     if study.factors:
-        content["dataset"] = _dataset(folder)
+        content["dataset"] = _dataset(folder, hangs)
         content["surface"] = _surface(folder / "surface_validation.nc") if study.surrogate.fields else None
         content["levels"] = _levels(Path(levels[0])) if levels else None
         content["validation"] = _validation(folder)
@@ -121,9 +129,19 @@ def page(
         ]
         content["readouts"] = [_readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")
-        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers)
+        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers, hangs)
         content["whatif_json"] = whatif.as_json(content["whatif"])
     return environment.get_template("report.html.j2").render(content)
+
+
+def _problem(study: Study) -> Markup:
+    """The drawing of a study's bodies: a half-plane, a film, or both where films are shown beside it."""
+    effects = study.effects
+    of_films = study.on_film or (effects is not None and "thickness" in effects.baseline)
+    beside = effects is not None and bool(effects.film)
+    drawings = [] if of_films else [element(problem.draw(), "problem", problem.TITLE)]
+    drawings += [element(problem.one_film(), "film", problem.ON_FILM)] if of_films or beside else []
+    return Markup("\n").join(drawings)
 
 
 def _composites(study: Study) -> list[str]:
@@ -153,14 +171,14 @@ def _verification(folder: Path) -> dict[str, Any]:
     }
 
 
-def _dataset(folder: Path) -> dict[str, Any]:
+def _dataset(folder: Path, hangs: frozenset[str]) -> dict[str, Any]:
     data = read_whole(folder / "quantities.nc")
     card = json.loads((folder / CARD).read_text(encoding="utf-8"))
     rows = [
         {
             "name": str(name),
-            "units": EVERY_QUANTITY[str(name)].units,
-            "long_name": EVERY_QUANTITY[str(name)].long_name,
+            "units": ALL_QUANTITIES[str(name)].units,
+            "long_name": meaning(str(name), hangs),
             "low": float(array.min()),
             "high": float(array.max()),
         }

@@ -6,6 +6,7 @@ Not to scale: the contact is some hundredths of the radius wide in truth.
 from workflow.report.svg import ACCENT, BAD, BODY, GOOD, INK, PAPER, PUNCH, SOFT
 
 TITLE = "A conducting punch slides on a magneto-electro-elastic half-plane"
+ON_FILM = "A conducting punch slides on a film on its base"
 _WIDTH, _HEIGHT, _SURFACE = 760, 430, 250  # the surface y = 0 lies at this height of the picture
 _RADIUS, _LEADING, _TRAILING, _LOW = 150, 300, 440, 380  # contact from x to x; x of the punch's lowest point
 _DATUM = 690
@@ -100,23 +101,21 @@ def draw() -> str:
     return "\n".join(parts) + "\n"
 
 
-def film() -> str:
-    """A punch on a film of two layers and its base, as SVG."""
-    centre, far, low = (_LEADING + _TRAILING) / 2, 560, _HEIGHT - 12
-    ground = [
-        _line(640 - w, _BOTTOM + 14 + d, 640 + w, _BOTTOM + 14 + d, ACCENT) for w, d in ((13, 0), (8, 5), (3, 10))
-    ]
-    parts = [
-        *_opened("A conducting punch slides on a film of two layers on its base"),
-        _band(_TOP, _MIDDLE, BODY),
-        _band(_MIDDLE, _BOTTOM, _SECOND),
-        _band(_BOTTOM, low, PUNCH),
+def _punch_on_film(*inside: int) -> list[str]:
+    """The punch, surface and contact, and lines at the heights of interfaces inside the film."""
+    return [
         f'<path d="M{_LOW - 138} {_TOP - 92} A {_RADIUS} {_RADIUS} 0 0 0 {_LOW + 138} {_TOP - 92} Z" fill="{PUNCH}" '
         f'stroke="{INK}" stroke-width="1.6" transform="translate(0 1)"/>',
-        *(_line(20, y, _WIDTH - 20, y) for y in (_TOP, _MIDDLE)),
+        *(_line(20, y, _WIDTH - 20, y) for y in (_TOP, *inside)),
         f'<line x1="{_LEADING}" y1="{_TOP}" x2="{_TRAILING}" y2="{_TOP}" stroke="{BAD}" stroke-width="4"/>',
         f'<line x1="20" y1="{_BOTTOM}" x2="{_WIDTH - 20}" y2="{_BOTTOM}" stroke="{ACCENT}" stroke-width="4"/>',
-        # loads
+    ]
+
+
+def _loads_on_film() -> list[str]:
+    """Load, friction and charges, and half the length of the contact."""
+    centre = (_LEADING + _TRAILING) / 2
+    return [
         _arrow(_LOW, 12, _LOW, 52, BAD),
         _text(_LOW + 16, 30, "P", BAD),
         _arrow(_LOW - 30, 80, _LOW - 100, 80, BAD),
@@ -126,6 +125,59 @@ def film() -> str:
         _line(centre, _TOP, centre, _TOP + 30, SOFT, 'stroke-dasharray="3 3"'),
         _line(_TRAILING, _TOP, _TRAILING, _TOP + 30, SOFT),
         *_span(centre, _TRAILING, _TOP + 26, "h"),
+    ]
+
+
+def _ground() -> list[str]:
+    return [
+        _line(640, _BOTTOM, 640, _BOTTOM + 14, ACCENT),
+        *(_line(640 - w, _BOTTOM + 14 + d, 640 + w, _BOTTOM + 14 + d, ACCENT) for w, d in ((13, 0), (8, 5), (3, 10))),
+    ]
+
+
+def _axes_on_film() -> list[str]:
+    """Axes and poling."""
+    return [
+        _arrow(60, _TOP, 112, _TOP, GOOD),
+        _text(108, _TOP - 8, "x", GOOD),
+        _arrow(60, _TOP, 60, _TOP - 52, GOOD),
+        _text(46, _TOP - 40, "y", GOOD),
+        _arrow(60, _BOTTOM - 14, 60, _BOTTOM - 66, ACCENT),
+        _words(70, _BOTTOM - 14, "poling", "start"),
+    ]
+
+
+def one_film() -> str:
+    """A punch on a film and its base, as SVG."""
+    parts = [
+        *_opened(ON_FILM),
+        _band(_TOP, _BOTTOM, BODY),
+        _band(_BOTTOM, _HEIGHT - 12, PUNCH),
+        *_punch_on_film(),
+        *_loads_on_film(),
+        _arrow(600, _TOP, 600, _BOTTOM, both=True),
+        _words(610, (_TOP + _BOTTOM) // 2 + 5, "thickness", "start"),
+        _words(130, _TOP + 80, "film", "start"),
+        _words(130, _BOTTOM + 98, "base: rigid, or a half-plane", "start"),
+        *_ground(),
+        _words(624, _BOTTOM + 32, "interface: grounded (\u03c6 = 0, an electrode),", "end"),
+        _words(624, _BOTTOM + 54, "or bonded (\u03c6 and D pass)", "end"),
+        *_axes_on_film(),
+        "</svg>",
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def film() -> str:
+    """A punch on a film of two layers and its base, as SVG."""
+    far, low = 560, _HEIGHT - 12
+    parts = [
+        *_opened("A conducting punch slides on a film of two layers on its base"),
+        _band(_TOP, _MIDDLE, BODY),
+        _band(_MIDDLE, _BOTTOM, _SECOND),
+        _band(_BOTTOM, low, PUNCH),
+        *_punch_on_film(_MIDDLE),
+        *_loads_on_film(),
         # thicknesses
         *(
             part
@@ -140,21 +192,14 @@ def film() -> str:
         _words(130, _TOP + 54, "top layer: the edges are its own", "start"),
         _words(130, _MIDDLE + 42, "layer 2", "start"),
         _words(130, _BOTTOM + 26, "base: rigid, or a half-plane", "start"),
-        _line(640, _BOTTOM, 640, _BOTTOM + 14, ACCENT),
-        *ground,
+        *_ground(),
         _words(624, _BOTTOM + 32, "electrode: \u03c6 = 0, D jumps", "end"),
         _words(624, _BOTTOM + 54, "or bonded: \u03c6 and D pass", "end"),
         _words(624, _BOTTOM + 94, "a wave goes down like exp(\u2212Gk\u00b7depth), a part comes back", "end"),
         # a surface traction of wavenumber k, and what comes back
         _arrow(_TRAILING + 20, _TOP + 8, _TRAILING + 44, _BOTTOM - 6, BAD),
         _arrow(_TRAILING + 44, _BOTTOM - 6, _TRAILING + 68, _TOP + 8, GOOD),
-        # axes, poling
-        _arrow(60, _TOP, 112, _TOP, GOOD),
-        _text(108, _TOP - 8, "x", GOOD),
-        _arrow(60, _TOP, 60, _TOP - 52, GOOD),
-        _text(46, _TOP - 40, "y", GOOD),
-        _arrow(60, _BOTTOM - 14, 60, _BOTTOM - 66, ACCENT),
-        _words(70, _BOTTOM - 14, "poling", "start"),
+        *_axes_on_film(),
         "</svg>",
     ]
     return "\n".join(parts) + "\n"

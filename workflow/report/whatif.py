@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
-from solver.names import EVERY_QUANTITY, FACTORS
+from solver.names import ALL_QUANTITIES, FACTORS
 from surrogate import GaussianProcess
 from surrogate.gp.export import exported
 from workflow.dataset import factorial
@@ -17,6 +17,7 @@ from workflow.design.sources import Predicted
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.numbers import shown
 from workflow.study.categories import Kinds, output
+from workflow.study.datum import HANGING, meaning
 from workflow.study.model import Study
 from workflow.study.target import Target
 
@@ -25,7 +26,11 @@ _PRESSURE = {"contact_trailing", "contact_leading", "pressure_exponent", "peak_p
 
 
 def content(
-    study: Study, model: GaussianProcess, quantities: xr.Dataset, designs: Sequence[xr.Dataset]
+    study: Study,
+    model: GaussianProcess,
+    quantities: xr.Dataset,
+    designs: Sequence[xr.Dataset],
+    hangs: frozenset[str] = HANGING,
 ) -> dict[str, Any] | None:
     """The panel's data; None where the browser cannot evaluate the surrogate.
 
@@ -35,6 +40,8 @@ def content(
         The study, its surrogate, and its factorial (for the ranges).
     designs
         Answers of the study's targets, in its order, offered as starting points.
+    hangs
+        Quantities that hang on the datum.
     """
     stored = exported(model)
     if stored is None:
@@ -45,7 +52,9 @@ def content(
     learned = factorial.learned(study, quantities)
     return {
         "surrogate": stored,
-        "quantities": [{"name": name, **EVERY_QUANTITY[name].attrs} for name in study.outputs],
+        "quantities": [
+            {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs)} for name in study.outputs
+        ],
         "categories": study.categories,
         "kinds": [_kind(study, model, kind) for kind in study.combinations],
         "ranges": [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_],
@@ -69,7 +78,7 @@ def _kind(study: Study, model: GaussianProcess, kinds: Kinds) -> dict[str, Any]:
         "names": kinds,
         "allowances": assessment.allowances(study, Predicted(model, kinds), study.outputs),
         "columns": [model.outputs_.index(output(name, kinds)) for name in study.outputs],
-        "pressure": set(study.outputs) >= _PRESSURE and profile == "cylinder",
+        "pressure": set(study.outputs) >= _PRESSURE and profile == "cylinder" and not study.on_film,
     }
 
 

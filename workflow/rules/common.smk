@@ -1,6 +1,6 @@
 # What the other files need: the study behind a wildcard, and the hashes that say when a job must run again.
 #
-# Priorities, in all files: the slabs first, then what stands between them and the validation, for which a run waits
+# Priorities, in all files: random cases and the slabs first, then what stands between them and the validation, for which a run waits
 # longest; cards, figures and the rest fill the cores that this leaves idle.
 
 import sys
@@ -68,8 +68,8 @@ def designs_of(wildcards):
 def effects_of(study):
     if not study.effects:
         return []
-    fields = ["effect", "interior"] if study.effects.interior else ["effect"]
-    return [f"{field}_{name}" for name in study.effects.vary for field in fields]
+    shown = [[f"effect_{name}", *([f"interior_{name}"] if name in study.inside else [])] for name in study.effects.vary]
+    return [field for fields in shown for field in fields]
 
 
 def levels_of(wildcards):

@@ -5,7 +5,7 @@ rule cases:
     output:
         calibration="results/{study}/cases/calibration.nc",
         validation="results/{study}/cases/validation.nc",
-    priority: 1
+    priority: 3  # of films they take longest
     params:
         study=sections(*PHYSICS, "dataset", "validation"),
         code=provenance.code("workflow/scripts/cases.py"),

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from solver.names import EVERY_QUANTITY
+from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole, write_whole
 from workflow.dataset import quantities
 from workflow.run import joblog
 
 snakemake = joblog.start(globals())
-slabs = [read_whole(Path(slab), names=EVERY_QUANTITY) for slab in snakemake.input]
+slabs = [read_whole(Path(slab), names=ALL_QUANTITIES) for slab in snakemake.input]
 write_whole(quantities.gather(slabs), Path(snakemake.output[0]))

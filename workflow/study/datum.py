@@ -1,10 +1,15 @@
 """The datum of a study: the arbitrary length of a half-plane's logarithmic potentials, and what hangs on it."""
 
-from solver.names import EVERY_QUANTITY, FACTORS
+import numpy as np
+
+from solver import solve
+from solver.names import ALL_QUANTITIES, FACTORS
 from workflow.study.model import Study
 
-#: Names of the quantities that change with the datum.
-HANGING = frozenset(name for name, one in EVERY_QUANTITY.items() if one.on_datum)
+#: Names of the quantities that change with the datum of a half-plane.
+HANGING = frozenset(name for name, one in ALL_QUANTITIES.items() if one.on_datum)
+_SAME = 1e-9  # relative difference up to which two values are one
+_RELATIVE = " relative to the datum"
 
 
 def length(study: Study) -> float | None:
@@ -12,3 +17,40 @@ def length(study: Study) -> float | None:
     if "datum" in study.factors:
         return None
     return float(study.fixed.get("datum", FACTORS["datum"].default or 1.0))
+
+
+def inner(study: Study, share: float = 0.5) -> dict[str, float]:
+    """A point of the box, this far from the lower end of every axis on its own scale; by default its middle."""
+    return {
+        name: float(
+            axis.low ** (1 - share) * axis.high**share
+            if axis.scale == "log"
+            else (1 - share) * axis.low + share * axis.high
+        )
+        for name, axis in study.factors.items()
+    }
+
+
+def hanging(study: Study) -> frozenset[str]:
+    """Names of the quantities that change with the datum in some cases of a study.
+
+    What does on a film depends on its base and interface: the solver says so, at a point where no charge is likely to
+    be 0.
+    """
+    if not study.on_film:
+        return HANGING
+    here = inner(study, 0.7)
+    datum = (here.pop("datum", None) or length(study) or 1.0) * np.array([1.0, 10.0])
+    fixed = {name: value for name, value in study.fixed.items() if name != "datum"}
+    cases = {**fixed, **study.categories, **here, "datum": datum}
+    solved = solve(cases, materials=study.own_materials, phases=study.phases)
+    found = {name: solved[name].transpose("datum", ...).values for name in HANGING if name in solved}
+    return frozenset(
+        name for name, values in found.items() if np.any(np.abs(np.diff(values, axis=0)) > _SAME * np.abs(values[0]))
+    )
+
+
+def meaning(name: str, hanging: frozenset[str]) -> str:
+    """What a quantity is, relative to the datum only where it hangs on it."""
+    words = ALL_QUANTITIES[name].long_name
+    return words if name in hanging else words.removesuffix(_RELATIVE)

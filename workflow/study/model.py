@@ -9,11 +9,10 @@ from math import prod
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-import numpy as np
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
-from solver import Material, solve
-from solver.names import EVERY_QUANTITY, PEAKS, QUANTITIES
+from solver import FactorError, Material, solve, solve_interior
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, FILM_PEAKS, PEAKS, TABLED
 from workflow.study.categories import Kinds, combinations, output
 from workflow.study.location import location
 from workflow.study.messages import first_problem
@@ -45,11 +44,31 @@ PHYSICS = ("phases", "materials", "fixed", "factors", "categories")
 
 
 @dataclass(frozen=True)
+class Known:
+    """What only the solver knows of a study.
+
+    Attributes
+    ----------
+    absent
+        Names of the quantities that some cases lack.
+    inside
+        Factors whose effect it can show inside the body.
+    """
+
+    absent: frozenset[str] = frozenset()
+    inside: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
 class Origin:
-    """What a study has beside the content of its file: where that is, and the study's own materials by name."""
+    """What a study has beside the content of its file: where that is, and the study's own materials by name.
+
+    What the solver knew of it when it was checked before, too: of a film it costs seconds to ask.
+    """
 
     path: Path
     materials: dict[str, Material]
+    known: Known | None = None
 
 
 class Study(Strict):
@@ -75,7 +94,7 @@ class Study(Strict):
     verification: Verification | None = Field(None, description="checks of the solver against independent methods")
 
     _origin: Origin = PrivateAttr()
-    _absent: frozenset[str] = PrivateAttr()
+    _known: Known = PrivateAttr()
 
     @property
     def path(self) -> Path:
@@ -86,6 +105,30 @@ class Study(Strict):
     def own_materials(self) -> dict[str, Material]:
         """The study's own materials by name."""
         return self._origin.materials
+
+    @property
+    def on_film(self) -> bool:
+        """Whether the cases are films on a base."""
+        return "thickness" in self.factors or "thickness" in self.fixed
+
+    @property
+    def axes(self) -> dict[str, Axis]:
+        """The axes of the factorial in the order of its data set.
+
+        Of films those come first for which the solver makes tables, so that a block of cases needs few of these.
+        """
+        first = [name for name in self.factors if self.on_film and name in TABLED]
+        return {name: self.factors[name] for name in dict.fromkeys([*first, *self.factors])}
+
+    @property
+    def costly(self) -> frozenset[str]:
+        """Quantities of which a case costs milliseconds: searched for, or read from tables of the case's own."""
+        return frozenset(ALL_QUANTITIES if self.on_film and not self.factors.keys().isdisjoint(TABLED) else ALL_PEAKS)
+
+    @property
+    def inside(self) -> list[str]:
+        """Factors whose effect is shown inside the body."""
+        return [name for name in (self.effects.vary if self.effects else ()) if name in self._known.inside]
 
     @property
     def cases(self) -> int:
@@ -111,13 +154,19 @@ class Study(Strict):
     @property
     def quantities(self) -> list[str]:
         """Quantities of the data set: those that its cases have, the peaks where they are asked for."""
-        without = self._absent | (set() if self.dataset.peaks else set(PEAKS))
-        return [name for name in EVERY_QUANTITY if name not in without]
+        without = self._known.absent | (set() if self.dataset.peaks else set(ALL_PEAKS))
+        return [name for name in ALL_QUANTITIES if name not in without]
 
     @property
     def outputs(self) -> list[str]:
-        """Quantities that the surrogate learns."""
-        return self.surrogate.outputs or self.quantities
+        """Quantities that the surrogate learns; unless the study names them, all but what designs take from others.
+
+        What some case has no number for is not learned either.
+        """
+        learnable = [
+            name for name in self.quantities if not (ALL_QUANTITIES[name].sparse or ALL_QUANTITIES[name].formula)
+        ]
+        return self.surrogate.outputs or learnable
 
     @property
     def learned(self) -> list[str]:
@@ -155,22 +204,42 @@ class Study(Strict):
             if not _LABEL.fullmatch(label):  # names files
                 part = "design" if label in self.design else "readout"
                 raise ValueError(f"{part}: {label!r} must be letters, digits and underscores, at most 60 of ASCII")
-        self._absent = self._solved()
+        self._known = self._origin.known or Known(self._absent(), self._inside())
         self._check_quantities()
         return self
 
-    def _solved(self) -> frozenset[str]:
+    def _absent(self) -> frozenset[str]:
         """Names of the quantities that some cases lack, once the solver has answered at every corner of the box."""
-        absent: set[str] = set()
-        if self.factors:
-            ends = {name: [axis.low, axis.high] for name, axis in self.factors.items()}
-            corners = {**self.fixed, **self.categories, **ends}
-            known = solve(corners, materials=self.own_materials, phases=self.phases)
-            absent = set(QUANTITIES) - set(known.data_vars)
-        if self.effects is not None:
-            for factor in self.effects.vary:
-                solve(self.effects.case(factor), materials=self.own_materials, phases=self.phases)
-        return frozenset(absent)
+        if not self.factors:
+            return frozenset()
+        ends = {name: [axis.low, axis.high] for name, axis in self.factors.items()}
+        corners = {**self.fixed, **self.categories, **ends}
+        found = solve(corners, materials=self.own_materials, phases=self.phases)
+        peaks = set(FILM_PEAKS if self.on_film else PEAKS)
+        if "rigid" in self.categories.get("base", [self.fixed.get("base")]):
+            peaks -= {name for name in peaks if name.startswith("base_")}
+        return frozenset(set(ALL_QUANTITIES) - set(found.data_vars) - peaks)
+
+    def _inside(self) -> frozenset[str]:
+        """Factors whose effect the solver shows inside the body, once it has answered every effect."""
+        if self.effects is None:
+            return frozenset()
+        for factor in self.effects.vary:
+            solve(self.effects.case(factor), materials=self.own_materials, phases=self.phases)
+        return frozenset(factor for factor in self.effects.vary if self._answers_inside(factor, self.effects))
+
+    def _answers_inside(self, factor: str, effects: Effects) -> bool:
+        """Whether the solver answers at the deepest point, which it need not in a film."""
+        case = effects.case(factor)
+        if effects.interior is None or "thickness" not in case:
+            return effects.interior is not None
+        depth = effects.interior.grid()[1][-1:]
+        try:
+            solve_interior(case, [0.0], depth, fields=effects.interior.fields,
+                           materials=self.own_materials, phases=self.phases)  # fmt: skip
+        except FactorError:
+            return False
+        return True
 
     def _check_size(self) -> None:
         """Whether what the study asks for can be computed and stored at all."""
@@ -194,10 +263,12 @@ class Study(Strict):
     def _check_quantities(self) -> None:
         """Whether the data set holds what the surrogate and the designs ask for."""
         for name in self.surrogate.outputs:
-            if name in PEAKS and not self.dataset.peaks:
-                raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
-            if name in self._absent:
+            if name in self._known.absent or ALL_QUANTITIES[name].sparse:
                 raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
+            if name in ALL_PEAKS and not self.dataset.peaks:
+                raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
+        if self.surrogate.fields and self.on_film:
+            raise ValueError("surrogate: fields: only those of half-planes are learned")
         if self.surrogate.fields and any(self.fixed.get(name, usual) != usual for name, usual in _SMOOTH.items()):
             raise ValueError("surrogate: fields: only those under a cylinder that conducts in both fields are learned")
         if self.surrogate.fields and self.categories:
@@ -236,8 +307,9 @@ class Study(Strict):
                 places = "over, at, worst_case or uncertain" if name in self.factors else "over or at"
                 raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
         for name in target.names():
-            if name in EVERY_QUANTITY and name not in self.outputs:
-                needs = "needs dataset: peaks: true" if name in PEAKS and not self.dataset.peaks else ""
+            if name in ALL_QUANTITIES and name not in self.outputs:
+                searched = name in ALL_PEAKS and name not in self._known.absent and not self.dataset.peaks
+                needs = "needs dataset: peaks: true" if searched else ""
                 raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
 
     def check_values(self, where: str, name: str, values: Sequence[float | str]) -> None:
@@ -272,14 +344,16 @@ class Study(Strict):
 
     def frozen(self) -> dict[str, Any]:
         """The study and its own materials as plain data, from which `thawed` makes the same study again."""
-        return {"path": str(self.path), "study": self.model_dump(mode="json"), "materials": self._plain_materials()}
+        return {
+            "path": str(self.path),
+            "study": self.model_dump(mode="json"),
+            "materials": self._plain_materials(),
+            "known": {name: sorted(names) for name, names in asdict(self._known).items()},
+        }
 
     def _plain_materials(self) -> dict[str, dict[str, Any]]:
         """Every constant exactly: JSON gives a float the digits that tell it from its neighbours."""
-        return {
-            name: {key: np.asarray(value).tolist() for key, value in asdict(material).items()}
-            for name, material in self.own_materials.items()
-        }
+        return {name: material.plain() for name, material in self.own_materials.items()}
 
 
 def named(name: str) -> Study:
@@ -310,8 +384,9 @@ def load(path: str | Path) -> Study:
 
 def thawed(frozen: Mapping[str, Any]) -> Study:
     """The study as it was when it was `frozen`; no file is read."""
-    materials = {name: Material(**entries) for name, entries in frozen["materials"].items()}
-    return _made(frozen["study"], Origin(Path(frozen["path"]), materials))
+    materials = {name: Material.from_mapping(entries) for name, entries in frozen["materials"].items()}
+    known = Known(**{name: frozenset(names) for name, names in frozen["known"].items()})
+    return _made(frozen["study"], Origin(Path(frozen["path"]), materials, known))
 
 
 def _made(content: dict[str, Any], origin: Origin) -> Study:

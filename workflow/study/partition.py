@@ -18,7 +18,7 @@ def count(study: Study) -> int:
     At most one a level of the first axis. The cores and the memory are this machine's (or what the process may use);
     on a cluster the study should say it.
     """
-    first = next(iter(study.factors.values()), None)
+    first = next(iter(study.axes.values()), None)
     if first is None:
         return 0
     if first.levels is None:  # its levels follow from the slabs, and must not from the machine

@@ -2,7 +2,7 @@
 
 import re
 import unicodedata
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ import yaml
 
 from solver import Material, MaterialError
 from solver.material.constants import UNITS
+from solver.names import LIMITS
 from storage.files import regular
 from workflow.language.units import in_si
 
@@ -146,13 +147,15 @@ def read_material(path: Path) -> tuple[str, Material]:
         One line that names file, constant, value and what is allowed.
     """
     content = {"name": path.stem, **read_yaml(path)}
-    for name, units in UNITS.items():
-        text = content.get(name)
-        if isinstance(text, str):
-            try:
-                content[name] = in_si(text, units)
-            except ValueError as error:
-                raise InputError(f"{path}: {content['name']}: {name}: {error}") from None
+    where = f"{path}: {content['name']}"
+    content = _si(where, content, UNITS)
+    if isinstance(limits := content.get("limits"), dict):
+        units = {name: {"value": one.units} for name, one in LIMITS.items()}
+        content["limits"] = {
+            name: _si(f"{where}: limits: {name}", entry, units.get(name, {})) for name, entry in limits.items()
+        }
+    if isinstance(others := content.get("alternatives"), list):
+        content["alternatives"] = [_si(f"{where}: alternatives: {k}", one, UNITS) for k, one in enumerate(others, 1)]
     try:
         material = Material.from_mapping(content)
     except MaterialError as error:
@@ -162,3 +165,17 @@ def read_material(path: Path) -> tuple[str, Material]:
             f"{path}: name: {material.name[:80]!r} must be up to 60 letters, digits, blanks and any of _()+.,:/%-"
         )
     return material.name, material
+
+
+def _si(where: str, entry: Any, units: Mapping[str, str]) -> Any:
+    """Numbers with a unit in SI; what else there is, and what is no mapping, is left to the material's check."""
+    if not isinstance(entry, dict):
+        return entry
+    found = dict(entry)
+    for name, unit in units.items():
+        if isinstance(text := found.get(name), str):
+            try:
+                found[name] = in_si(text, unit)
+            except ValueError as error:
+                raise InputError(f"{where}: {name}: {error}") from None
+    return found

@@ -5,7 +5,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from solver.names import PROFILES
+from solver.names import COMPOSITES, OF_A_FILM, PROFILES
 from workflow.study.types import FieldName, InputName, Number, QuantityName, Strict, Vector
 
 #: Most cases of a factorial.
@@ -118,6 +118,10 @@ class Effects(Strict):
     """One factor at a time about a baseline, on the exact solver."""
 
     baseline: dict[InputName, Number | str] = Field(description="factors of the reference case")
+    film: dict[InputName, Number | str] = Field(
+        default_factory=dict,
+        description="a film for the effects of its own factors, beside the half-plane",
+    )
     vary: dict[InputName, list[Number] | list[str]] = Field(min_length=1, description="values of each factor in turn")
     positions: Positions = Field(
         default_factory=lambda: Positions(inside=200, outside=200), description="positions of the curves"
@@ -134,22 +138,39 @@ class Effects(Strict):
                 raise ValueError(
                     f"vary: {name}: {len(values)} values x {positions} positions are more than {_MOST_POINTS}"
                 )
+        for name in self.film:
+            if name not in OF_A_FILM:
+                raise ValueError(f"film: {name}: is no factor of a film; allowed: {', '.join(OF_A_FILM)}")
+            if name in self.baseline:
+                raise ValueError(f"film: {name}: stands in the baseline already; a film there is that of all effects")
         return self
 
     def case(self, factor: str) -> dict[str, Any]:
         """Factors of one effect: a material and a composite replace each other, and a profile takes what is its own."""
-        case: dict[str, Any] = {**self.baseline, factor: self.vary[factor]}
+        film = self.film if factor in OF_A_FILM else {}
+        case: dict[str, Any] = {**self.baseline, **film, factor: self.vary[factor]}
         profiles = case.get("profile", "cylinder")
         taken = {
             name for profile in np.atleast_1d(profiles) for names in PROFILES.get(str(profile), ()) for name in names
         }
         of_others = {name for names in PROFILES.values() for name in (*names[0], *names[1])} - taken - {factor}
+        fractions = dict.fromkeys(COMPOSITES.values())
+        kinds = np.atleast_1d(case.get("composite", list(COMPOSITES)))
+        of_others |= set(fractions) - {COMPOSITES.get(str(kind)) for kind in kinds} - {factor}
         other = {
-            "material": ("composite", "volume_fraction"),
-            "composite": ("material",),
-            "volume_fraction": ("material",),
+            "material": ("composite", *fractions),
+            **dict.fromkeys(("composite", *fractions), ("material",)),
+            "base": ("base_modulus", "base_poisson"),
+            "base_modulus": ("base",),
+            "base_poisson": ("base",),
         }
         return {name: value for name, value in case.items() if name not in (*other.get(factor, ()), *of_others)}
+
+    def half_plane(self, factor: str) -> dict[str, Any] | None:
+        """Factors of the half-plane that is shown beside the effect of a film's factor."""
+        if not self.film or factor not in OF_A_FILM:
+            return None
+        return {name: value for name, value in self.case(factor).items() if name not in OF_A_FILM}
 
 
 class Verification(Strict):

@@ -5,7 +5,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from solver.names import CHOICES, EVERY_QUANTITY, FACTORS, INTERIOR, INTERIOR_ON_REQUEST
+from solver.names import ALL_QUANTITIES, CHOICES, FACTORS, INTERIOR, INTERIOR_ON_REQUEST, MATERIALS
 from workflow.language.spelling import nearest
 
 
@@ -25,10 +25,10 @@ def _one_of(names: list[str], what: str) -> AfterValidator:
 
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
-CategoryName = Annotated[str, _one_of(["material", *CHOICES], "category")]
+CategoryName = Annotated[str, _one_of([*MATERIALS, *CHOICES], "category")]
 FactorName = Annotated[str, _one_of(list(FACTORS), "factor")]
-InputName = Annotated[str, _one_of(["material", *CHOICES, *FACTORS], "factor")]
-QuantityName = Annotated[str, _one_of(list(EVERY_QUANTITY), "quantity")]
+InputName = Annotated[str, _one_of([*MATERIALS, *CHOICES, *FACTORS], "factor")]
+QuantityName = Annotated[str, _one_of(list(ALL_QUANTITIES), "quantity")]
 FieldName = Annotated[str, _one_of([*INTERIOR, *INTERIOR_ON_REQUEST], "field of the interior")]
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
 Interval = Annotated[list[Number], Field(min_length=2, max_length=2)]

@@ -231,11 +231,6 @@ def test_refused_by_name(name: str) -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_interior_fields_of_films_are_refused_by_name() -> None:
-    with pytest.raises(solver.FactorError, match=r"thickness: 0\.0005 m; interior fields"):
-        solver.solve_interior(FILM, [0.0], [-0.5])
-
-
 @pytest.mark.parametrize("base", ["silicon", "glass", "aluminium oxide", "copper", "polyimide", "AlN"])
 def test_bases_of_the_library_carry_a_film(base: str) -> None:
     material = solver.find(base)

@@ -44,6 +44,17 @@ def test_films_alone_have_their_own_columns(tmp_path: Path) -> None:
     assert float(data["capacitance"][0]) > 0
 
 
+def test_fields_inside_films_and_half_planes(tmp_path: Path) -> None:
+    out = tmp_path / "inside.nc"
+    example, grid = str(ROOT / "examples/films.csv"), ["--x=0,0.5", "--y=-4,-0.5", "--fields=stress_yy,von_mises"]
+    assert main.main(["interior", example, "-o", str(out), *grid]) == 0
+    data = read_whole(out)
+    rigid = data["base"].values == "rigid"
+    assert np.all(np.isnan(data["von_mises"].values[rigid][:, 0]))
+    assert np.all(np.isfinite(data["von_mises"].values[~rigid]))
+    assert np.all(data["stress_yy"].values[:, 1] < 0)
+
+
 @pytest.mark.parametrize(
     ("cells", "words"),
     [

@@ -20,7 +20,7 @@ def test_material_lists_what_is_built_in(capsys: pytest.CaptureFixture[str]) -> 
     for (name, material), line in zip(solver.materials().items(), lines, strict=False):
         assert line.startswith(name)
         assert line.endswith(material.source)
-        assert (line[len(name) :].split()[0] == "*") == bool(material.note)
+        assert (line[len(name) :].split()[0] == "*") == bool(material.note or material.alternatives)
     assert lines[len(solver.materials())].startswith("* repaired, doubtful or disputed")
 
 
@@ -40,6 +40,83 @@ def test_constants_with_units_are_those_of_the_library_to_the_last_bit(tmp_path:
         found = read_material(path)[1]
         for key in UNITS:
             np.testing.assert_array_equal(getattr(found, key), getattr(solver.find(name), key), err_msg=f"{name} {key}")
+
+
+EVIDENCE = """\
+name: mine
+c11: 126 GPa
+c13: 84.1 GPa
+c33: 117 GPa
+c44: 23 GPa
+limits:
+  tensile_strength: {value: 27 MPa, source: a data sheet}
+  coercive_field: {value: 0.8 kV/mm, source: another}
+alternatives:
+  - {c44: 25 GPa, eps33: 12.7 nF/m, source: another lot}
+"""
+
+
+def test_limits_and_alternatives_with_units(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "m.yaml"
+    path.write_text(EVIDENCE, encoding="utf-8")
+    name, material = read_material(path)
+    assert name == "mine"
+    assert {kind: (one.value, one.source) for kind, one in material.limits.items()} == {
+        "tensile_strength": (27e6, "a data sheet"),
+        "coercive_field": (0.8e6, "another"),
+    }
+    assert material.alternatives[0].constants == {"c44": 25e9, "eps33": 12.7e-9}
+    assert main.main(["material", str(path)]) == 0
+    told = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    assert "c44 2.3e+10 Pa 2.3e+10 to 2.5e+10 by source" in told
+    assert "c11 1.26e+11 Pa" in told
+    assert "mine (alternative 1): c44 = 2.5e+10 Pa, eps33 = 1.27e-08 F m-1: another lot" in told
+    assert "coercive_field 800000 V m-1 another" in told
+
+
+def test_material_tells_what_the_library_knows(capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("PZT-4", "glass", "P(VDF-TrFE) 75:25"):
+        material = solver.find(name)
+        assert main.main(["material", name]) == 0
+        told = capsys.readouterr().out
+        for source in (
+            *(one.source for one in material.limits.values()),
+            *(one.source for one in material.alternatives),
+        ):
+            assert source in told
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("value: 27 MPa", "value: 27 MV", "limits: tensile_strength: value: '27 MV': unit mismatch: 'MV' does not"),
+        (
+            "value: 27 MPa",
+            "value: -27 MPa",
+            "limits: tensile_strength: value: '-27000000.0' is not a finite number > 0",
+        ),
+        ("tensile_strength", "strength", "limits: 'strength': unknown entry; known are tensile_strength, "),
+        ("c44: 25 GPa", "c44: 25 GV", "alternatives: 1: c44: '25 GV': unit mismatch: 'GV' does not measure what 'Pa'"),
+        ("c44: 25 GPa", "c44: -25 GPa", "(alternative 1): c44 = -2.5e+10 Pa: must be positive"),
+        ("  - {c44: 25 GPa", "  - [c44", "not valid YAML"),
+        (
+            "  - {c44: 25 GPa, eps33: 12.7 nF/m, source: another lot}",
+            "  - c44",
+            "alternatives: 1: 'c44' is not a mapping",
+        ),
+        (", source: another lot", "", "alternatives: 1: source: '' is not a text that says where it comes from"),
+    ],
+)
+def test_bad_limits_and_alternatives_are_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, expected: str
+) -> None:
+    assert old in EVIDENCE
+    path = tmp_path / "m.yaml"
+    path.write_text(EVIDENCE.replace(old, new), encoding="utf-8")
+    assert main.main(["material", str(path)]) == 2
+    told = capsys.readouterr().err
+    assert expected in told
+    assert told.count("\n") == 1
 
 
 @pytest.mark.parametrize(

@@ -28,8 +28,8 @@ def model(quickstart: Study) -> GaussianProcess:
 
 @pytest.fixture(scope="module")
 def dense() -> xr.Dataset:
-    """Exact cases all over the box at the rated load: 90,000 designs, 1.17 million cases."""
-    over = {"volume_fraction": np.linspace(0.05, 0.95, 300), "radius": np.geomspace(5e-3, 0.2, 300)}
+    """Exact cases all over the box at the rated load: 40,000 designs, half a million cases."""
+    over = {"volume_fraction": np.linspace(0.05, 0.95, 200), "radius": np.geomspace(5e-3, 0.2, 200)}
     return solve({**over, "friction": np.linspace(0.1, 0.4, 13), "load": 1e4})
 
 
@@ -49,7 +49,7 @@ def test_designs_have_no_regret_and_break_no_limit(
         answer = search.solve_target(quickstart, name, model)
         best, fraction = best_of(dense, quantity)
         objective = float(answer["exact"].sel(term=f"abs({quantity})"))
-        assert objective >= best * (1 - 1e-9)  # 90,000 designs, and none is better
+        assert objective >= best * (1 - 1e-9)  # 40,000 designs, and none is better
         assert objective <= best * 1.01
         assert np.all(answer["margin"].values[1:] >= 0)
         assert float(answer["value"].sel(factor="volume_fraction")) == pytest.approx(fraction, abs=0.01)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solver.names import EVERY_QUANTITY, FACTORS
+from solver.names import ALL_QUANTITIES, FACTORS
 from workflow.language import grammar, statements, units
 from workflow.language.expressions import UNITS
 
@@ -177,7 +177,7 @@ def test_statistics_of_the_objective() -> None:
 
 
 def test_every_unit_of_the_interface_is_known() -> None:
-    assert set(UNITS) == {*EVERY_QUANTITY, *FACTORS}
+    assert set(UNITS) == {*ALL_QUANTITIES, *FACTORS}
     for text in UNITS.values():
         assert units.parse(text).scale == 1.0
 

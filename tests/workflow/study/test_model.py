@@ -314,3 +314,32 @@ def test_an_effect_of_the_profile_takes_what_each_profile_needs() -> None:
     case = study.effects.case("profile")
     assert {"radius", "width"} <= set(case)
     assert "width" not in study.effects.case("friction")
+
+
+ALLOY = """\
+title: Scandium
+fixed: {composite: AlScN}
+factors:
+  scandium_fraction: {low: 0.0, high: 0.4, levels: 4}
+  radius: {low: 0.01, high: 0.1, levels: 3}
+  load: {low: 1e3, high: 1e4, levels: 3}
+effects:
+  baseline: {composite: fibrous, volume_fraction: 0.5, scandium_fraction: 0.2, radius: 0.05, load: 1e4}
+  vary: {composite: [fibrous, AlScN], volume_fraction: [0.2, 0.8], load: [1e3, 1e4], material: [PZT-4, PVDF]}
+"""
+
+
+def test_a_study_over_the_composition_of_an_alloy(tmp_path: Path) -> None:
+    path = tmp_path / "alloy.yaml"
+    path.write_text(ALLOY, encoding="utf-8")
+    study = load(path)
+    assert study.cases == 36
+    assert "voltage_sensitivity" in study.quantities
+    assert study.effects is not None
+    fractions = {"volume_fraction", "scandium_fraction"}
+    taken = {factor: fractions & set(study.effects.case(factor)) for factor in study.effects.vary}
+    of_fibres = {"volume_fraction"}
+    assert taken == {"composite": fractions, "volume_fraction": of_fibres, "load": of_fibres, "material": set()}
+    path.write_text(ALLOY.replace("high: 0.4", "high: 0.6"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"scandium_fraction: 0.6 is not a finite number >= 0 and <= 0.5 \[1\]"):
+        load(path)

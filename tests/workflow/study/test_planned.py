@@ -1,6 +1,7 @@
 """A job works on the study that it was planned with, or refuses: never on what the file has become since."""
 
 import ast
+import json
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -92,6 +93,19 @@ def test_every_study_thaws_as_it_was_frozen(path: Path) -> None:
     again = thawed(study.frozen())
     assert again.digest(*Study.model_fields) == study.digest(*Study.model_fields)
     assert again.quantities == study.quantities
+
+
+def test_limits_and_alternatives_of_own_materials_thaw_too(own: Study) -> None:
+    more = "limits: {yield_strength: {value: 3e7, source: a}}\nalternatives: [{c44: 8e+10, source: b}]\n"
+    Path("config/mine.yaml").write_text(MATERIAL + more, encoding="utf-8")
+    study = partition.with_slabs(named("own"))
+    again = thawed(json.loads(json.dumps(study.frozen()))).own_materials["mine"]
+    assert (again.limits, again.alternatives) == (
+        study.own_materials["mine"].limits,
+        study.own_materials["mine"].alternatives,
+    )
+    assert again.limits["yield_strength"].value == 3e7
+    assert study.digest(*PHYSICS) != own.digest(*PHYSICS)
 
 
 def test_the_digest_tells_materials_apart_to_the_last_bit(own: Study) -> None:

@@ -6,12 +6,15 @@ import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from solver.names import FACTORS
+from workflow.dataset.effects import HALF_PLANE
 from workflow.language import numbers
 from workflow.report.figures.contours import below
 from workflow.report.figures.style import GREY, NEAR_EDGE, Array, field_label, styled
+from workflow.report.svg import INK
 
 #: Fields that the parametric study shows, in the paper's order.
 SHOWN = (
@@ -47,7 +50,9 @@ def fields(slabs: Sequence[xr.Dataset]) -> Figure:
 
 
 def _said(factor: str, value: float | str) -> str:
-    return value if isinstance(value, str) else numbers.shown(value, FACTORS[factor].units, digits=4)
+    if isinstance(value, str):
+        return value
+    return HALF_PLANE if np.isnan(value) else numbers.shown(value, FACTORS[factor].units, digits=4)
 
 
 @styled
@@ -65,7 +70,7 @@ def interior(data: xr.Dataset) -> Figure:
     size = (3.3 * len(values) + 1.0, 0.4 + 2.0 * len(names))
     figure, axes = plt.subplots(len(names), len(values), figsize=size, squeeze=False, sharex=True, sharey=True)
     for row, name in zip(axes, names, strict=True):
-        below(figure, row, [data[name].sel({varied: value}) for value in values])
+        below(figure, row, [data[name].isel({varied: number}) for number in range(len(values))])
         row[0].set_ylabel("y/h")
     for ax, value in zip(axes[0], values, strict=True):
         ax.set_title(f"{varied.replace('_', ' ')} = {_said(varied, value)}")
@@ -76,12 +81,14 @@ def interior(data: xr.Dataset) -> Figure:
 
 def _field_panels(data: xr.Dataset, varied: str) -> Figure:
     values = data[varied].values
-    numeric = np.issubdtype(values.dtype, np.number)
     colours = (
         plt.get_cmap("viridis")(np.linspace(0.0, 0.88, len(values)))
-        if numeric
+        if np.issubdtype(values.dtype, np.number)
         else plt.get_cmap("tab10")(np.arange(len(values)) % 10)
     )
+    # the half-plane beside films
+    styles = ["--" if _said(varied, value) == HALF_PLANE else "-" for value in values]
+    colours[[style == "--" for style in styles]] = to_rgba(INK)
     figure, axes = plt.subplots(2, 3, figsize=(10.5, 5.6))
     X = data["position"].values
     for ax, name in zip(axes.flat, SHOWN, strict=True):
@@ -91,12 +98,14 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
         away = shown & (np.abs(np.abs(X) - 1) > NEAR_EDGE)
         size, label = field_label(data[name], float(np.abs(curves[:, away]).max()))
         curves = curves / size
-        for curve, value, colour in zip(curves, values, colours, strict=False):
+        for curve, value, colour, style in zip(curves, values, colours, styles, strict=True):
             text = _said(varied, value)
             for part in (X < -1, np.abs(X) < 1, X > 1):  # no line across an edge
                 use = part & shown
                 if use.any():
-                    ax.plot(X[use], curve[use], color=colour, lw=1.4, label=text if part[X.size // 2] else None)
+                    ax.plot(
+                        X[use], curve[use], color=colour, ls=style, lw=1.4, label=text if part[X.size // 2] else None
+                    )
         ax.set_ylabel(label)
         _bounded(ax, curves[:, away])
         for edge in (-1, 1):

@@ -5,7 +5,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from solver.names import EVERY_QUANTITY
+from solver.names import ALL_QUANTITIES
 from workflow.language import numbers
 from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
 
@@ -24,7 +24,7 @@ def parity(validation: xr.Dataset) -> Figure:
         exact, predicted = one["exact"].values, one["predicted"].values
         some = slice(None, None, max(1, exact.size // 400))
         quantity, bracket, kinds = name.partition("[")
-        size, units = numbers.prefixed(float(np.abs(exact).max()), EVERY_QUANTITY[quantity].units)
+        size, units = numbers.prefixed(float(np.abs(exact).max()), ALL_QUANTITIES[quantity].units)
         ends = [float(exact.min()) / size, float(exact.max()) / size]
         ax.plot(ends, ends, color=GREY, lw=0.8)
         ax.plot(exact[some] / size, predicted[some] / size, ".", ms=2.5, color=BLUE, rasterized=True)

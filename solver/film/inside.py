@@ -1,0 +1,47 @@
+"""Fields inside films of any thickness and their bases, in blocks of cases and points: bounded memory."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.interior import fields_of
+from solver.film.similar import Films, Kind, window
+from solver.film.tractions import TractionTable
+from solver.halfplane.potentials import POTENTIALS
+
+_ALONG, _POINTS = 256, 4096  # positions along x, and points, at a time
+_VALUES = 1 << 16  # points times cases at a time
+_TABLES = 64  # kept: 0.1 MB each
+
+
+@lru_cache(_TABLES)
+def _window(kind: Kind, number: int) -> TractionTable:
+    return TractionTable(window(kind, number))
+
+
+def inside(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+    """Fields of ``solver.names.EVERY_INTERIOR`` at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x).
+
+    Raises
+    ------
+    StackError
+        Positions farther from the contact than is resolved, the magnetic potential over an insulated base.
+    """
+    across = min(x.size, _ALONG)
+    down = min(y.size, max(_POINTS // across, 1))
+    together = max(_VALUES // (across * down), 1)
+    out = np.empty((films.load.size, len(names), y.size, x.size))
+    for places, number, contact in films.parts:
+        tractions, datum = _window(films.kind, number).read(contact), np.broadcast_to(contact.datum, places.shape)
+        for start in range(0, places.size, together):
+            some = slice(start, start + together)
+            for first in range(0, y.size, down):
+                for left in range(0, x.size, across):
+                    rows, columns = slice(first, first + down), slice(left, left + across)
+                    found = fields_of(tractions.part(some), x[columns], y[rows], names, datum[some])
+                    out[places[some], :, rows, columns] = found
+    for number, name in enumerate(names):
+        if name in POTENTIALS:
+            out[:, number] *= films.thickness[:, None, None]
+    return out

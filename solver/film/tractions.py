@@ -1,0 +1,167 @@
+"""Tractions on the contacts of many films in the basis of one table, and their transforms (films, sections 4, 6)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+
+from solver.arrays import Array, ComplexArray
+from solver.film.antiderivatives import Antiderivatives
+from solver.film.assembly import Assembly
+from solver.film.basis import Basis
+from solver.film.contact import FilmContact
+from solver.film.system import System
+from solver.film.table import BATCH, Table
+
+_MOST = 1 << 20  # entries of a block of exponentials: bounded memory
+
+
+@dataclass(frozen=True, eq=False)
+class Tractions:
+    """Tractions under some contacts of one system, several columns of each.
+
+    Attributes
+    ----------
+    system, basis
+        The contact and the basis of the tractions.
+    half_lengths
+        h [m]; (member,).
+    pressures
+        Terms of sigma_yy; (member, pressures, column).
+    charges
+        Terms of D_y and B_y; (member, 2, M + 1, column).
+    upper
+        The longest half-length that these may be of [m]; by default the longest of these.
+    """
+
+    system: System
+    basis: Basis
+    half_lengths: Array
+    pressures: Array
+    charges: Array
+    upper: float | None = None
+
+    @classmethod
+    def by_cause(cls, system: System, half_lengths: Array) -> Self:
+        """One column for each cause, at half-lengths [m]."""
+        basis = system.basis(float(np.max(half_lengths)))
+        room = max(BATCH // (8 * 19 * basis.samples * (basis.terms + 2)), 1)
+        parts = [
+            Assembly(system, basis, half_lengths[start : start + room]).unknowns
+            for start in range(0, half_lengths.size, room)
+        ]
+        pressures, charges = system.split(basis, np.swapaxes(np.concatenate(parts), 1, 2))
+        return cls(system, basis, half_lengths, np.swapaxes(pressures, 1, 2), np.moveaxis(charges, 1, -1))
+
+    @property
+    def longest(self) -> float:
+        """The longest half-length that the basis is made for [m]: what resolves it, resolves all members."""
+        return float(np.max(self.half_lengths)) if self.upper is None else self.upper
+
+    def part(self, members: slice) -> Self:
+        """Some of the members."""
+        return replace(
+            self,
+            half_lengths=self.half_lengths[members],
+            pressures=self.pressures[members],
+            charges=self.charges[members],
+        )
+
+    def _vector(self, normal: ComplexArray, fields: Sequence[ComplexArray]) -> list[ComplexArray]:
+        """(sigma_xy, sigma_yy, D_y, B_y) from sigma_yy and the terms of D_y and B_y."""
+        c = self.system.coefficients
+        whole = [fields[f] + c.follower[f] * normal if f in c.fields else fields[f] for f in (0, 1)]
+        return [c.friction * normal, normal, *whole]
+
+    def in_fourier_space(self, k: Array) -> ComplexArray:
+        """(i sigma_xy, sigma_yy, D_y, B_y) at the surface at wavenumbers k [1/m]; (member, k, 4, column)."""
+        h = self.half_lengths
+        samples = self.basis.terms + 20 + int(np.max(k, initial=0.0) * self.longest / 2)
+        fine = replace(self.basis, samples=samples)
+        (S, rule), (X, charge_rule) = fine.pressure_rule, fine.charge_rule
+        found = [_transformed(h, k, S, rule @ self.pressures)]
+        both = np.concatenate([charge_rule @ self.charges[:, f] for f in (0, 1)], -1)
+        t = self._vector(found[0], np.split(_transformed(h, k, X, both), 2, -1))
+        t[0] = 1j * t[0]
+        return np.asarray(h[:, None, None, None] * np.stack(t, 2), dtype=np.complex128)
+
+    @cached_property
+    def totals(self) -> ComplexArray:
+        """The same at k = 0: forces and charges; (member, 4, column)."""
+        return self.in_fourier_space(np.zeros(1))[:, 0]
+
+    def on_plane(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
+        """Hilbert transforms H of (sigma_xy, sigma_yy, D_y, B_y) at points z above the contact, or on it.
+
+        Parameters
+        ----------
+        z
+            Points, (1, point) for all members or (member, point).
+        integrated
+            Their antiderivatives F instead, -(1/pi) int t log[(z - S)/i] dS.
+
+        Returns
+        -------
+        ndarray
+            (4, member, point, column).
+        """
+        count, columns = self.half_lengths.size, self.pressures.shape[-1]
+        out: ComplexArray = np.empty((4, count, z.shape[1], columns), np.complex128)
+        antiderivatives = Antiderivatives(self.basis)
+        pressed = antiderivatives.pressed if integrated else self.basis.transformed
+        charged = antiderivatives.charged if integrated else self.basis.charged
+        for number, points in enumerate(z):
+            members = slice(None) if len(z) == 1 else slice(number, number + 1)
+            normal = pressed(points, _flat(self.pressures[members]))
+            powers = charged(points)
+            fields = [powers @ _flat(self.charges[members, f]) for f in (0, 1)]
+            for component, value in enumerate(self._vector(normal, fields)):
+                out[component, members] = np.moveaxis(value.reshape(points.size, -1, columns), 0, 1)
+        return out
+
+
+def _flat(terms: Array) -> Array:
+    """(member, term, column) as (term, members and columns)."""
+    return np.moveaxis(terms, 1, 0).reshape(terms.shape[1], -1)
+
+
+def _transformed(half_lengths: Array, k: Array, nodes: Array, sources: Array) -> ComplexArray:
+    """Sums of exp(-i k h node) times sources (member, node, column); (member, k, column)."""
+    out: ComplexArray = np.empty((half_lengths.size, k.size, sources.shape[-1]), np.complex128)
+    for start in range(0, k.size, step := max(_MOST // (nodes.size * half_lengths.size), 1)):
+        some = slice(start, start + step)
+        phase = (half_lengths[:, None] * k[some])[..., None] * nodes
+        out[:, some].real, out[:, some].imag = np.cos(phase) @ sources, -np.sin(phase) @ sources
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class TractionTable:
+    """Tractions over the half-lengths of a table.
+
+    Parameters
+    ----------
+    table
+        Table of the contacts.
+    """
+
+    table: Table
+
+    @cached_property
+    def _nodes(self) -> Tractions:
+        return Tractions.by_cause(self.table.system, self.table.half_lengths)
+
+    @cached_property
+    def _series(self) -> tuple[Array, Array]:
+        return self.table.in_series(self._nodes.pressures), self.table.in_series(self._nodes.charges)
+
+    def read(self, contact: FilmContact) -> Tractions:
+        """Tractions under contacts that were read from the same table, one column."""
+        h = contact.half_width
+        weights = self.table.polynomials(np.log(h))[:, :, None] * contact.causes.values[:, None]
+        pressures, charges = (
+            np.einsum("mnc,n...c->m...", weights, series, optimize=True)[..., None] for series in self._series
+        )
+        return Tractions(self.table.system, self._nodes.basis, h, pressures, charges, self.table.upper)

@@ -1,0 +1,54 @@
+"""Waves within the layers of a stack, and what they carry on to the layer below (films, section 6)."""
+
+import numpy as np
+
+from solver.arrays import Array, ComplexArray
+from solver.film.fourier import MIRROR, Medium, falling
+from solver.film.reflection import LayerWaves
+
+#: From the real form, whose x-components are times i, to [u,x; t].
+TURN: ComplexArray = np.array([1, 1j, 1j, 1j, -1j, 1, 1, 1])
+
+
+def modal(
+    medium: Medium, k: Array, depth: Array, t: ComplexArray, rows: Array, *, upward: bool = False
+) -> ComplexArray:
+    """Rows of [u,x; t] at depths (member, y) of the wave that starts as t (member, k, 4, column).
+
+    ``upward``: of the wave that rises, over heights, its traction t mirrored. Returns (member, k, y, row, column).
+    """
+    rates, parts = medium.modes
+    own = np.concatenate([medium.compliance, np.eye(4)]) @ parts
+    if upward:
+        own = np.concatenate([-MIRROR @ medium.compliance, MIRROR]) @ parts @ MIRROR
+    modes = (rows @ (TURN[:, None] * own)).reshape(-1, 4) @ t  # (member, k, mode and row, column)
+    exponent = (k[:, None] * depth[:, None, :])[..., None]
+    decay: ComplexArray = np.empty((*exponent.shape[:-1], rates.size), np.complex128)
+    size, phase = np.exp(-exponent * rates.real), exponent * rates.imag
+    decay.real, decay.imag = size * np.cos(phase), -size * np.sin(phase)
+    flat = modes.reshape(*t.shape[:2], rates.size, -1)
+    return np.asarray((decay @ flat).reshape(*decay.shape[:3], len(rows), t.shape[-1]))
+
+
+def layer_waves(
+    layer: LayerWaves, k: Array, depth: Array, amplitude: ComplexArray, rows: Array, *, reflected: bool
+) -> ComplexArray:
+    """Rows of [u,x; t] at depths within a layer; (member, k, y, row, column).
+
+    ``reflected``: without what the layer's own half-plane would carry.
+    """
+    down = -layer.round_trip @ amplitude if reflected else amplitude  # (I + F)^-1 - I = -F (I + F)^-1
+    up = layer.reflection @ falling(layer.medium.decay, k * layer.thickness) @ amplitude
+    falls = modal(layer.medium, k, depth, down, rows)
+    return falls + modal(layer.medium, k, layer.thickness - depth, up, rows, upward=True)
+
+
+def below(layer: LayerWaves, k: Array, amplitude: ComplexArray, grounded: tuple[int, ...]) -> ComplexArray:
+    """Tractions on the top of what lies below a layer; an electrode carries the flux that it does not pass on."""
+    down = falling(layer.medium.decay, k * layer.thickness) @ amplitude
+    t: ComplexArray = down + layer.reflection @ down
+    free = [i for i in range(4) if i not in grounded]
+    if grounded and np.any(layer.below):
+        Y = layer.below[:, list(grounded)]
+        t[..., list(grounded), :] = -np.linalg.solve(Y[:, :, list(grounded)], Y[:, :, free] @ t[..., free, :])
+    return t

@@ -1,0 +1,115 @@
+"""Al(1-x)Sc(x)N against numbers written out by hand, and through the face like any other composite."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver.material.constants import UNITS, VACUUM_PERMITTIVITY
+
+CONTACT: dict[str, Any] = {"radius": 0.05, "load": 1e4}
+#: Of x = 0.3, with 0.7, 0.3 and 0.21 put in by hand; GPa and C/m2.
+AT_THREE_TENTHS = {
+    "c11": 287.14 + 88.59 - 44.163,
+    "c12": 99.68 + 59.58 - 12.999,
+    "c13": 77.07 + 40.65 + 16.569,
+    "c33": 269.5 - 7.14 - 21.294,
+    "c44": 86.03 + 50.85 - 28.833,
+    "e31": -0.441 - 0.1476 - 0.12915,
+    "e33": 1.022 + 2.4579 - 1.24152,
+    "e15": -0.273 - 0.1374 + 0.08757,
+}
+
+
+def test_constants_at_three_tenths() -> None:
+    film = solver.aluminium_scandium_nitride(0.3)
+    for name, value in AT_THREE_TENTHS.items():
+        scale = 1e9 if name.startswith("c") else 1.0
+        assert float(getattr(film, name)) == pytest.approx(value * scale, rel=1e-13), name
+    for name in ("eps11", "eps33"):
+        assert float(getattr(film, name)) / VACUUM_PERMITTIVITY == pytest.approx(9.37 + 1.11483 + 3.62637, rel=1e-13)
+
+
+@pytest.mark.parametrize(("x", "expected", "measured"), [(0.0, 5.0, 5.5), (0.43, 33.9, 27.6)])
+def test_strain_constant_and_how_far_films_are_from_it(x: float, expected: float, measured: float) -> None:
+    """d = e s, by a matrix that is inverted here; measured ones spread by a fourth about the theory."""
+    m = solver.aluminium_scandium_nitride(x)
+    stiffness = np.array([[m.c11, m.c12, m.c13], [m.c12, m.c11, m.c13], [m.c13, m.c13, m.c33]], dtype=float)
+    d = np.array([m.e31, m.e31, m.e33], dtype=float) @ np.linalg.inv(stiffness)
+    assert d[2] * 1e12 == pytest.approx(expected, abs=0.05)
+    assert d[2] * 1e12 == pytest.approx(measured, rel=0.25)
+
+
+def test_volts_per_force_of_the_half_plane() -> None:
+    """Those of shared/materials.md, which another program found."""
+    x = [0.0, 0.2, 0.3, 0.4]
+    out = solver.solve({"composite": "AlScN", "scandium_fraction": x, **CONTACT})
+    assert abs(out.voltage_sensitivity.values) == pytest.approx([0.073, 0.117, 0.146, 0.180], abs=5e-4)
+
+
+def test_positive_definite_over_the_range() -> None:
+    m = solver.aluminium_scandium_nitride(np.linspace(0, 0.5, 101))
+    rows = [[m.c11, m.c12, m.c13], [m.c12, m.c11, m.c13], [m.c13, m.c13, m.c33]]
+    least = np.linalg.eigvalsh(np.moveaxis(np.array(rows), -1, 0))[:, 0]
+    assert least.min() > 50e9
+    assert np.all(np.diff(least) < 0)  # softer with every share of scandium
+    assert m.c44.min() > 100e9
+
+
+@pytest.mark.parametrize("x", [-0.01, 0.51, float("nan"), [0.2, 0.6]])
+def test_fraction_outside_zero_to_a_half(x: Any) -> None:
+    worst = x[1] if isinstance(x, list) else x
+    with pytest.raises(solver.MaterialError, match=f"scandium_fraction: {worst:g} is not within 0 to 0.5"):
+        solver.aluminium_scandium_nitride(x)
+
+
+@pytest.mark.parametrize(
+    ("factors", "words"),
+    [
+        ({"composite": "AlScN"}, "scandium_fraction: missing; must be a finite number >= 0 and <= 0.5 [1] (composite"),
+        ({"scandium_fraction": 0.2}, "scandium_fraction: the composite fibrous has none; AlScN has it"),
+        (
+            {"composite": "AlScN", "volume_fraction": 0.2},
+            "volume_fraction: the composite AlScN has none; fibrous or laminate has it",
+        ),
+        ({"composite": "AlScN", "scandium_fraction": 0.6}, "scandium_fraction: 0.6 is not a finite number >= 0 and <="),
+        ({"material": "AlN", "scandium_fraction": 0.2}, "material: give either a material or a composite's scandium_"),
+        ({"composite": ["AlScN", "laminate"], "scandium_fraction": 0.2}, "volume_fraction: missing"),
+    ],
+)
+def test_refused_in_one_line(factors: dict[str, Any], words: str) -> None:
+    with pytest.raises(solver.FactorError) as caught:
+        solver.solve({**factors, **CONTACT})
+    assert str(caught.value).startswith(words)
+
+
+@pytest.mark.parametrize("body", [{}, {"thickness": 1e-3, "base": "silicon"}], ids=["half-plane", "film"])
+def test_beside_other_composites_it_is_what_its_constants_say(body: dict[str, Any]) -> None:
+    """Every composite of a mixed call, one by one as a material."""
+    contact = {**CONTACT, **body, "friction": 0.2}
+    kinds = ["AlScN", "laminate", "fibrous"]
+    out = solver.solve({"composite": kinds, "scandium_fraction": [0.0, 0.4], "volume_fraction": 0.6, **contact})
+    phases = solver.find("BaTiO3"), solver.find("CoFe2O4")
+    for k, kind in enumerate(kinds):
+        for j, x in enumerate((0.0, 0.4)):
+            material = solver.aluminium_scandium_nitride(x) if kind == "AlScN" else getattr(solver, kind)(*phases, 0.6)
+            alone = solver.solve({"material": material, **contact})
+            for name, value in alone.data_vars.items():
+                found = out[name].isel(composite=k, scandium_fraction=j)
+                np.testing.assert_allclose(found, value, rtol=1e-11, atol=0, err_msg=f"{kind} {x} {name}")
+
+
+def test_attributes_name_the_composite_and_no_phases() -> None:
+    attrs = solver.solve({"composite": "AlScN", "scandium_fraction": 0.3, **CONTACT}).attrs
+    assert attrs["composite"] == "AlScN"
+    assert "phases" not in attrs
+
+
+def test_constants_have_the_shape_of_the_fraction() -> None:
+    many = solver.aluminium_scandium_nitride(np.linspace(0, 0.5, 6).reshape(2, 3))
+    assert many.shape == (2, 3)
+    for name in UNITS:
+        one = getattr(solver.aluminium_scandium_nitride(0.4), name)
+        values = np.broadcast_to(getattr(many, name), (2, 3))
+        np.testing.assert_allclose(values[1, 1], one, rtol=1e-15, err_msg=name)

@@ -1,0 +1,130 @@
+"""Limits and alternatives: what the library holds, how strictly they are read, and what the entries claim of them."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver.material.constants import UNITS
+from solver.names import EVERY_FILM_QUANTITY, EVERY_QUANTITY, LIMITED, LIMITS
+
+PLAIN: dict[str, Any] = {"name": "mine", "c11": 126e9, "c12": 79.5e9, "c13": 84.1e9, "c33": 117e9, "c44": 23e9}
+#: Orders of magnitude that a solid can have.
+SENSIBLE = {
+    "tensile_strength": (1e6, 1e9), "yield_strength": (1e7, 1e9), "depoling_stress": (1e6, 1e9),
+    "coercive_field": (1e5, 1e9), "breakdown_field": (1e6, 1e9),
+}  # fmt: skip
+
+
+def test_limits_bound_quantities_of_their_own_unit() -> None:
+    quantities = EVERY_QUANTITY | EVERY_FILM_QUANTITY
+    assert list(LIMITED) == list(LIMITS)
+    for name, bounded in LIMITED.items():
+        assert {quantities[quantity].units for quantity in bounded} == {LIMITS[name].units}
+
+
+@pytest.mark.parametrize("name", list(solver.materials()))
+def test_entries_say_where_everything_comes_from(name: str) -> None:
+    material = solver.find(name)
+    for kind, limit in material.limits.items():
+        low, high = SENSIBLE[kind]
+        assert low <= limit.value <= high, kind
+        assert "read" in limit.source or "recalled" in limit.source, kind
+    if {"coercive_field", "breakdown_field"} <= set(material.limits):
+        assert material.limits["coercive_field"].value < material.limits["breakdown_field"].value
+    for variant, other in zip(material.variants(), material.alternatives, strict=True):
+        variant.check()
+        assert solver.find(variant.name).source == other.source
+        for constant in UNITS:
+            value = other.constants.get(constant, float(getattr(material, constant)))
+            np.testing.assert_array_equal(getattr(variant, constant), value)
+            if constant in other.constants:
+                low, high = material.spread[constant]
+                assert low <= value <= high
+                assert low < high
+
+
+def test_bulk_soft_pzt_loses_its_poling_from_ten_megapascal_on() -> None:
+    for name in ("PZT-5H", "PIC255", "NCE51"):
+        assert solver.find(name).limits["depoling_stress"].value == 10e6
+    assert "depoling_stress" not in solver.find("CoFe2O4").limits  # nothing is known, and nothing is said
+
+
+@pytest.mark.parametrize(
+    ("entries", "words"),
+    [
+        ({"limits": 3}, "limits: '3' is not a mapping of tensile_strength, "),
+        ({"limits": {"strength": {}}}, "limits: 'strength': unknown entry; known are tensile_strength, "),
+        ({"limits": {"yield_strength": 3e7}}, "limits: yield_strength: '30000000.0' is not a mapping of value, source"),
+        ({"limits": {"yield_strength": {"source": "x"}}}, "limits: yield_strength: value: 'nothing' is not a finite"),
+        (
+            {"limits": {"coercive_field": {"value": -1, "source": "x"}}},
+            "limits: coercive_field: value: '-1' is not a finite number > 0 [V m-1]",
+        ),
+        ({"limits": {"yield_strength": {"value": True, "source": "x"}}}, "limits: yield_strength: value: 'True' is"),
+        ({"limits": {"yield_strength": {"value": 1e7}}}, "limits: yield_strength: source: '' is not a text that says"),
+        ({"limits": {"yield_strength": {"value": 1e7, "unit": "Pa"}}}, "limits: yield_strength: 'unit': unknown entry"),
+        ({"alternatives": {"c11": 1e9}}, "alternatives: \"{'c11': 1000000000.0}\" is not a list of constants"),
+        ({"alternatives": [{"c11": 1.2e11}]}, "alternatives: 1: source: '' is not a text that says where it comes"),
+        ({"alternatives": [{"source": "x"}]}, "alternatives: 1: no constant; known are c11, "),
+        ({"alternatives": [{"e13": 1.0, "source": "x"}]}, "alternatives: 1: 'e13': unknown entry; known are c11, "),
+        (
+            {"alternatives": [{"c11": 1.3e11, "source": "x"}, {"c11": float("inf"), "source": "x"}]},
+            "alternatives: 2: c11: 'inf' is not a finite number [Pa]",
+        ),
+        ({"alternatives": [{"c11": 1e11, "source": "x"}] * 21}, "alternatives: 21 are more than 20"),
+    ],
+)
+def test_refused_by_name(entries: dict[str, Any], words: str) -> None:
+    with pytest.raises(solver.MaterialError) as caught:
+        solver.Material.from_mapping(PLAIN | entries)
+    assert str(caught.value).startswith(f"mine: {words}")
+
+
+def test_an_inadmissible_alternative_is_refused_by_its_name() -> None:
+    sets = [{"c33": 1e11, "source": "x"}, {"c12": 2e11, "source": "x"}]
+    with pytest.raises(solver.MaterialError, match=r"mine \(alternative 2\): c12 = 2e\+11 Pa: needs \|c12\| < c11"):
+        solver.Material.from_mapping(PLAIN | {"alternatives": sets})
+
+
+@pytest.mark.parametrize("name", ["BaTiO3", "steel", "P(VDF-TrFE) 75:25", "CoFe2O4"])
+def test_plain_values_come_back_to_the_last_bit(name: str) -> None:
+    material = solver.find(name)
+    again = solver.Material.from_mapping(material.plain())
+    for key in UNITS:
+        np.testing.assert_array_equal(getattr(again, key), getattr(material, key))
+    for key in ("name", "source", "note", "limits", "alternatives"):
+        assert getattr(again, key) == getattr(material, key)
+
+
+def test_an_alternative_that_there_is_not() -> None:
+    with pytest.raises(solver.MaterialError, match=r"'BaTiO3 \(alternative 2\)' is unknown"):
+        solver.find("BaTiO3 (alternative 2)")
+    mine = solver.Material.from_mapping(PLAIN | {"alternatives": [{"c33": 1e11, "source": "x"}]})
+    assert solver.find("mine (alternative 1)", {"mine": mine}).c33 == 1e11
+
+
+def test_what_the_entries_say_of_their_alternatives() -> None:
+    """Voltage 10 % higher (BaTiO3) and 2 % lower (PZT-4) at else the same contact; d33 of PMN-PT as its source has."""
+    contact: dict[str, Any] = {"radius": 0.05, "load": 1e4, "friction": 0.3}
+    for name, voltage in {"BaTiO3": 1.10, "PZT-4": 0.977}.items():
+        both = solver.solve({"material": [name, f"{name} (alternative 1)"], **contact})
+        assert float(both.voltage[1] / both.voltage[0]) == pytest.approx(voltage, abs=2e-3)
+        for same in ("contact_trailing", "peak_pressure", "charge_sensitivity", "trailing_tension"):
+            assert float(both[same][1] / both[same][0]) == pytest.approx(1, abs=4e-3)
+    m = solver.find("PMN-PT 67:33 (alternative 1)")
+    c = np.array([[m.c11, m.c12, m.c13], [m.c12, m.c11, m.c13], [m.c13, m.c13, m.c33]], dtype=float)
+    s = np.linalg.inv(c)
+    assert np.diag(s)[[0, 2]] * 1e12 == pytest.approx([69.0, 119.6], rel=2e-3)
+    assert (s @ np.array([m.e31, m.e31, m.e33], dtype=float))[[0, 2]] * 1e12 == pytest.approx([-1330, 2820], rel=2e-3)
+
+
+def test_pvdf_has_the_strain_constants_of_its_source() -> None:
+    """e = d c with the orthotropic c and d, written out: along the stretch, and across it as the alternative."""
+    c = np.array([[3.61, 1.61, 1.42], [1.61, 3.13, 1.31], [1.42, 1.31, 1.63]])
+    e = c @ np.array([21, 1.5, -32.5])
+    along, across = solver.find("PVDF"), solver.find("PVDF (alternative 1)")
+    assert [float(along.e31), float(across.e31), float(along.e33)] == pytest.approx(e * 1e-3, rel=1e-9)
+    assert float(along.e15) == pytest.approx(0.59e9 * -27e-12, rel=1e-9)
+    assert float(across.e15) == pytest.approx(0.55e9 * -23e-12, rel=1e-9)

@@ -1,0 +1,79 @@
+"""What the page says of films: times with tables, what is absolute, and their own drawing."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import solver
+from workflow.dataset import factorial
+from workflow.learning import timing, training
+from workflow.report import datum_effect, page, whatif
+from workflow.study.datum import hanging
+from workflow.study.model import Study, load
+
+FILM = """\
+title: A film
+fixed: {composite: fibrous, radius: 0.05, friction: 0.1, load: 3e4}
+categories: {base: [rigid, steel]}
+factors:
+  volume_fraction: {low: 0.5, high: 0.6, levels: 3}
+  thickness: {low: 2e-4, high: 3e-4, levels: 4, scale: log}
+surrogate: {outputs: [contact_trailing, contact_leading, pressure_exponent, peak_pressure, voltage, depth]}
+validation: {cases: 40, calibration: 200, tolerance: 1e-3}
+"""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    path = tmp_path_factory.mktemp("film") / "film.yaml"
+    path.write_text(FILM, encoding="utf-8")
+    return load(path)
+
+
+def test_times_of_films_hold_their_tables_and_the_panel_knows_no_closed_form(
+    study: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    quantities = factorial.exact(study, factorial.axes(study))
+    model = training.fit(study, quantities)
+    model.calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
+    cases, solved, asked = factorial.cases(study, "validation"), factorial.exact, []
+
+    def counted(study: Study, axes: dict[str, Any]) -> xr.Dataset:
+        asked.append(np.unique(axes["volume_fraction"]))
+        return solved(study, axes)
+
+    monkeypatch.setattr(factorial, "exact", counted)
+    times = timing.timing(study, quantities, cases, model)
+    assert all(value > 0 for value in times.values())
+    # one composition for the thicknesses of the factorial, one for every scattered case, none that has tables already
+    assert [one.size for one in asked] == [1, 8, 1]
+    assert np.unique(np.concatenate([*asked, cases["volume_fraction"].values])).size == 10 + 1
+    hangs = hanging(study)
+    found = whatif.content(study, model, quantities, [], hangs)
+    assert found is not None
+    assert not any(kind["pressure"] for kind in found["kinds"])
+    words = {one["name"]: one["long_name"] for one in found["quantities"]}
+    assert (words["voltage"], words["depth"]) == (
+        "electric potential of the punch", "indentation depth relative to the datum"
+    )  # fmt: skip
+
+
+def test_what_hangs_on_the_datum_is_said_of_the_base_where_it_does(study: Study) -> None:
+    rows = {row["name"]: row for row in datum_effect.changes(study)}
+    assert all(name.endswith("[steel]") for name in rows)
+    case = {**study.fixed, "volume_fraction": 0.55, "thickness": np.sqrt(2e-4 * 3e-4), "base": "steel"}
+    depths = solver.solve({**case, "datum": [0.1, 1.0, 10.0]})["depth"]
+    np.testing.assert_allclose(rows["depth[steel]"]["values"], depths, rtol=1e-12)
+    assert np.isfinite(rows["depth[steel]"]["slope"])
+
+
+def test_a_study_shows_the_bodies_that_it_has(study: Study) -> None:
+    drawn = page._problem(study)
+    assert "film on its base" in drawn
+    assert "half-plane</title>" not in drawn
+    both = page._problem(load(Path("config/parametric.yaml")))
+    assert "film on its base" in both
+    assert "half-plane</title>" in both

@@ -1,0 +1,101 @@
+"""Studies of films: what they accept, what their cases have, and the one line with which they are refused."""
+
+from pathlib import Path
+
+import pytest
+
+from solver.names import FILM_QUANTITIES, QUANTITIES
+from workflow.design import budget
+from workflow.study import datum, model
+from workflow.study.model import Study, load, thawed
+from workflow.study.reading import InputError
+
+FILM = """\
+title: A film
+fixed: {composite: fibrous, radius: 0.05, interface_electric: grounded}
+categories: {base: [rigid, steel]}
+factors:
+  load: {low: 2e4, high: 4e4, levels: 3, scale: log}
+  thickness: {low: 2e-4, high: 3e-4, levels: 3, scale: log}
+  friction: {low: 0.0, high: 0.3, levels: 3}
+  volume_fraction: {low: 0.4, high: 0.6, levels: 3}
+design:
+  thin:
+    maximise: abs(voltage_sensitivity)
+    over: [thickness, base]
+    at: {load: 3e4, friction: 0.0, volume_fraction: 0.5}
+    subject_to: [nominal_field <= 3 kV/mm]
+"""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    path = tmp_path_factory.mktemp("film") / "film.yaml"
+    path.write_text(FILM, encoding="utf-8")
+    return load(path)
+
+
+def test_cases_have_the_quantities_of_films(study: Study) -> None:
+    assert study.quantities == [*QUANTITIES, *FILM_QUANTITIES]
+    # a nominal field bends where the voltage changes sign: designs take it from voltage and thickness
+    assert set(study.quantities) - set(study.outputs) == {"nominal_field"}
+    assert study.design["thin"].names() == ["voltage_sensitivity", "voltage", "thickness"]
+
+
+def test_factors_that_need_tables_come_first_and_make_every_quantity_costly(study: Study) -> None:
+    assert list(study.factors) == ["load", "thickness", "friction", "volume_fraction"]
+    assert list(study.axes) == ["friction", "volume_fraction", "load", "thickness"]
+    assert study.costly.issuperset(study.quantities)
+    few = study.model_copy(update={"factors": {name: study.factors[name] for name in ("load", "thickness")}})
+    assert study.costly - few.costly == {*QUANTITIES, *FILM_QUANTITIES}
+    assert budget.AFFORDABLE_FILMS < budget.AFFORDABLE
+
+
+def test_a_frozen_study_asks_the_solver_nothing(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    frozen = study.frozen()
+    monkeypatch.setattr(model, "solve", None)
+    again = thawed(frozen)
+    assert again.quantities == study.quantities
+    assert again.digest(*Study.model_fields) == study.digest(*Study.model_fields)
+
+
+def test_only_depths_on_a_base_that_gives_hang_on_the_datum(study: Study) -> None:
+    rigid, steel = (study.narrowed({"base": base}) for base in ("rigid", "steel"))
+    assert datum.hanging(rigid) == frozenset()
+    # the interface to steel is bonded in the magnetic field: what a charge adds is relative, the load's part is not
+    hangs = {"depth", "flux_sensitivity", "blocked_load_per_volt", "blocked_load_per_ampere"}
+    assert datum.hanging(steel) == hangs == datum.hanging(study)
+    charged = steel.model_copy(update={"fixed": {**steel.fixed, "magnetic_charge": 1e-4}})
+    assert datum.hanging(charged) == {*hangs, "magnetic_potential"}
+    assert datum.meaning("voltage", datum.hanging(study)) == "electric potential of the punch"
+    assert datum.meaning("depth", datum.hanging(study)) == "indentation depth relative to the datum"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("  thickness: {low: 2e-4, high: 3e-4, levels: 3, scale: log}\n", "", "base: 'rigid' without a thickness"),
+        ("categories: {base: [rigid, steel]}\n", "", "base: missing; must be 'rigid' or a material's name, or else"),
+        ("[rigid, steel]", "[rigid, steal]", "base: 'steal' is unknown; did you mean 'steel'?"),
+        ("[rigid, steel]", "[rigid]", "categories.base: ['rigid']: list should have at least 2 items"),
+        ("electric: grounded", "electric: insulated", "interface_electric: 'insulated' is not one of gr"),
+        ("electric: grounded", "magnetic: insulated", "interface_magnetic: 'insulated' is allowed above a"),
+        ("radius: 0.05", "radius: 0.05, base_poisson: 0.3", "base_poisson: 0.3 beside a base; give either"),
+        ("radius: 0.05", "radius: 0.05, speed: 10.0", "speed: 10 on a film; must be 0 [m s-1]"),
+        ("{low: 2e-4, high: 3e-4", "{low: 0.0, high: 3e-4", "factors.thickness: low = 0 must be positive"),
+        ("design:", "surrogate: {fields: 4}\ndesign:", "surrogate: fields: only those of half-planes are learned"),
+        ("design:", "surrogate: {outputs: [interface_shear]}\ndesign:", "surrogate: outputs: 'interface_sh"),
+        ("design:", "surrogate: {outputs: [peak_von_mises]}\ndesign:", "surrogate: outputs: some of thes"),
+        ("design:", "surrogate: {outputs: [depth]}\ndesign:", "design: thin: 'voltage_sensitivity' is n"),
+        ("<= 3 kV/mm", "<= 3 kV", "design.thin: 'nominal_field <= 3 kV': unit mismatch: the limit is in kV, "),
+    ],
+)  # fmt: skip
+def test_bad_films_are_refused_in_one_line(tmp_path: Path, old: str, new: str, expected: str) -> None:
+    assert old in FILM
+    path = tmp_path / "changed.yaml"
+    path.write_text(FILM.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load(path)
+    line = str(caught.value)
+    assert "\n" not in line
+    assert line.removeprefix(f"{path}: ").startswith(expected)
