@@ -6,6 +6,7 @@ from typing import Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from surrogate.data.arrays import Array
 from surrogate.data.factorial import Factorial, check_levels, complete_factorial
@@ -264,12 +265,12 @@ class GridGP(GaussianProcess):
         plain.correction_ = None
         return plain
 
-    def _corrected(self, errors: Array, t: Array) -> Array:
+    def _corrected(self, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
         if self.kernel != "chebyshev":
             return errors
         counts = tuple(map(len, self.levels_))
         decays = [AFFINE_DECAY if factor.affine else factor.parameter for factor in self.factors_]
-        self.correction_, left = correct(errors, t, counts, decays)
+        self.correction_, left = correct(errors, t, counts, decays, groups)
         return left
 
     def _slope_variances(self, t: Array, weights: Array) -> Array:

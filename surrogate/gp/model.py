@@ -14,7 +14,7 @@ from sklearn.utils.validation import check_is_fitted
 from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.points import Points, Queries, named_points, outside, require_inside
-from surrogate.gp.conformal import MINIMUM, Calibration, calibrate
+from surrogate.gp.conformal import MINIMUM, Calibration, calibrate, sharing
 from surrogate.gp.distribution import NOMINAL
 from surrogate.gp.predictive import Predictive
 
@@ -275,7 +275,8 @@ class GaussianProcess(Predictive, RegressorMixin, BaseEstimator, ABC):  # type: 
         parts = [
             np.concatenate([self._variance(t[:, block], weights) for block in blocks], axis=1) for weights in single
         ]
-        self.calibration_ = calibrate(self._corrected(true - mean, t), parts, t)
+        groups = sharing(t)
+        self.calibration_ = calibrate(self._corrected(true - mean, t, groups), parts, t, groups)
         return self
 
     def uncalibrated(self) -> Self:
@@ -284,8 +285,8 @@ class GaussianProcess(Predictive, RegressorMixin, BaseEstimator, ABC):  # type: 
         plain.calibration_ = None
         return plain
 
-    def _corrected(self, errors: Array, t: Array) -> Array:
-        """Learn from errors, true minus predicted (p, n), to correct the mean; return what is left of each left out."""
+    def _corrected(self, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
+        """Learn to correct the mean from errors, true minus predicted (p, n); return what is left of each left out."""
         return errors
 
     def _physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
