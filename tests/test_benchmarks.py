@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 import benchmarks.__main__ as runner
-from benchmarks import direct, gridrivals, overhead, page, rivals, surrogates
+from benchmarks import direct, gridrivals, intervals, overhead, page, rivals, surrogates
 from benchmarks.rivals import Array
+from surrogate import GridGP
 from surrogate.data.inputs import gauss_points
+from tests.surrogate import functions
 
 
 def smooth(t: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -89,6 +91,27 @@ def test_the_comparison_measures_errors_on_the_exact_solution(monkeypatch: pytes
     assert text.count("<img") == 2
     assert "Kronecker RBF GP" in text
     assert "At equal accuracy" in text
+
+
+def test_the_comparison_of_intervals_tells_calibrated_from_raw() -> None:
+    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((10, 4, 4, 4, 3)))
+    found = intervals.compare(model, functions.scattered(1500, seed=1), functions.scattered(4000, seed=2))
+    for level in (50, 95):
+        ends = [found[f"calibrated, {level} %, {end}"] for end in ("least", "largest")]
+        assert level / 100 - 0.05 < ends[0] <= ends[1] < level / 100 + 0.05
+    assert found["calibrated, worst slab"] > found["standardised, worst slab"]
+    assert found["calibrated, CRPS over raw, median"] < found["standardised, CRPS over raw, median"]
+    assert found["calibrated, largest error over range, median"] < found["raw, largest error over range, median"]
+
+
+def test_the_worst_slab_is_found_and_judged_apart() -> None:
+    random = np.random.default_rng(0)
+    t = random.uniform(-1, 1, (2, 20_000))
+    along = (t[0] + t[1]) / np.sqrt(2)
+    held = random.uniform(size=t.shape[1]) < np.where(along > np.quantile(along, 0.9), 0.5, 0.95)
+    found = intervals.worst_slab(t, np.stack([held, np.ones_like(held)]))
+    assert found[0] == pytest.approx(0.5, abs=0.06)
+    assert found[1] == 1.0
 
 
 def test_the_runner_writes_whole_files_and_refuses_unknown_names(

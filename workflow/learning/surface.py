@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 NAMES = ("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx")
 ANGLE = Input("angle", 0.0, np.pi, "linear", "rad", "angle of the position under the punch, X = -cos(angle)")
 _BLOCK = 100  # random cases that are solved at once
+# cases for calibration at most: every one takes as many positions as its block has cases
+_CALIBRATION = 3000
 
 
 def weights(X: Array, exponent: xr.DataArray) -> dict[str, xr.DataArray]:
@@ -45,7 +47,7 @@ def fit(study: Study) -> GridGP:
     data = _regular(study, dict(factorial.levels(study)), angles)
     inputs, allowed = [*factorial.inputs(study), ANGLE], training.compression(study)
     model = GridGP(study.surrogate.kernel, inputs, NAMES, compression=allowed).fit(data)
-    return model.calibrate(cases(study, study.validation.calibration, 4))
+    return model.calibrate(cases(study, min(study.validation.calibration, _CALIBRATION), 4))
 
 
 def cases(study: Study, count: int, number: int) -> xr.Dataset:
