@@ -81,7 +81,7 @@ class GridGP(GaussianProcess):
         self.compression = compression
         self.nugget = nugget
 
-    def fit(self, X: xr.Dataset, y: None = None) -> Self:
+    def fit(self, X: xr.Dataset) -> Self:
         """Fit to a complete factorial.
 
         Parameters
@@ -89,8 +89,6 @@ class GridGP(GaussianProcess):
         X : Dataset
             Dimensions are the factors with their levels as coordinates; variables are the outputs, which may lack
             factors that they do not depend on.
-        y : None
-            Ignored; scikit-learn's convention.
 
         Raises
         ------

@@ -1,6 +1,6 @@
-"""The face that all surrogates share: named, labelled inputs and outputs over scikit-learn's estimator conventions."""
+"""The face that all surrogates share: named, labelled inputs and outputs."""
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from typing import Any, ClassVar, Literal, Self, overload
@@ -8,8 +8,7 @@ from typing import Any, ClassVar, Literal, Self, overload
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from sklearn.base import BaseEstimator, RegressorMixin
-from sklearn.utils.validation import check_is_fitted
+from sklearn.exceptions import NotFittedError
 
 from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
@@ -22,10 +21,11 @@ from surrogate.gp.predictive import Predictive
 BLOCK = 2048
 
 
-class GaussianProcess(Predictive, RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
+class GaussianProcess(Predictive):
     """Base of the surrogates: several outputs over named inputs, each a distribution at every point.
 
-    Subclasses fit on a data set and answer at scaled coordinates; this class checks, labels and scales.
+    Subclasses fit on a data set and answer at scaled coordinates; this class checks, labels and scales. They are no
+    estimators of scikit-learn, which take plain arrays: `surrogate.FactorialRegressor` is one, over them.
 
     Attributes
     ----------
@@ -49,8 +49,8 @@ class GaussianProcess(Predictive, RegressorMixin, BaseEstimator, ABC):  # type: 
     made_from_: str = ""
 
     @abstractmethod
-    def fit(self, X: xr.Dataset, y: None = None) -> Self:
-        """Fit to a data set that holds inputs and outputs; `y` is there for scikit-learn's convention only."""
+    def fit(self, X: xr.Dataset) -> Self:
+        """Fit to a data set that holds inputs and outputs."""
 
     @abstractmethod
     def _mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
@@ -88,7 +88,7 @@ class GaussianProcess(Predictive, RegressorMixin, BaseEstimator, ABC):  # type: 
     @property
     def box(self) -> Mapping[str, Input]:
         """The trained box: name -> Input, in order."""
-        check_is_fitted(self, "inputs_")
+        self._require_fitted()
         return {one.name: one for one in self.inputs_}
 
     def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
@@ -97,8 +97,9 @@ class GaussianProcess(Predictive, RegressorMixin, BaseEstimator, ABC):  # type: 
         Parameters
         ----------
         points : mapping, Dataset, DataFrame or array
-            One entry per input, in physical units: a scalar, a 1-d array (dimension `point`), or a DataArray of any
-            dimensions; they broadcast by name. A DataFrame has a column an input; an array is (n, d) in their order.
+            One entry per input, in physical units: a scalar, a DataArray of any dimensions, or a plain sequence, which
+            becomes a dimension named after its input; dimensions broadcast, so sequences span the full factorial. A
+            DataFrame has a column an input, an array is (n, d) in their order: points along dimension `point`.
         return_std : bool
             Add `<output>_std`, the standard deviation: half of the central 68 % of the predictive distribution. The
             95 % interval is not 1.96 of it to either side, since the distribution is not Gaussian: see `interval`.
@@ -108,29 +109,30 @@ class GaussianProcess(Predictive, RegressorMixin, BaseEstimator, ABC):  # type: 
         Returns
         -------
         Dataset
-            `<output>` and `<output>_std` over the broadcast dimensions, with the units of the training data.
+            `<output>` and `<output>_std` over the broadcast dimensions, with the units of the training data, and every
+            input as a coordinate.
 
         Raises
         ------
         OutOfBoxError
             A point outside the trained box, unless `extrapolate`.
         ValueError
-            Missing or unknown inputs, NaN, lengths, shapes or coordinates that do not agree.
+            Missing or unknown inputs, NaN, shapes, dimensions or coordinates that do not fit or span over 1e7 points.
         """
-        check_is_fitted(self, "inputs_")
+        self._require_fitted()
         named = named_points(points, self.inputs_)
         outer = self._checked(named, extrapolate)
         mean, std = self._blocks(named.X, return_std)
-        answer: dict[str, xr.DataArray] = {}
+        answer: dict[str, tuple[NDArray[Any], dict[str, str]]] = {}
         for k, name in enumerate(self.outputs_):
             attrs = self.attrs_[name]
-            answer[name] = named.labelled(mean[k], attrs)
+            answer[name] = mean[k], attrs
             if std is not None:
                 long_name = f"standard deviation of {attrs.get('long_name', name)}"
-                answer[f"{name}_std"] = named.labelled(std[k], {**attrs, "long_name": long_name})
+                answer[f"{name}_std"] = std[k], {**attrs, "long_name": long_name}
         if outer is not None:
-            answer["extrapolated"] = named.labelled(outer, {"long_name": "outside the trained box"})
-        return xr.Dataset(answer)
+            answer["extrapolated"] = outer, {"long_name": "outside the trained box"}
+        return named.dataset(answer)
 
     @overload
     def predict_array(
@@ -168,7 +170,7 @@ class GaussianProcess(Predictive, RegressorMixin, BaseEstimator, ABC):  # type: 
         `<output>_upper`, the ends of the interval at `level`. They rest on the process's own variance of its
         derivatives, stretched as `calibrate` stretches that of its values, and on the distribution of the values.
         """
-        check_is_fitted(self, "inputs_")
+        self._require_fitted()
         self.check_level(level)
         named = named_points(points, self.inputs_)
         outer = self._checked(named, extrapolate)
@@ -191,12 +193,10 @@ class GaussianProcess(Predictive, RegressorMixin, BaseEstimator, ABC):  # type: 
                 attrs = self.attrs_[name]
                 derivative = {"long_name": f"{what} of {attrs.get('long_name', name)} with respect to the input"}
                 derivative |= {"units": f"({attrs['units']}) / input_units"} if "units" in attrs else {}
-                each = [named.labelled(values[i, k], derivative) for i in range(len(self.inputs_))]
-                joined = xr.concat(each, "input", coords="minimal", compat="override")
-                answer[f"{name}{suffix}"] = joined.assign_coords(coords)
-        if outer is not None:
-            answer["extrapolated"] = named.labelled(outer, {"long_name": "outside the trained box"})
-        return xr.Dataset(answer)
+                each = values[:, k].reshape(-1, *named.shape)
+                answer[f"{name}{suffix}"] = xr.Variable(("input", *named.dims), each, derivative)
+        flags = {} if outer is None else {"extrapolated": (outer, {"long_name": "outside the trained box"})}
+        return named.dataset(flags).assign_coords(coords).assign(answer)
 
     def gradient_array(self, X: NDArray[np.floating[Any]]) -> Array:
         """Return the derivatives of the means at plain points, in physical units: X (n, d) -> (n, n_outputs, d).
@@ -232,7 +232,7 @@ class GaussianProcess(Predictive, RegressorMixin, BaseEstimator, ABC):  # type: 
 
         Raises ValueError for an input or output that it lacks.
         """
-        check_is_fitted(self, "inputs_")
+        self._require_fitted()
         for name in [one.name for one in self.inputs_] + list(self.outputs_):
             if name not in dataset.variables:
                 raise ValueError(f"{name!r} is not in the data set; it has {', '.join(map(str, dataset.variables))}")
@@ -303,6 +303,10 @@ class GaussianProcess(Predictive, RegressorMixin, BaseEstimator, ABC):  # type: 
 
     def _weights(self) -> Array:
         return np.ones((self.parts, len(self.outputs_))) if self.calibration_ is None else self.calibration_.weights
+
+    def _require_fitted(self) -> None:
+        if not hasattr(self, "inputs_"):
+            raise NotFittedError(f"this {type(self).__name__} is not fitted yet; call fit first")
 
     def _checked(self, named: Points, extrapolate: bool) -> Flags | None:
         if not extrapolate:

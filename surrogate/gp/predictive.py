@@ -75,14 +75,15 @@ class Predictive(ABC):
         """
         self.check_level(level)
         ends = self._quantiles(points, central(level), extrapolate)
-        answer: dict[str, xr.DataArray] = {}
+        answer: dict[str, xr.Variable] = {}
         for name in self.outputs_:
             for k, end in enumerate(("lower", "upper")):
-                one = ends[name].isel(quantile=k, drop=True)
+                one = ends[name].variable.isel(quantile=k)
                 whole = f"{end} end of the {100 * level:g} % interval of {one.attrs.get('long_name', name)}"
-                answer[f"{name}_{end}"] = one.assign_attrs(long_name=whole)
-        flags = {"extrapolated": ends["extrapolated"]} if extrapolate else {}
-        return xr.Dataset(answer | flags)
+                one.attrs = {**one.attrs, "long_name": whole}
+                answer[f"{name}_{end}"] = one
+        flags = {"extrapolated": ends["extrapolated"].variable} if extrapolate else {}
+        return xr.Dataset(answer | flags, ends.drop_vars("quantile").coords)
 
     def quantile(self, points: Queries, q: float | Sequence[float], *, extrapolate: bool = False) -> xr.Dataset:
         """Return the values that the true output stays below with probability q.
@@ -176,10 +177,11 @@ class Predictive(ABC):
     def _quantiles(self, points: Queries, q: Array, extrapolate: bool) -> xr.Dataset:
         found = self.predict(points, extrapolate=extrapolate)
         away = self.distribution.quantile(q)
-        along = xr.DataArray(q, dims="quantile", attrs={"long_name": "probability of no more"})
-        answer: dict[str, xr.DataArray] = {}
+        along = xr.Variable("quantile", q, {"long_name": "probability of no more"})
+        answer: dict[str, xr.Variable] = {}
         for k, name in enumerate(self.outputs_):
-            own = along.copy(data=away[:, k if away.shape[1] > 1 else 0]).assign_coords(quantile=along)
-            answer[name] = (own * found[f"{name}_std"] + found[name]).assign_attrs(found[name].attrs)
-        flags = {"extrapolated": found["extrapolated"]} if extrapolate else {}
-        return xr.Dataset(answer | flags)
+            own = xr.Variable("quantile", away[:, k if away.shape[1] > 1 else 0])
+            answer[name] = own * found[f"{name}_std"].variable + found[name].variable
+            answer[name].attrs = found[name].attrs
+        flags = {"extrapolated": found["extrapolated"].variable} if extrapolate else {}
+        return xr.Dataset(answer | flags, {**found.coords, "quantile": along})

@@ -106,7 +106,7 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
     position = np.asarray(X, dtype=np.float64)
     weight = weights(position, quantities.predict(points, return_std=False)["pressure_exponent"])
     angle = xr.DataArray(np.arccos(-position), dims="position", coords={"position": position})
-    at = {**_named(points), "angle": angle}
+    at = {**points, "angle": angle}
     found = fields.predict(at).assign(fields.interval(at).data_vars)
     return xr.Dataset(
         {
@@ -115,12 +115,6 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
             for suffix in ("", "_std", "_lower", "_upper")
         }
     )
-
-
-def _named(points: dict[str, Any]) -> dict[str, xr.DataArray]:
-    """Plain sequences get the dimension that the surrogate would give them, so that they broadcast with positions."""
-    arrays = {name: np.asarray(value) for name, value in points.items() if not isinstance(value, xr.DataArray)}
-    return {**points, **{name: xr.DataArray(one, dims=("point",) * one.ndim) for name, one in arrays.items()}}
 
 
 def _regular(study: Study, axes: dict[str, Any], angles: Array) -> xr.Dataset:
