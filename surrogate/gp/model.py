@@ -1,6 +1,6 @@
 """The face that all surrogates share: named, labelled inputs and outputs."""
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from typing import Any, ClassVar, Literal, Self, overload
@@ -21,7 +21,7 @@ from surrogate.gp.predictive import Predictive
 BLOCK = 2048
 
 
-class GaussianProcess(Predictive, ABC):
+class GaussianProcess(Predictive):
     """Base of the surrogates: several outputs over named inputs, each a distribution at every point.
 
     Subclasses fit on a data set and answer at scaled coordinates; this class checks, labels and scales. They are no
