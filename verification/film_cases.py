@@ -1,4 +1,4 @@
-"""Cases of films and the solver's answers: through its face, by its room of films where the face has none."""
+"""Cases of films and the solver's answers: through its face, but stacks and the tractions of interfaces by its room."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -48,7 +48,7 @@ INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A case by the solver: what is inside, and stacks, by its room of films, the rest through ``solver.solve``."""
+    """A case by the solver: stacks, and peaks of interfaces, by its room of films, the rest through its face."""
 
     case: Case
 
@@ -124,4 +124,7 @@ class Solved:
 
     def inside(self, at: Array, Y: Array) -> Answers:
         """``FIELDS`` (depth, place)."""
+        if not self.stacked:
+            found = solver.solve_interior(self.case, at, Y, fields=FIELDS)
+            return {name: found[name].values for name in FIELDS}
         return dict(zip(FIELDS, interior_fields(self.contact, at, Y, FIELDS)[0], strict=True))
