@@ -27,8 +27,8 @@ coverage: .venv/dev.stamp  ## lines and branches that the tests reach, jobs of t
 	$(BIN)/python -m coverage combine -q
 	$(BIN)/python -m coverage report
 
-soak: .venv/dev.stamp  ## a hundred kills and ten thousand hostile files; takes 20 minutes on two cores
-	MEECONTACT_SOAK=1 $(BIN)/python -m pytest -n auto --dist worksteal -m "soak or soakable" tests/faults
+soak: .venv/dev.stamp  ## a hundred kills, ten thousand hostile files, every check of scikit-learn; takes 20 minutes on two cores
+	MEECONTACT_SOAK=1 $(BIN)/python -m pytest -n auto --dist worksteal -m "soak or soakable" tests/faults tests/surrogate/use
 
 slurm: .venv/dev.stamp  ## the quickstart through a Slurm on this machine, compared byte for byte with a local run
 	$(BIN)/python -m pytest -m slurm tests/slurm

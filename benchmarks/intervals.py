@@ -58,8 +58,7 @@ def measure(
     found: dict[str, float] = {}
     for name in studies:
         study = _closed(named(name), name)
-        grid = factorial.learned(study, factorial.exact(study, factorial.levels(study)))
-        model = training.fit(study, grid)
+        model = training.fit(study, factorial.exact(study, factorial.levels(study)))
         held, new = (
             factorial.learned(study, factorial.sample(study, *of)) for of in ((calibration, (1, 2)), (fresh, (SEED, 0)))
         )

@@ -4,6 +4,7 @@ import base64
 import io
 from itertools import cycle
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -23,7 +24,7 @@ def page(found: dict[str, Any]) -> str:
         loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
         lstrip_blocks=True,
     )  # fmt: skip
-    environment.filters |= {"number": _number, "counted": counted}
+    environment.filters |= {"number": _number, "counted": counted, "median": median}
     surrogates = found.get("surrogates")
     plain = {name: part for name, part in found.items() if name not in (*_ABOUT, "surrogates")}
     pictures = [_svg(one(surrogates["rows"])) for one in (_errors, _times)] if surrogates else []

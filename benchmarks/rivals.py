@@ -10,13 +10,16 @@ from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel
+from sklearn.neural_network import MLPRegressor
 
 Array = NDArray[np.float64]
-#: From scaled inputs (n, d) and standardised outputs (n, p) to a function of scaled inputs.
-Fit = Callable[[Array, Array], Callable[[Array], object]]
+#: Mean (n, p) at scaled inputs (n, d) and, where asked for and there is one, its standard deviation (n, p).
+Predict = Callable[[Array, bool], tuple[Array, Array | None]]
+#: From scaled inputs (n, d) and standardised outputs (n, p) to a predictor.
+Fit = Callable[[Array, Array], Predict]
 
 
-def scikit_learn(t: Array, y: Array) -> Callable[[Array], Array]:
+def scikit_learn(t: Array, y: Array) -> Predict:
     """One Gaussian process an output, RBF kernel with a length scale an input, marginal likelihood."""
     models = [
         GaussianProcessRegressor(
@@ -24,16 +27,29 @@ def scikit_learn(t: Array, y: Array) -> Callable[[Array], Array]:
         ).fit(t, column)
         for column in y.T
     ]
-    return lambda at: np.stack([model.predict(at, return_std=True)[0] for model in models], axis=1)
+
+    def predict(at: Array, with_std: bool) -> tuple[Array, Array | None]:
+        if not with_std:
+            return np.stack([model.predict(at) for model in models], axis=1), None
+        pairs = [model.predict(at, return_std=True) for model in models]
+        return np.stack([mean for mean, _ in pairs], axis=1), np.stack([std for _, std in pairs], axis=1)
+
+    return predict
 
 
-def rbf_interpolator(t: Array, y: Array) -> Callable[[Array], Array]:
+def perceptron(t: Array, y: Array) -> Predict:
+    """Neural network of scikit-learn, two layers of 64, all outputs at once; it has no standard deviation."""
+    model = MLPRegressor(hidden_layer_sizes=(64, 64), solver="lbfgs", max_iter=1000, tol=1e-7, random_state=0).fit(t, y)
+    return lambda at, with_std: (np.asarray(model.predict(at)), None)
+
+
+def rbf_interpolator(t: Array, y: Array) -> Predict:
     """Scipy's interpolator, quintic, all cases at once; it has no standard deviation."""
     model = RBFInterpolator(t, y, kernel="quintic")
-    return lambda at: np.asarray(model(at))
+    return lambda at, with_std: (np.asarray(model(at)), None)
 
 
-def smt(t: Array, y: Array) -> Callable[[Array], Array]:
+def smt(t: Array, y: Array) -> Predict:
     """Kriging of the Surrogate Modeling Toolbox, one model an output, one start of its search."""
     from smt.surrogate_models import KRG
 
@@ -44,15 +60,17 @@ def smt(t: Array, y: Array) -> Callable[[Array], Array]:
         model.train()
         models.append(model)
 
-    def predict(at: Array) -> Array:
-        for model in models:
-            model.predict_variances(at)
-        return np.concatenate([model.predict_values(at) for model in models], axis=1)
+    def predict(at: Array, with_std: bool) -> tuple[Array, Array | None]:
+        mean = np.concatenate([model.predict_values(at) for model in models], axis=1)
+        if not with_std:
+            return mean, None
+        variance = np.concatenate([model.predict_variances(at) for model in models], axis=1)
+        return mean, np.sqrt(np.maximum(variance, 0.0))
 
     return predict
 
 
-def gpytorch(t: Array, y: Array) -> Callable[[Array], Array]:
+def gpytorch(t: Array, y: Array) -> Predict:
     """Exact batch of independent Gaussian processes in double precision, 100 steps of Adam."""
     import gpytorch as gp
     import torch
@@ -85,10 +103,10 @@ def gpytorch(t: Array, y: Array) -> Callable[[Array], Array]:
     model.eval()
     likelihood.eval()
 
-    def predict(at: Array) -> Array:
+    def predict(at: Array, with_std: bool) -> tuple[Array, Array | None]:
         with torch.no_grad(), gp.settings.fast_pred_var():
             answer = model(torch.tensor(at).expand(*batch, *at.shape))
-            return np.asarray(answer.mean.numpy().T + 0 * answer.variance.numpy().T)
+            return answer.mean.numpy().T, np.sqrt(answer.variance.numpy().T) if with_std else None
 
     return predict
 
@@ -106,6 +124,7 @@ class Rival:
 
 RIVALS = [
     Rival("scikit-learn GP (RBF)", "sklearn", True, scikit_learn, (256, 1024)),
+    Rival("scikit-learn MLP", "sklearn", False, perceptron, (1024, 4096)),
     Rival("scipy RBFInterpolator", "scipy", False, rbf_interpolator, (256, 1024, 4096)),
     Rival("SMT Kriging", "smt", True, smt, (64, 128)),
     Rival("GPyTorch exact GP", "gpytorch", True, gpytorch, (256, 512)),

@@ -1,4 +1,4 @@
-"""Exact sliding contact of a rigid punch on a magneto-electro-elastic half-plane."""
+"""Exact sliding contact of a rigid punch on magneto-electro-elastic half-planes and films."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING
@@ -7,6 +7,8 @@ if TYPE_CHECKING:
     from solver.face.interior import solve_interior
     from solver.face.refusal import FactorError
     from solver.face.solution import solve
+    from solver.film.grading import Graded
+    from solver.film.stack import Layer, Stack
     from solver.halfplane.precision import PrecisionWarning
     from solver.halfplane.profile import Profile
     from solver.halfplane.speed import limiting_speed
@@ -17,10 +19,13 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FactorError",
+    "Graded",
+    "Layer",
     "Material",
     "MaterialError",
     "PrecisionWarning",
     "Profile",
+    "Stack",
     "aluminium_scandium_nitride",
     "fibrous",
     "find",
@@ -34,10 +39,13 @@ __all__ = [
 # imported when asked for: a job that needs only `solver.names` is often shorter than the imports of the solution
 _MODULES = {
     "FactorError": "face.refusal",
+    "Graded": "film.grading",
+    "Layer": "film.stack",
     "Material": "material.constants",
     "MaterialError": "material.constants",
     "PrecisionWarning": "halfplane.precision",
     "Profile": "halfplane.profile",
+    "Stack": "film.stack",
     "aluminium_scandium_nitride": "material.alloy",
     "fibrous": "material.composite",
     "find": "material.library",

@@ -81,6 +81,10 @@ FACTORS: dict[str, Factor] = {
     "speed": Factor("m s-1", "steady sliding speed V", 0.0, 0.0),
     "datum": Factor("m", "reference length L of the potentials", 1.0, 0.0, low_allowed=False),
     "thickness": Factor("m", "thickness of a film", None, 0.0, low_allowed=False, optional=True),
+    "base_volume_fraction": Factor(
+        "1", "volume fraction of phase one at the base of a graded film", None, 0.0, high=1.0, optional=True
+    ),
+    "grading_exponent": Factor("1", "exponent of a graded film's depth", None, 1.0, optional=True),
     "base_modulus": Factor("Pa", "Young's modulus of a film's base", None, 0.0, low_allowed=False, optional=True),
     "base_poisson": Factor(
         "1",
@@ -112,7 +116,13 @@ COMPOSITES = {"fibrous": "volume_fraction", "laminate": "volume_fraction", "AlSc
 MATERIALS = ("material", "base")
 
 #: Factors that only a film has: a case with a thickness. Its base is named or given by modulus and Poisson's ratio.
-OF_A_FILM = ("thickness", "base", "base_modulus", "base_poisson", "interface_electric", "interface_magnetic")
+OF_A_FILM = (
+    "thickness", "base", "base_modulus", "base_poisson", "interface_electric", "interface_magnetic",
+    "base_volume_fraction", "grading_exponent",
+)  # fmt: skip
+
+#: The factor that gives a whole stack of layers (:class:`solver.Stack`), in place of a material and a film's factors.
+BODY = "body"
 
 #: Factors that each profile must be given, and those that it may be given.
 PROFILES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -260,4 +270,7 @@ ALL_QUANTITIES = {**EVERY_QUANTITY, **EVERY_FILM_QUANTITY}
 ALL_PEAKS = {**PEAKS, **FILM_PEAKS}
 
 #: Numeric factors of a film for whose every value the solver makes tables; it reads from these at all others.
-TABLED = ("volume_fraction", "scandium_fraction", "friction", "base_modulus", "base_poisson")
+TABLED = (
+    "volume_fraction", "scandium_fraction", "friction", "speed",
+    "base_modulus", "base_poisson", "base_volume_fraction", "grading_exponent",
+)  # fmt: skip

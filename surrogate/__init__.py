@@ -12,8 +12,10 @@ if TYPE_CHECKING:
     from surrogate.gp.model import GaussianProcess
     from surrogate.gp.persistence import load, save
     from surrogate.gp.scattergp import ScatterGP
+    from surrogate.use.estimator import FactorialRegressor
 
 __all__ = [
+    "FactorialRegressor",
     "FormatError",
     "GaussianProcess",
     "GridGP",
@@ -27,6 +29,7 @@ __all__ = [
 
 # imported when asked for: scikit-learn, on which they stand, takes longer to import than most jobs take for their work
 _MODELS = {
+    "FactorialRegressor": "use.estimator",
     "GaussianProcess": "gp.model",
     "GridGP": "gp.gridgp",
     "ScatterGP": "gp.scattergp",

@@ -8,7 +8,11 @@ import numpy as np
 import pytest
 
 import benchmarks.__main__ as runner
-from benchmarks import direct, overhead, page, rivals, surrogates
+from benchmarks import direct, gridrivals, intervals, overhead, page, rivals, surrogates
+from benchmarks.rivals import Array
+from surrogate import GridGP
+from surrogate.data.inputs import gauss_points
+from tests.surrogate import functions
 
 
 def smooth(t: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -16,30 +20,98 @@ def smooth(t: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> np.ndarray[t
 
 
 @pytest.mark.filterwarnings("ignore::sklearn.exceptions.ConvergenceWarning")
-@pytest.mark.parametrize("rival", rivals.RIVALS[:2], ids=lambda rival: rival.name)
+@pytest.mark.parametrize("rival", rivals.RIVALS[:3], ids=lambda rival: rival.name)
 def test_rivals_learn_a_smooth_function(rival: rivals.Rival) -> None:
     random = np.random.default_rng(0)
     t, at = random.uniform(-1, 1, (120, 3)), random.uniform(-0.9, 0.9, (40, 3))
     y = smooth(t)
-    assert np.abs(np.asarray(rival.fit(t, y)(at)) - smooth(at)).max() < 0.1
+    mean, std = rival.fit(t, y)(at, True)
+    assert np.abs(mean - smooth(at)).max() < 0.15
+    assert (std is not None) == rival.has_std
+
+
+@pytest.mark.parametrize(("name", "room"), [*zip(gridrivals.GRID_RIVALS, (1e-4, 1e-3, 1e-3), strict=True)])
+def test_rivals_on_a_grid_learn_a_smooth_function(name: str, room: float) -> None:
+    levels = [gauss_points(count) for count in (9, 8, 7)]
+    t = np.stack(np.meshgrid(*levels, indexing="ij"), axis=-1)
+    predict = gridrivals.GRID_RIVALS[name](levels, smooth(t.reshape(-1, 3)).reshape(9, 8, 7, 2))
+    at = np.random.default_rng(0).uniform(-0.9, 0.9, (100, 3))
+    mean, std = predict(at, True)
+    error = np.abs(mean - smooth(at))
+    assert error.max() < room
+    assert std is None or (error <= 3 * std + 1e-6).mean() > 0.9
+
+
+def test_the_kronecker_process_is_that_of_the_dense_matrix() -> None:
+    levels, length = [np.array([-1.0, 0.2, 1.0]), np.array([-0.5, 0.7])], 1.3
+    t = np.stack(np.meshgrid(*levels, indexing="ij"), axis=-1).reshape(-1, 2)
+    y, at = np.cos(t.sum(axis=1)), np.array([[0.1, 0.2], [-0.4, 0.9]])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(gridrivals, "minimize", lambda *_, **__: SimpleNamespace(x=np.log([length, length])))
+        patch.setattr(gridrivals, "_NOISE", 1e-3)
+        mean, std = gridrivals.kronecker(levels, y.reshape(3, 2, 1))(at, True)
+    assert std is not None
+
+    def kernel(a: Array, b: Array) -> Array:
+        return np.asarray(np.exp(-0.5 * ((a[:, None] - b) ** 2).sum(axis=2) / length**2))
+
+    K = kernel(t, t) + 1e-3 * np.eye(6)
+    variance = y @ np.linalg.solve(K, y) / 6
+    k = kernel(at, t)
+    np.testing.assert_allclose(mean[:, 0], k @ np.linalg.solve(K, y), rtol=1e-9)
+    known = (k * np.linalg.solve(K, k.T).T).sum(axis=1)
+    np.testing.assert_allclose(std[:, 0] ** 2, variance * (1 - known), rtol=1e-7)
 
 
 def test_the_comparison_measures_errors_on_the_exact_solution(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(surrogates, "GRIDS", [(8, 3, 3, 4, 2)])
-    monkeypatch.setattr(surrogates, "QUERIES", 2000)
+    monkeypatch.setattr(surrogates, "FRESH", 500)
+    monkeypatch.setattr(surrogates, "CALIBRATION", 200)
+    monkeypatch.setattr(surrogates, "LONG", 0.0)
     monkeypatch.setattr(surrogates, "installed", lambda: ([], ["another"]))
     monkeypatch.setattr(surrogates, "ratios", lambda rows: {"some": 2.0})
     found = surrogates.measure()
-    ours, kronecker, chebyshev = found["rows"]
-    assert [row["cases"] for row in (ours, kronecker, chebyshev)] == [576] * 3
+    exact, ours, calibrated, _, chebyshev, spline, kronecker = found["rows"]
+    assert [row["cases"] for row in found["rows"]] == [0, 576, 776, 576, 576, 576, 576]
+    assert set(exact["error"].values()) == {0.0}
+    assert calibrated["error"] == ours["error"]
     for name in surrogates.OUTPUTS:
         # the accuracy of the Gaussian process is that of interpolation
         assert ours["error"][name] == pytest.approx(chebyshev["error"][name], rel=0.6, abs=1e-4)
         assert 1e-8 < chebyshev["error"][name] < 0.2
+        assert 1e-8 < spline["error"][name] < 0.5
+        assert 0.85 < calibrated["coverage"][name] <= 1
+        assert calibrated["crps"][name] < calibrated["error"][name]
+    assert spline["coverage"] is None
+    assert kronecker["crps"] is not None
+    assert [row["method"] for row in found["equal_accuracy"]].count("Chebyshev-kernel GP") >= 1
+    assert all(max(row["error"].values()) <= row["accuracy"] for row in found["equal_accuracy"])
     text = page.page({"surrogates": found, "exact": {"alone": 1e-3}, "machine": "m", "processor": "p", "versions": {}})
     assert "Left out, as not installed here: another." in text
     assert text.count("<img") == 2
     assert "Kronecker RBF GP" in text
+    assert "At equal accuracy" in text
+
+
+def test_the_comparison_of_intervals_tells_calibrated_from_raw() -> None:
+    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((10, 4, 4, 4, 3)))
+    found = intervals.compare(model, functions.scattered(1500, seed=1), functions.scattered(4000, seed=2))
+    for level in (50, 95):
+        ends = [found[f"calibrated, {level} %, {end}"] for end in ("least", "largest")]
+        assert level / 100 - 0.05 < ends[0] <= ends[1] < level / 100 + 0.05
+    assert found["calibrated, worst slab"] > found["standardised, worst slab"]
+    assert found["calibrated, CRPS over raw, median"] < found["standardised, CRPS over raw, median"]
+    assert found["calibrated, largest error over range, median"] < found["raw, largest error over range, median"]
+
+
+def test_the_worst_slab_is_found_and_judged_apart() -> None:
+    random = np.random.default_rng(0)
+    t = random.uniform(-1, 1, (2, 20_000))
+    along = (t[0] + t[1]) / np.sqrt(2)
+    held = random.uniform(size=t.shape[1]) < np.where(along > np.quantile(along, 0.9), 0.5, 0.95)
+    found = intervals.worst_slab(t, np.stack([held, np.ones_like(held)]))
+    assert found[0] == pytest.approx(0.5, abs=0.06)
+    assert found[1] == 1.0
 
 
 def test_the_runner_writes_whole_files_and_refuses_unknown_names(

@@ -5,7 +5,7 @@ Each group gives its findings; pytest asserts them and the page of ``make run ST
 
 from collections.abc import Callable
 
-from verification import balance, digits, finite_elements, integral_equations, limits
+from verification import balance, digits, film_elements, films, finite_elements, integral_equations, limits
 from verification.findings import Findings, Sizes
 
 #: The groups by name, those of ``workflow.study.model``, in the order of the page.
@@ -14,6 +14,8 @@ GROUPS: dict[str, Callable[[Sizes], Findings]] = {
     "balance": balance.run,
     "integral_equations": integral_equations.run,
     "finite_elements": finite_elements.run,
+    "films": films.run,
+    "film_elements": film_elements.run,
     "digits": digits.run,
 }
 

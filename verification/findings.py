@@ -21,7 +21,7 @@ class Sizes:
     cases : int
         Random cases in 50 digits.
     elements : int
-        Finest mesh, in elements under the punch.
+        Finest mesh, in elements under the punch; a sixth and two more is the highest order of elements of films.
     timed : int
         Cases of the closed form that are timed at once; 0: nothing is timed.
     seed : int

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver.face.filmfactors import has
+from solver.face.filmfactors import on_films
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import CHOICES, FACTORS, OF_A_FILM, PROFILES, Described
+from solver.names import BODY, CHOICES, FACTORS, OF_A_FILM, PROFILES, Described
 
 #: How every solution is made (CF: the method of production).
 SOURCE = "meecontact: closed-form solution of plane contact in the Stroh formalism"
@@ -33,11 +33,11 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
         Phase one and phase two of a composite.
     """
     defaults = _defaults(arrays)
-    on_films = has(arrays, "thickness")
-    found = {"title": title, "source": SOURCE + (_ON_FILMS if np.any(on_films) else "")}
-    if np.any(on_films):
-        found["title"] = title.replace("half-plane", "film" if np.all(on_films) else "film or half-plane")
-    if "material" not in arrays:
+    films = on_films(arrays)
+    found = {"title": title, "source": SOURCE + (_ON_FILMS if np.any(films) else "")}
+    if np.any(films):
+        found["title"] = title.replace("half-plane", "film" if np.all(films) else "film or half-plane")
+    if "material" not in arrays and BODY not in arrays:
         used = _kinds(arrays, "composite") or [str(defaults["composite"])]
         found["composite"] = ", ".join(str(one) for one in used)
     if "volume_fraction" in arrays:
@@ -56,9 +56,9 @@ def of_output(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[
         length = f"{FACTORS['datum'].default:g} m, the default"
     else:
         length = "that of the coordinate datum" if datum.ndim else f"{float(datum):.15g} m"
-    on_films = has(arrays, "thickness")
-    words = described.long_name.removesuffix(_RELATIVE) if np.all(on_films) else described.long_name
-    comment = f"{_FILM_DATUM if np.any(on_films) else ''}{described.comment}; datum: {length}"
+    absolute = on_films(arrays)
+    words = described.long_name.removesuffix(_RELATIVE) if np.all(absolute) else described.long_name
+    comment = f"{_FILM_DATUM if np.any(absolute) else ''}{described.comment}; datum: {length}"
     return described.attrs | {"long_name": words, "comment": comment}
 
 
@@ -82,9 +82,9 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
     takes = {name for kind in kinds if not isinstance(kind, Profile) for name in PROFILES[str(kind)][1]}
     if "slope" in takes and not {"slope", "moment"} & set(arrays):
         found["slope"] = 0.0
-    spared = {"composite"} if "material" in arrays else set()
+    spared = {"composite"} if {"material", BODY} & set(arrays) else set()
     spared |= set() if "corner" in takes else {"corner"}
-    if not np.any(has(arrays, "thickness")):
+    if BODY in arrays or not np.any(on_films(arrays)):
         spared |= set(OF_A_FILM)
     elif "interface_magnetic" not in arrays:
         spared |= {"interface_magnetic"}

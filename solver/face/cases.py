@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray, stack
 from solver.face.attributes import attributes, of_output
-from solver.face.filmfactors import has
+from solver.face.filmfactors import on_films
 from solver.face.refusal import FactorError
+from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
 from solver.names import CHOICES, FACTORS, Described
@@ -94,7 +95,7 @@ class Cases:
     @property
     def on_films(self) -> xr.DataArray:
         """Which cases have a film."""
-        return has(self.arrays, "thickness")
+        return on_films(self.arrays)
 
     @property
     def coordinates(self) -> dict[str, xr.Variable]:
@@ -169,6 +170,6 @@ class Cases:
 
 
 def _label(value: object) -> str:
-    if isinstance(value, Material):
+    if isinstance(value, Material | Stack):
         return value.name
     return "own" if isinstance(value, Profile) else str(value)

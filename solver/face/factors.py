@@ -10,9 +10,10 @@ import xarray as xr
 from solver.arrays import is_finite, shown
 from solver.face.filmfactors import check_films
 from solver.face.refusal import FactorError
+from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import CHOICES, COMPOSITES, FACTORS, MATERIALS, OF_A_FILM, PROFILES
+from solver.names import BODY, CHOICES, COMPOSITES, FACTORS, MATERIALS, OF_A_FILM, PROFILES
 
 _OUTPUT_DIMS = ("position", "x", "y")
 _CHARGES = {"charge": "electric", "magnetic_charge": "magnetic"}
@@ -27,7 +28,7 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
         Naming the factor, its value and what is allowed.
     """
     given = {**factors.data_vars, **factors.coords} if isinstance(factors, xr.Dataset) else dict(factors)
-    known = (*MATERIALS, *CHOICES, *FACTORS)
+    known = (*MATERIALS, *CHOICES, *FACTORS, BODY)
     arrays: dict[str, xr.DataArray] = {}
     for name, value in given.items():
         if name not in known:
@@ -42,7 +43,8 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
         elif name in CHOICES and not isinstance(value, Profile):
             _choice(str(name), array, (*CHOICES[str(name)], *((None, "") if name in OF_A_FILM else ())))
         arrays[str(name)] = array
-    _check_material(arrays)
+    if BODY not in arrays:
+        _check_material(arrays)
     _check_profile(arrays)
     for name, array in arrays.items():
         for dim in array.dims:
@@ -114,7 +116,7 @@ def _array(name: str, value: object) -> xr.DataArray:
     """A scalar without dimension, a plain sequence as a dimension named after its factor."""
     if isinstance(value, xr.DataArray):
         return value.reset_coords(drop=True)
-    if isinstance(value, Material | Profile):
+    if isinstance(value, Material | Profile | Stack):
         values = np.empty((), object)
         values[()] = value
     else:
@@ -130,7 +132,7 @@ def _array(name: str, value: object) -> xr.DataArray:
 def _type(value: object) -> type | None:
     """Object where numpy would turn the numbers of a mixed list into text."""
     listed = value if isinstance(value, list | tuple) else ()
-    return object if any(isinstance(one, str | Material | Profile) for one in listed) else None
+    return object if any(isinstance(one, str | Material | Profile | Stack) for one in listed) else None
 
 
 def _number(name: str, array: xr.DataArray) -> xr.DataArray:

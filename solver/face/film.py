@@ -1,8 +1,7 @@
 """Cases of films: from their factors to contacts, all of one kind from the same tables, and outputs by name."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,19 +9,16 @@ from numpy.typing import NDArray
 
 from solver.arrays import Array
 from solver.face.cases import Cases
-from solver.face.filmfactors import absent
-from solver.face.materials import base_of, material_of
+from solver.face.filmbodies import films_of
 from solver.face.refusal import FactorError
 from solver.film.along import fields
 from solver.film.inside import inside
 from solver.film.quantities import peaks, quantities
-from solver.film.similar import Constants, Films, Kind
+from solver.film.similar import Films, Kind, critical
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
-from solver.material.constants import UNITS, Material, MaterialError
-from solver.names import CHOICES, FIELDS, INTERIOR, NEED_C12, SINGULAR
-
-_STRUCTURE = tuple(key for key in UNITS if key != "rho")
+from solver.material.constants import MaterialError
+from solver.names import FIELDS, INTERIOR, NEED_C12, SINGULAR
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +44,7 @@ class OnFilm:
     def __init__(self, cases: Cases) -> None:
         self.cases = cases
         self.shape = tuple(cases.sizes.values())
+        self._bodies = films_of(cases)
         self._groups = list(self._grouped())
 
     def quantities(self) -> dict[str, Array]:
@@ -56,7 +53,7 @@ class OnFilm:
 
     def peaks(self) -> dict[str, Array]:
         """Those of ``solver.names.FILM_PEAKS`` that every case has; (...)."""
-        if (lacks := self._lacks_c12) is not None:
+        if (lacks := self._bodies.lacks_c12) is not None:
             raise MaterialError(f"{lacks}: c12: missing; film_peak_von_mises needs it [Pa]")
         return self._put_together(peaks)
 
@@ -76,8 +73,8 @@ class OnFilm:
 
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
         """The fields asked for, by default all of ``INTERIOR`` that the materials have; (..., y, x)."""
-        names = tuple(asked or [name for name in INTERIOR if name not in NEED_C12 or self._lacks_c12 is None])
-        if (lacks := self._lacks_c12) is not None:
+        names = tuple(asked or [name for name in INTERIOR if name not in NEED_C12 or self._bodies.lacks_c12 is None])
+        if (lacks := self._bodies.lacks_c12) is not None:
             for name in names:
                 if name in NEED_C12:
                     raise MaterialError(f"{lacks}: c12: missing; {name} needs it [Pa]")
@@ -86,15 +83,6 @@ class OnFilm:
             return dict(zip(names, np.moveaxis(inside(films, x, y, names), 1, 0), strict=True))
 
         return self._put_together(found)
-
-    @property
-    def _lacks_c12(self) -> str | None:
-        """The name of a material without c12, of films and of bases that are not rigid."""
-        base, rigid = self._base
-        for material, there in ((self._material, True), (base, ~rigid)):
-            if np.any(np.isnan(material.c12) & there):
-                return material.name
-        return None
 
     @np.errstate(all="ignore")  # what is not finite is named in the outputs
     def _put_together(self, output: Callable[[Films], dict[str, Array]]) -> dict[str, Array]:
@@ -116,24 +104,11 @@ class OnFilm:
         return out
 
     # -- groups --------------------------------------------------------------------------------------------------------
-    @cached_property
-    def _material(self) -> Material:
-        return material_of(self.cases)
-
-    @cached_property
-    def _base(self) -> tuple[Material, NDArray[np.bool_]]:
-        return base_of(self.cases)
-
     def _grouped(self) -> Iterator[_Group]:
-        """Cases by stack, friction and conduction, told apart at the smallest shape that these have."""
-        base, rigid = self._base
+        """Cases by film, friction and conduction, told apart at the smallest shape that these have."""
         conducts = self.cases.conducts
-        interfaces = [self._interface(name) for name in ("interface_electric", "interface_magnetic")]
-        columns = [
-            *(np.nan_to_num(getattr(self._material, key), nan=np.inf) for key in _STRUCTURE),
-            *(np.where(rigid, 0.0, np.nan_to_num(getattr(base, key), nan=np.inf)) for key in _STRUCTURE),
-            rigid, *interfaces, self.cases.number("friction"), conducts[..., 0], conducts[..., 1],
-        ]  # fmt: skip
+        own = [self.cases.number("friction"), conducts[..., 0], conducts[..., 1], self.cases.number("speed")]
+        columns = [*self._bodies.columns, *own]
         table = np.stack(np.broadcast_arrays(*(np.asarray(c, dtype=np.float64) for c in columns)), -1)
         kinds, which = np.unique(table.reshape(-1, table.shape[-1]), axis=0, return_inverse=True)
         shape = (1,) * (len(self.shape) - table.ndim + 1) + table.shape[:-1]
@@ -141,28 +116,26 @@ class OnFilm:
         for number, row in enumerate(kinds.tolist()):
             yield _Group(np.flatnonzero(of_case == number), self._kind(row))
 
-    def _interface(self, name: str) -> Array:
-        """What the interface is to a field: the place among the choices, -1 for the default of its base."""
-        values = self.cases.values.get(name, np.array(None, dtype=object))
-        codes = [-1.0 if absent(value) else CHOICES[name].index(str(value)) for value in values.flat]
-        return np.array(codes).reshape(values.shape)
-
     def _kind(self, row: list[float]) -> Kind:
-        count = len(_STRUCTURE)
-        rigid, electric, magnetic, friction, *conducts = row[2 * count :]
+        *film, friction, electric, magnetic, speed = row
         profile = self.cases.profile
-        kind = Kind(
-            top=_constants(row[:count]),
-            base=None if rigid else _constants(row[count : 2 * count]),
-            electric=None if electric < 0 else CHOICES["interface_electric"][int(electric)],
-            magnetic=None if magnetic < 0 else CHOICES["interface_magnetic"][int(magnetic)],
-            friction=friction,
-            conducts=(bool(conducts[0]), bool(conducts[1])),
-            smooth=profile.smooth,
-            degree=max(len(profile.slope) - 1, 1),
-        )
+        layers, base = self._bodies.film(film)
+        degree = max(len(profile.slope) - 1, 1)
+        kind = Kind(layers, base, friction, (bool(electric), bool(magnetic)), profile.smooth, degree)
         kind.stack()  # refuses what its base does not have before anything is computed
-        return kind
+        if speed > 0 and not speed < (limit := self._critical(kind)):
+            raise FactorError(
+                f"speed: {speed:g} m/s is not below the first critical speed of the film, {limit:.6g} m/s"
+            )
+        return replace(kind, speed=speed)
+
+    @staticmethod
+    def _critical(kind: Kind) -> float:
+        """First critical speed [m/s]."""
+        try:
+            return critical(kind)
+        except MaterialError as error:
+            raise FactorError(f"speed: {error}") from None
 
     def _films(self, group: _Group) -> Films:
         def chosen(values: Any) -> Array:
@@ -176,11 +149,10 @@ class OnFilm:
         )  # fmt: skip
         charges = np.stack([chosen(number("charge")), chosen(number("magnetic_charge"))], -1)
         return Films(
-            group.kind, profile, chosen(number("load")), charges, chosen(number("datum")), chosen(number("thickness"))
+            group.kind,
+            profile,
+            chosen(number("load")),
+            charges,
+            chosen(number("datum")),
+            chosen(self._bodies.thickness),
         )
-
-
-def _constants(row: list[float]) -> Constants:
-    """Constants in the order of ``UNITS``; the density has no part."""
-    known = dict(zip(_STRUCTURE, row, strict=True))
-    return tuple(None if np.isinf(value := known.get(key, np.inf)) else value for key in UNITS)

@@ -8,9 +8,9 @@ import xarray as xr
 
 from solver.arrays import shown
 from solver.face.refusal import FactorError
-from solver.film.stack import RIGID
+from solver.film.stack import RIGID, Stack
 from solver.material.constants import Material
-from solver.names import FACTORS, OF_A_FILM
+from solver.names import BODY, FACTORS, MATERIALS, OF_A_FILM
 
 _BASE = f"{RIGID!r} or a material's name, or else base_modulus and base_poisson"
 
@@ -33,8 +33,13 @@ def has(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
     return xr.DataArray(np.array(there, dtype=bool).reshape(array.shape), dims=array.dims)
 
 
+def on_films(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
+    """Which cases lie on a film: those with a thickness, or with a stack."""
+    return xr.DataArray(True) if BODY in arrays else has(arrays, "thickness")
+
+
 def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
-    """Every film has a base and no speed, every half-plane has none of a film's factors.
+    """Every film has a base, every half-plane has none of a film's factors.
 
     Raises
     ------
@@ -43,6 +48,8 @@ def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
     """
     present = {name: has(arrays, name) for name in OF_A_FILM}
     film = present["thickness"]
+    if BODY in arrays:
+        _check_stacks(arrays)
     for name in OF_A_FILM[1:]:
         _refuse(arrays, name, present[name] & ~film, "without a thickness; only a film has one")
     if not np.any(film):
@@ -51,9 +58,6 @@ def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
         for value in arrays["base"].values.flat:
             if not (absent(value) or isinstance(value, str | Material)):
                 raise FactorError(f"base: {shown(value)} is no material; must be {_BASE}")
-    if "speed" in arrays:
-        moving = arrays["speed"].drop_vars(arrays["speed"].coords) > 0
-        _refuse(arrays, "speed", moving & film, "on a film; must be 0 [m s-1]")
     modulus, poisson = present["base_modulus"], present["base_poisson"]
     _refuse(arrays, "base_modulus", modulus & present["base"], "beside a base; give either")
     _refuse(arrays, "base_poisson", poisson & present["base"], "beside a base; give either")
@@ -62,6 +66,22 @@ def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
             raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed}")
     if np.any(film & ~present["base"] & ~modulus):
         raise FactorError(f"base: missing; must be {_BASE}")
+    graded, exponent = present["base_volume_fraction"], present["grading_exponent"]
+    if "volume_fraction" not in arrays:
+        _refuse(arrays, "base_volume_fraction", graded, "without a volume_fraction, which a graded film has on top")
+    _refuse(
+        arrays, "grading_exponent", exponent & ~graded, "without a base_volume_fraction; only a graded film has one"
+    )
+
+
+def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:
+    """Stacks are stacks, and nothing beside them says what a body is made of."""
+    for value in arrays[BODY].values.flat:
+        if not isinstance(value, Stack):
+            raise FactorError(f"{BODY}: {shown(value)} is no solver.Stack")
+    for name in (*MATERIALS, "composite", "volume_fraction", *OF_A_FILM):
+        if name in arrays:
+            raise FactorError(f"{name}: beside a {BODY}; a stack has its own materials, thicknesses and interfaces")
 
 
 def _refuse(arrays: Mapping[str, xr.DataArray], name: str, bad: xr.DataArray, why: str) -> None:

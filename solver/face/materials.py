@@ -10,9 +10,9 @@ from solver.arrays import BoolArray, shown
 from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.refusal import FactorError
+from solver.film.powerlaw import MIXTURES
 from solver.film.stack import RIGID
 from solver.material.alloy import aluminium_scandium_nitride
-from solver.material.composite import fibrous, laminate
 from solver.material.constants import UNITS, Material, MaterialError
 from solver.material.library import find
 from solver.names import CHOICES, COMPOSITES
@@ -26,9 +26,7 @@ def material_of(cases: Cases) -> Material:
     FactorError, MaterialError
         Phases that are not two; a material that is unknown, inadmissible or itself of many cases.
     """
-    if len(cases.phases) != 2:
-        raise FactorError(f"phases: {len(cases.phases)} given; a composite has two")
-    one, two = (_found(phase, cases.materials) for phase in _named("phases", cases.phases))
+    one, two = phases_of(cases)
     if "material" in cases.values:
         return _chosen(cases.values["material"], cases.materials)
     kinds = cases.values.get("composite", np.array(CHOICES["composite"][0]))
@@ -40,12 +38,26 @@ def material_of(cases: Cases) -> Material:
     return Material(**either, name="composite")
 
 
+def phases_of(cases: Cases) -> tuple[Material, Material]:
+    """Phase one and phase two of a composite.
+
+    Raises
+    ------
+    FactorError, MaterialError
+        Phases that are not two, or unknown.
+    """
+    if len(cases.phases) != 2:
+        raise FactorError(f"phases: {len(cases.phases)} given; a composite has two")
+    one, two = (_found(phase, cases.materials) for phase in _named("phases", cases.phases))
+    return one, two
+
+
 def _composite(kind: str, one: Material, two: Material, cases: Cases) -> Material:
     """The composite of a kind of every case, from the factor that it takes."""
     fraction = cases.values[COMPOSITES[kind]]
     if kind == "AlScN":
         return aluminium_scandium_nitride(fraction)
-    return (fibrous if kind == "fibrous" else laminate)(one, two, fraction)
+    return MIXTURES[kind](one, two, fraction)
 
 
 def base_of(cases: Cases) -> tuple[Material, BoolArray]:

@@ -39,7 +39,8 @@ def solve(
         :class:`Profile` of one's own), and either ``material`` (a name or :class:`Material`) or the fraction of a
         composite (``composite``, default ``fibrous``; see ``solver.names.COMPOSITES``). The rest default to 0
         (``datum``: 1 m; ``electric`` and ``magnetic``: conducting). A case with a ``thickness`` is a film on its
-        ``base``, see ``solver.names.OF_A_FILM``; NaN and empty names mean that a case has none.
+        ``base``, graded with a ``base_volume_fraction``, see ``solver.names.OF_A_FILM``; NaN and empty names mean that
+        a case has none. Instead of material, film and base a ``body`` may be given: a :class:`Stack`, or a list.
     positions
         Surface positions X = (x - c)/h, dimensionless, any but +-1.
     materials
@@ -65,9 +66,9 @@ def solve(
     ------
     FactorError
         Unknown, missing, non-finite or out-of-range factor or position; a charge on an insulating punch; a speed that
-        is not below the limiting one, or any on a film; a film without base, or a base without film; a contact that
-        would need tension, one beyond the resolved range of a film, or several for one load. Names field, value and
-        what is allowed.
+        is not below the limiting one or a film's critical one; a film without base, or a base without film; a contact
+        that would need tension, one beyond the resolved range of a film, or several for one load. Names field, value
+        and what is allowed.
     MaterialError
         Unknown or inadmissible material.
     """

@@ -97,13 +97,14 @@ class Assembly:
         stack, friction = system.kernel.stack, system.coefficients.friction
         regular = (stack.media[0].compliance - low(stack))[1:, 1:]
         out = np.zeros((self.half_lengths.size, 3, system.unknowns(self.basis)))
+        fine = replace(self.basis, samples=max(self.basis.samples, self.basis.terms + int(_FAR / 2) + 20))
+        sources = replace(self, basis=fine).sources()
         for number, h in enumerate(self.half_lengths):
             k, weight = wavenumbers(stack, 2 * h, 34 * h / _FAR)
-            fine = replace(self.basis, samples=max(self.basis.samples, self.basis.terms + int(_FAR / 2) + 20))
             difference = (weight / k)[:, None, None] * graded.difference(k)
             averaged = difference * (8 * jv(2, k * h) / (k * h) ** 2)[:, None, None]
             datum = float(weight / k @ np.exp(-k * width)) + float(exp1(_FAR / h * width))
-            for columns, nodes, rule, carried in replace(self, basis=fine).sources():
+            for columns, nodes, rule, carried in sources:
                 phase = k[:, None] * h * nodes
                 own = np.einsum("koj,j,kz->oz", averaged[:, 1:, 1:], carried, np.cos(phase) @ rule)
                 own += friction * carried[0] * np.einsum("ko,kz->oz", averaged[:, 1:, 0], np.sin(phase) @ rule)

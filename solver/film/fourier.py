@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.arrays import Array, ComplexArray
+from solver.arrays import Array, ComplexArray, column
 from solver.halfplane.spectrum import spectrum
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
@@ -37,15 +37,19 @@ class Medium:
         An admissible material.
     scale
         Diagonal (..., 4) of the units: u = scale u', t = t' / scale.
+    speed
+        Steady speed V >= 0 [m/s] of what moves over it, below the transonic one: it enters as Q - rho V^2 diag(1, 1, 0,
+        0) and changes nothing else.
     """
 
     material: Material
     scale: Array
+    speed: float = 0.0
 
     @cached_property
     def halfplane(self) -> HalfPlane:
-        """The half-plane of this material, at rest."""
-        return HalfPlane(self.material)
+        """The half-plane of this material."""
+        return HalfPlane(self.material, np.array(self.speed)) if self.speed else HalfPlane(self.material)
 
     @cached_property
     def compliance(self) -> Array:
@@ -62,7 +66,10 @@ class Medium:
     def _blocks(self) -> tuple[Array, Array, Array]:
         """W, Q_s and T^-1; (..., 4, 4) each."""
         both = self.scale[..., :, None] * self.scale[..., None, :]
-        Q, R, T = (block * both for block in self.material.generalised_stiffness())
+        Q, R, T = self.material.generalised_stiffness()
+        if self.speed:
+            Q = Q - column(self.halfplane.inertia) * np.diag([1.0, 1.0, 0.0, 0.0])
+        Q, R, T = Q * both, R * both, T * both
         T_inv: Array = np.asarray(np.linalg.inv(T), dtype=np.float64)
         W: Array = MIRROR @ R @ T_inv
         return W, Q - R @ T_inv @ np.swapaxes(R, -1, -2), T_inv

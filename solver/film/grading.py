@@ -84,7 +84,7 @@ def staircase(stack: Stack, count: int) -> Stack:
     upper = [Layer(layer.profile(np.array((i + 0.5) / count)), thickness, "bonded", "bonded") for i in range(count - 1)]
     electric, magnetic = ("grounded" if component in last else "bonded" for component in (2, 3))
     lowest = Layer(layer.profile(np.array(1 - 0.5 / count)), thickness, electric, magnetic)
-    return Stack((*upper, lowest, *stack.layers[1:]), stack.base)
+    return Stack((*upper, lowest, *stack.layers[1:]), stack.base, stack.speed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +93,7 @@ class GradedMedium:
 
     layer: Graded
     scale: Array
+    speed: float = 0.0
 
     @cached_property
     def _samples(self) -> tuple[Array, Medium]:
@@ -100,7 +101,7 @@ class GradedMedium:
         share = (1 - np.cos(np.pi * (np.arange(_DEPTHS) + 0.5) / _DEPTHS)) / 2
         material = self.layer.profile(share)
         material.check()
-        return share * self.layer.thickness, Medium(material, self.scale)
+        return share * self.layer.thickness, Medium(material, self.scale, self.speed)
 
     def _series(self, values: Array) -> Array:
         """Chebyshev coefficients over the depth, of values at the samples."""
@@ -193,7 +194,7 @@ class GradedResponse:
         layer = self.stack.top
         if not isinstance(layer, Graded):
             raise StackError("layers: the top layer is not graded")
-        return GradedMedium(layer, self.stack.scale)
+        return GradedMedium(layer, self.stack.scale, self.stack.speed)
 
     @property
     def tails(self) -> Array:

@@ -137,7 +137,7 @@ class Interior:
             own = body >= self.sublayers
             if not np.all(own):
                 share = np.minimum(depth[~own] / layer.thickness, 1.0)
-                rows[~own] = self._rows_of(Medium(layer.profile(share), self.body.scale), which)
+                rows[~own] = self._rows_of(Medium(layer.profile(share), self.body.scale, self._stack.speed), which)
         media = [*self.body.media, *filter(None, [self.body.base_medium])]
         for number in np.unique(body[own]).tolist():
             if number < len(media):

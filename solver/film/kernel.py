@@ -10,7 +10,7 @@ where U' = K gives displacements. They are analytic in the strip |Im x| < b = 2 
 """
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -42,6 +42,7 @@ _FINEST = 10  # halvings of the first panel under a graded layer, whose kernels 
 _GRADED_END = 2000.0  # largest wavenumber times the thickness of a graded layer
 _GRADED_TAIL = 1e-8
 _MOST = 20_000_000  # entries of one block of the transform: bounded memory
+_RESPONSES = 16  # kept: 0.1 MB each
 _FARTHEST = 1e5  # reach over the width of the strip: bounded time
 
 
@@ -134,7 +135,7 @@ def kernel(stack: Stack, reach: float) -> Kernel:
     ends = np.array(edges)
     nodes = np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
     x = (ends[:-1, None] + ends[1:, None] + (ends[1:] - ends[:-1])[:, None] * nodes) / 2
-    graded = GradedResponse(stack, panels(stack, _graded_strip(stack))) if stack.top.graded else None
+    graded = _response(stack) if stack.top.graded else None
     flat = x.ravel()
     values = (_transforms(stack, width, flat) if graded is None else _graded(graded, width, flat)).reshape(*x.shape, 19)
     to_series = 2 / (_DEGREE + 1) * _chebyshev(nodes).T
@@ -146,9 +147,16 @@ def kernel(stack: Stack, reach: float) -> Kernel:
         tail > (_TAIL if graded is None else _GRADED_TAIL) * np.max(size[:10])
     ):
         raise StackError(
-            "kernel: its table does not resolve this stack (layers too different in thickness or stiffness)"
+            "kernel: its table does not resolve this stack: layers too different in thickness or stiffness "
+            "(or a speed next to the critical one)"
         )
     return Kernel(stack, width, ends, coefficients, graded)
+
+
+@lru_cache(_RESPONSES)
+def _response(stack: Stack) -> GradedResponse:
+    """The response of a graded film, which all its kernels share, whatever their reach."""
+    return GradedResponse(stack, panels(stack, _graded_strip(stack)))
 
 
 def strip(stack: Stack) -> float:

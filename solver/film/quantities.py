@@ -7,8 +7,9 @@ import numpy as np
 from solver.arrays import Array
 from solver.film.contact import FilmContact
 from solver.film.crest import peak_pressure
-from solver.film.peaks import DEPTH, BodyPeaks, PeakTable
-from solver.film.similar import Films, peak_window
+from solver.film.peaks import DEPTH
+from solver.film.similar import Films, Kind, peak_window
+from solver.film.stack import StackError
 from solver.film.table import RangeError
 
 _STEPS = 20
@@ -52,7 +53,7 @@ def quantities(films: Films) -> dict[str, Array]:
         if conducts:
             out |= _responses(films, field)
     if "voltage" in out:
-        out["nominal_field"] = np.abs(out["voltage"]) / h
+        out["nominal_field"] = np.abs(out["voltage"]) / (h * films.kind.above_ground)
     return out
 
 
@@ -93,36 +94,40 @@ def _short_circuit(uncharged: Films, field: int) -> Array:
 def peaks(films: Films) -> dict[str, Array]:
     """Quantities of ``solver.names.FILM_PEAKS`` that the cases have; (case,) each.
 
+    A film of several layers has those of its lowest interface and of its base.
+
     Raises
     ------
     RangeError
         A contact so wide that the film has no depth below 0.1 h.
+    StackError
+        A graded film, whose stresses are not tabulated.
     """
-    names = [
-        "interface_shear", "interface_shear_position", "interface_tension", "interface_tension_position",
-        "film_peak_von_mises", "film_peak_principal_tension",
-    ]  # fmt: skip
-    if films.kind.base is not None:
-        names += ["base_peak_von_mises", "base_peak_principal_tension"]
+    kind = films.kind
+    stack = kind.stack()
+    if stack.top.graded:
+        raise StackError("peaks: are not given of a film that is graded")
+    names = ["interface_shear", "interface_shear_position", "interface_tension", "interface_tension_position"]
+    names += [f"{body}_peak_{of}" for body in _bodies(kind) for of in ("von_mises", "principal_tension")]
     out = {name: np.empty(films.load.size) for name in names}
     for places, number, contact in films.parts:
-        if np.any(contact.half_width > 0.99 / DEPTH):
-            widest = np.max(contact.half_width)
+        if np.any(contact.half_width > 0.99 / DEPTH * stack.thickness):
+            widest = np.max(contact.half_width) / stack.thickness
             raise RangeError(
                 f"contact: half-length over thickness {widest:g} is too wide for peaks; must be < {1 / DEPTH:g}"
             )
-        of = peak_window(films.kind, number)
+        of = peak_window(kind, number)
         own = FilmContact(of.table, contact.profile, contact.load, contact.charges, contact.datum)
-        for name, value in zip(names, _found(of, own), strict=True):
+        interface = of.interface(own)
+        found = [interface.shear, interface.shear_position, interface.tension, interface.tension_position]
+        for body in _bodies(kind):
+            largest = of.film(own) if body == "film" else of.base(own)
+            found += [largest.von_mises, largest.principal_tension]
+        for name, value in zip(names, found, strict=True):
             out[name][places] = value
     return out
 
 
-def _found(of: PeakTable, contact: FilmContact) -> list[Array]:
-    """Peaks in the order of their names."""
-    interface = of.interface(contact)
-    bodies: list[BodyPeaks] = [of.film(contact)]
-    if not of.table.system.kernel.stack.rigid:
-        bodies.append(of.base(contact))
-    found = [interface.shear, interface.shear_position, interface.tension, interface.tension_position]
-    return found + [value for body in bodies for value in (body.von_mises, body.principal_tension)]
+def _bodies(kind: Kind) -> list[str]:
+    """Bodies whose largest stresses are given: panels through several layers would meet their jumps."""
+    return ["film"] * kind.uniform + ["base"] * (kind.base is not None)

@@ -8,7 +8,7 @@ the cases that are solved beside it.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,16 +16,18 @@ from numpy.typing import NDArray
 from solver.arrays import Array, BoolArray
 from solver.film.causes import Loading
 from solver.film.contact import FilmContact
+from solver.film.grading import Graded
 from solver.film.peaks import DEPTH, PeakTable
+from solver.film.powerlaw import Constants, constants_of, material_from
 from solver.film.press import LengthsError, load_at_nodes
-from solver.film.stack import Layer, Stack
+from solver.film.speed import critical_speed
+from solver.film.stack import RIGID, Layer, Stack
 from solver.film.table import LEAST, MOST, RangeError, Table, table
 from solver.halfplane.contact import Contact
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
-from solver.halfplane.surface import HalfPlane
-from solver.material.constants import UNITS, Material
+from solver.material.constants import Material
 
 _A_DECADE = 2  # windows
 _OVERLAP = 1.3  # of a window with its neighbours
@@ -37,9 +39,41 @@ _BELOW, _ABOVE = 2, 1  # windows searched for other lengths of charged contacts
 _ROUGH_NODES, _ROUGH_ACCURACY = 8, 0.5  # of their tables: 1e-3 of the load, for a fifth of the time
 _APART = 1.05  # from the window of a contact, within which they say nothing
 _TABLES, _PEAK_TABLES = 256, 32  # kept: 0.4 MB and some MB each
+_STACKS = 256
 
 Indices = NDArray[np.intp]
-Constants = tuple[float | None, ...]  # None where unknown: what is not a number never equals itself
+
+
+@dataclass(frozen=True)
+class Coat:
+    """One layer, as what tables are told apart by.
+
+    Attributes
+    ----------
+    of
+        Constants of a homogeneous layer, or the profile of a graded one.
+    thickness
+        Over that of the top layer.
+    electric, magnetic
+        What the interface below is to each field; None for the default.
+    """
+
+    of: Constants | Callable[[Array], Material]
+    thickness: float = 1.0
+    electric: str | None = None
+    magnetic: str | None = None
+
+    @classmethod
+    def like(cls, layer: Layer, unit: float) -> Self:
+        """Of a layer, with lengths over ``unit`` [m]."""
+        of = layer.profile if isinstance(layer, Graded) else constants_of(layer.material)
+        return cls(of, layer.thickness / unit, layer.electric, layer.magnetic)
+
+    def layer(self) -> Layer:
+        """The layer."""
+        if callable(self.of):
+            return Graded(self.of, self.thickness, self.electric, self.magnetic)
+        return Layer(material_from(self.of, "film"), self.thickness, self.electric, self.magnetic)
 
 
 @dataclass(frozen=True)
@@ -48,10 +82,10 @@ class Kind:
 
     Attributes
     ----------
-    top, base
-        Constants of the film and of its base in the order of ``solver.material.constants.UNITS``; no base: rigid.
-    electric, magnetic
-        What the interface is to each field; None for the default of its base.
+    layers
+        From the top down.
+    base
+        Constants of the base; none: rigid.
     friction
         Coulomb coefficient.
     conducts
@@ -60,34 +94,55 @@ class Kind:
         Whether the trailing and the leading edge of the contact are smooth.
     degree
         Largest power of x in the slope of the punch.
+    speed
+        Steady sliding speed [m/s].
     """
 
-    top: Constants
+    layers: tuple[Coat, ...]
     base: Constants | None
-    electric: str | None
-    magnetic: str | None
     friction: float
     conducts: tuple[bool, bool]
     smooth: tuple[bool, bool]
     degree: int
+    speed: float = 0.0
 
     def stack(self) -> Stack:
-        """The film of unit thickness on its base.
+        """The film, its top layer of unit thickness, on its base.
 
         Raises
         ------
         MaterialError
             Inadmissible materials, an interface that the base does not have.
         """
-        layer = Layer(_material(self.top, "film"), 1.0, self.electric, self.magnetic)
-        return Stack((layer,)) if self.base is None else Stack((layer,), _material(self.base, "base"))
+        return _stack(self.layers, self.base, self.speed)
+
+    @property
+    def uniform(self) -> bool:
+        """Whether the film is one homogeneous layer."""
+        return len(self.layers) == 1 and not callable(self.layers[0].of)
+
+    @property
+    def above_ground(self) -> float:
+        """Thickness above the first grounded electrode, or of all layers, over that of the top layer."""
+        stack, total = self.stack(), 0.0
+        for layer, held in zip(stack.layers, stack.grounded, strict=True):
+            total += layer.thickness
+            if 2 in held:
+                break
+        return total
 
 
-def _material(constants: Constants, name: str) -> Material:
-    given: dict[str, Any] = {
-        key: np.array(np.nan if value is None else value) for key, value in zip(UNITS, constants, strict=True)
-    }
-    return Material(**given, name=name)
+@lru_cache(_STACKS)
+def _stack(layers: tuple[Coat, ...], base: Constants | None, speed: float) -> Stack:
+    """One stack for all tables of it: what is found once for a stack, is found once."""
+    made = tuple(coat.layer() for coat in layers)
+    return Stack(made, RIGID if base is None else material_from(base, "base"), speed)
+
+
+@lru_cache(_STACKS)
+def critical(kind: Kind) -> float:
+    """First critical speed [m/s] of films of a kind, whatever their thickness."""
+    return critical_speed(kind.stack(), kind.conducts)
 
 
 @lru_cache(_TABLES)
@@ -115,7 +170,7 @@ def _table(kind: Kind, number: int, nodes: int, accuracy: float) -> Table:
 def peak_window(kind: Kind, number: int) -> PeakTable:
     """Stresses over one window; of a film no wider than it has a depth below 0.1 h."""
     whole = window(kind, number)
-    return PeakTable(replace(whole, upper=min(whole.upper, 0.99 / DEPTH)))
+    return PeakTable(replace(whole, upper=min(whole.upper, 0.99 / DEPTH * kind.stack().thickness)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +184,7 @@ class Films:
     profile
         The punch; parameters (case,) or ().
     load, charges, datum, thickness
-        P [N/m] (case,), T [C/m] and J [Wb/m] (case, 2), L [m] and the film's thickness [m] (case,).
+        P [N/m] (case,), T [C/m] and J [Wb/m] (case, 2), L [m] and the top layer's thickness [m] (case,).
 
     Raises
     ------
@@ -259,7 +314,7 @@ class Films:
     def _guess(self) -> Array:
         """Half-length over thickness that the closed form of the film's half-plane has; less where it is thin."""
         sliding = Sliding(
-            HalfPlane(_material(self.kind.top, "film")), np.array(self.kind.friction), np.array(self.kind.conducts)
+            self.kind.stack().media[0].halfplane, np.array(self.kind.friction), np.array(self.kind.conducts)
         )
         try:
             half = Contact(sliding, self.profile, self.load, self.charges).half_width

@@ -1,5 +1,6 @@
 """Layers on a base: materials, thicknesses and what the interfaces do to the electric and the magnetic field."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, Literal
@@ -74,13 +75,18 @@ class Stack:
         At least one.
     base
         ``rigid`` (u = 0, phi = 0, bonded) or the material of the half-plane below.
+    speed
+        Steady speed V >= 0 of the contact along x [m/s]; any but 0 needs the densities.
 
     Examples
     --------
     >>> import solver
-    >>> from solver.film.stack import Layer, Stack
-    >>> Stack((Layer(solver.find("BaTiO3"), 0.5e-3),)).thickness
-    0.0005
+    >>> titanate = Layer(solver.find("BaTiO3"), 0.5e-3, electric="grounded")  # a metal conducts
+    >>> film = Stack([titanate, Layer(solver.find("copper"), 1e-4)], solver.find("silicon"))
+    >>> film.name
+    'BaTiO3 0.0005 m | copper 0.0001 m | silicon'
+    >>> round(float(solver.solve({"body": film, "radius": 0.05, "load": 1e4})["voltage"]), 2)
+    -85.55
 
     Raises
     ------
@@ -88,8 +94,9 @@ class Stack:
         No layer, an unknown base, or an interface that its base does not have.
     """
 
-    layers: tuple[Layer, ...]
+    layers: Sequence[Layer]
     base: Material | Literal["rigid"] = RIGID
+    speed: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(self.layers))
@@ -113,6 +120,12 @@ class Stack:
                 raise StackError("interface_magnetic: 'bonded' is not allowed above a rigid base; grounded, insulated")
         elif lowest.magnetic == "insulated":
             raise StackError("interface_magnetic: 'insulated' is allowed above a rigid base only; grounded, bonded")
+
+    @property
+    def name(self) -> str:
+        """Materials and thicknesses in words."""
+        base = self.base if isinstance(self.base, str) else self.base.name
+        return " | ".join([*(f"{layer.material.name} {layer.thickness:g} m" for layer in self.layers), base])
 
     @property
     def rigid(self) -> bool:
@@ -154,12 +167,12 @@ class Stack:
     def media(self) -> tuple[Medium, ...]:
         """The layers' materials in the units of the stack."""
         scale = Medium(self.top.material, np.ones(4)).halfplane.scale
-        return tuple(Medium(layer.material, scale) for layer in self.layers)
+        return tuple(Medium(layer.material, scale, self.speed) for layer in self.layers)
 
     @cached_property
     def base_medium(self) -> Medium | None:
         """The base's material in the units of the stack; none if it is rigid."""
-        return None if isinstance(self.base, str) else Medium(self.base, self.media[0].scale)
+        return None if isinstance(self.base, str) else Medium(self.base, self.media[0].scale, self.speed)
 
 
 def _require_single(material: object, name: str) -> None:

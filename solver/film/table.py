@@ -19,14 +19,13 @@ from solver.film.stack import Stack
 from solver.film.system import System
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.sliding import Sliding
-from solver.halfplane.surface import HalfPlane
 
 #: Half-lengths over the thickness of the top layer that a table may hold.
 LEAST, MOST = 1e-4, 60.0
 
 _PER_DECADE = 15.0  # nodes: 1e-8 between them, up to 30 thicknesses
 BATCH = 50_000_000  # bytes of kernels held at once
-_ALIKE = 0.75  # of the number of terms: half-lengths that share one basis
+_ALIKE, _GRADED_ALIKE = 0.75, 0.4  # of the number of terms: half-lengths that share one basis, dear if graded
 
 
 class RangeError(ContactError):
@@ -147,12 +146,12 @@ def batches(system: System, half_lengths: Array, points: int = 2) -> list[tuple[
     """
     order = np.argsort(half_lengths)
     terms = np.array([system.terms(h) for h in half_lengths[order]])
-    groups = []
+    groups, share = [], _ALIKE if system.kernel.graded is None else _GRADED_ALIKE
     end = len(order)
     while end > 0:
         basis = system.basis(float(half_lengths[order[end - 1]]))
         room = max(BATCH // (8 * 19 * basis.samples * (basis.terms + points)), 1)
-        alike = int(np.searchsorted(terms, _ALIKE * basis.terms))
+        alike = int(np.searchsorted(terms, share * basis.terms))
         start = min(max(alike, end - room), end - 1)
         groups.append((basis, order[start:end]))
         end = start
@@ -202,7 +201,7 @@ def table(
     if not LEAST <= least < most <= MOST:
         raise RangeError(f"contact: range {least:g} to {most:g} of hc/h1 is not within {LEAST:g} to {MOST:g}")
     top = stack.top.thickness
-    sliding = Sliding(HalfPlane(stack.top.material), np.array(friction), np.array(conducts))
+    sliding = Sliding(stack.media[0].halfplane, np.array(friction), np.array(conducts))
     system = System(kernel(stack, 2 * most * top), sliding, smooth, degree, accuracy)
     count = nodes or 10 + int(np.ceil(_PER_DECADE * np.log10(most / least)))
     return Table(system, least * top, most * top, count)

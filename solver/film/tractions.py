@@ -14,6 +14,7 @@ from solver.film.basis import Basis
 from solver.film.contact import FilmContact
 from solver.film.system import System
 from solver.film.table import BATCH, Table
+from solver.film.transforms import Transforms
 
 _MOST = 1 << 20  # entries of a block of exponentials: bounded memory
 
@@ -77,15 +78,26 @@ class Tractions:
 
     def in_fourier_space(self, k: Array) -> ComplexArray:
         """(i sigma_xy, sigma_yy, D_y, B_y) at the surface at wavenumbers k [1/m]; (member, k, 4, column)."""
-        h = self.half_lengths
-        samples = self.basis.terms + 20 + int(np.max(k, initial=0.0) * self.longest / 2)
-        fine = replace(self.basis, samples=samples)
-        (S, rule), (X, charge_rule) = fine.pressure_rule, fine.charge_rule
-        found = [_transformed(h, k, S, rule @ self.pressures)]
-        both = np.concatenate([charge_rule @ self.charges[:, f] for f in (0, 1)], -1)
-        t = self._vector(found[0], np.split(_transformed(h, k, X, both), 2, -1))
+        h, columns = self.half_lengths, self.pressures.shape[-1]
+        both = np.concatenate([self.charges[:, 0], self.charges[:, 1]], -1)
+        sums: ComplexArray = np.empty((h.size, k.size, 3 * columns), np.complex128)
+        step = max(_MOST // (2 * self.basis.terms * h.size), 1)
+        for start in range(0, k.size, step):
+            part = sums[:, start : start + step]
+            phase = h[:, None] * k[start : start + step]
+            for terms, out, transforms in (
+                (self.pressures, part[..., :columns], self._transforms.pressed),
+                (both, part[..., columns:], self._transforms.charged),
+            ):
+                out[...] = transforms(phase, terms)
+        normal, *fields = np.split(sums, 3, -1)
+        t = self._vector(normal, fields)
         t[0] = 1j * t[0]
         return np.asarray(h[:, None, None, None] * np.stack(t, 2), dtype=np.complex128)
+
+    @cached_property
+    def _transforms(self) -> Transforms:
+        return Transforms(self.basis)
 
     @cached_property
     def totals(self) -> ComplexArray:
@@ -125,16 +137,6 @@ class Tractions:
 def _flat(terms: Array) -> Array:
     """(member, term, column) as (term, members and columns)."""
     return np.moveaxis(terms, 1, 0).reshape(terms.shape[1], -1)
-
-
-def _transformed(half_lengths: Array, k: Array, nodes: Array, sources: Array) -> ComplexArray:
-    """Sums of exp(-i k h node) times sources (member, node, column); (member, k, column)."""
-    out: ComplexArray = np.empty((half_lengths.size, k.size, sources.shape[-1]), np.complex128)
-    for start in range(0, k.size, step := max(_MOST // (nodes.size * half_lengths.size), 1)):
-        some = slice(start, start + step)
-        phase = (half_lengths[:, None] * k[some])[..., None] * nodes
-        out[:, some].real, out[:, some].imag = np.cos(phase) @ sources, -np.sin(phase) @ sources
-    return out
 
 
 @dataclass(frozen=True, eq=False)

@@ -140,6 +140,18 @@ def _inferred(dataset: xr.Dataset, factor: str, levels: Array, chebyshev: bool) 
     )
 
 
+def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Sequence[Input] | None) -> bool:
+    """Whether the levels of all factors are Chebyshev-Gauss levels: of their inputs or, without, of any range."""
+    try:
+        levels = [_levels(dataset, factor) for factor in factors]
+        if inputs is None:
+            inputs = [_inferred(dataset, name, some, True) for name, some in zip(factors, levels, strict=True)]
+        check_levels(inputs, levels, True)
+    except ValueError:
+        return False
+    return True
+
+
 def check_levels(inputs: Sequence[Input], levels: Sequence[Array], chebyshev: bool) -> None:
     """Raise ValueError, naming input and level, unless ascending levels suit their inputs."""
     for one, values in zip(inputs, levels, strict=True):

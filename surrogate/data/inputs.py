@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from surrogate.data.arrays import Array
 
@@ -52,6 +53,11 @@ class Input:
             raise ValueError(f"input {self.name!r}: low {self.low} must be less than high {self.high}")
         if self.scale == "log" and self.low <= 0:
             raise ValueError(f"input {self.name!r}: a log scale needs low > 0, got {self.low}")
+
+    @property
+    def attrs(self) -> dict[str, str]:
+        """`units` and `long_name`, where it has them, for a labelled coordinate."""
+        return {key: text for key, text in (("units", self.units), ("long_name", self.long_name)) if text}
 
     def to_unit(self, value: ArrayLike) -> Array:
         """Map physical values to the scaled coordinate, -1 at `low` and 1 at `high`; any shape."""
@@ -123,5 +129,20 @@ def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear
 
 
 def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
-    """Map physical points to scaled coordinates: (n, d) -> (d, n), one contiguous row per input."""
-    return np.stack([one.to_unit(X[:, k]) for k, one in enumerate(inputs)]) if len(inputs) else np.empty((0, len(X)))
+    """Map physical points to scaled coordinates, as `Input.to_unit`: (n, d) -> (d, n), one contiguous row per input."""
+    low, width, logs = _scales(tuple(inputs))
+    t = np.subtract(X.T, low, order="C")
+    if logs.size:
+        t[logs] = np.log(X.T[logs] / low[logs])
+    t *= 2
+    t /= width
+    t -= 1
+    return t
+
+
+@cache
+def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, NDArray[np.intp]]:
+    """Low ends and widths on the inputs' own scales, (d, 1) each, and which inputs are logarithmic."""
+    low = np.array([[one.low] for one in inputs]).reshape(-1, 1)
+    width = [np.log(one.high / one.low) if one.scale == "log" else one.high - one.low for one in inputs]
+    return low, np.reshape(width, (-1, 1)), np.flatnonzero([one.scale == "log" for one in inputs])

@@ -3,6 +3,8 @@
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cache
+from math import prod
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
@@ -14,6 +16,8 @@ from surrogate.data.inputs import Input
 
 # Room for rounding at the ends of the box, as a share of its width on the input's own scale.
 SLACK = 1e-12
+# Most points that inputs may span when they are crossed: beyond, they were hardly meant to be.
+MOST = 10**7
 
 
 @runtime_checkable
@@ -46,13 +50,21 @@ class Points:
     shape : tuple of int
         Its shape; the product is n.
     coords : mapping
-        Coordinates that the labelled inputs brought along.
+        Every input with its units over the dimensions that it was given on, and labels that these brought along.
     """
 
     X: Array
     dims: tuple[Hashable, ...]
     shape: tuple[int, ...]
-    coords: Mapping[Hashable, Any]
+    coords: Mapping[Hashable, xr.Variable]
+
+    def dataset(self, values: Mapping[str, tuple[NDArray[Any], Mapping[str, str]]]) -> xr.Dataset:
+        """Label one value per point of every name, with its attributes: (n,) each -> the shape of the broadcast."""
+        # variables spare xarray the merging of the same coordinates once an output
+        found = {
+            name: xr.Variable(self.dims, array.reshape(self.shape), attrs) for name, (array, attrs) in values.items()
+        }
+        return xr.Dataset(found, self.coords)
 
     def labelled(self, values: NDArray[Any], attrs: Mapping[str, str]) -> xr.DataArray:
         """Label one value per point: shape (n,) -> the shape of the broadcast."""
@@ -69,46 +81,52 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
     Parameters
     ----------
     points : mapping, Dataset, DataFrame or array
-        One entry per input: a scalar, a 1-d array (dimension `point`), or a DataArray of any dimensions. A DataFrame
-        has a column an input, in any order; an array is (n, d), columns in the order of the inputs.
+        One entry per input: a scalar, a DataArray of any dimensions, or a plain sequence, which becomes a dimension
+        named after its input, so that sequences span the full factorial, as for `solver.solve`. A DataFrame has a
+        column an input, in any order; an array is (n, d), columns in the order of the inputs: points along `point`.
     inputs : sequence of Input
         What the model needs.
 
     Raises
     ------
     ValueError
-        A missing or unknown name, arrays of another shape, unequal length or coordinates, values that are not finite
-        numbers.
+        A missing or unknown name, arrays of another shape, dimensions or coordinates that do not fit, dimensions
+        that cross to more than 1e7 points, values that are not finite numbers.
     """
+    names = [one.name for one in inputs]
     if not isinstance(points, (Mapping, xr.Dataset)):
-        points = _by_name(points, [one.name for one in inputs])
-    _check_names(points, [one.name for one in inputs])
-    arrays = [_as_array(one.name, points[one.name]) for one in inputs]
-    lengths = {one.name: a.sizes["point"] for one, a in zip(inputs, arrays, strict=True) if "point" in a.dims}
-    if len(set(lengths.values())) > 1:
-        raise ValueError(
-            f"inputs differ in length: {', '.join(f'{name} has {size}' for name, size in lengths.items())}"
-        )
+        points = _by_name(points, names)
+    _check_names(points, names)
+    arrays = {name: _as_array(name, points[name], names) for name in names}
     try:
-        aligned = xr.broadcast(*xr.align(*arrays, join="exact", copy=False))
+        xr.align(*(array for array in arrays.values() if array.dims), join="exact", copy=False)
     except ValueError as error:
         reason = " ".join(str(error).split())
         raise ValueError(f"the coordinates of the inputs do not agree: {reason}") from error
-    X = np.stack([np.asarray(a.values, dtype=np.float64).ravel() for a in aligned], axis=1)
-    for k, one in enumerate(inputs):
-        bad = ~np.isfinite(X[:, k])
+    sizes = {dim: size for array in arrays.values() for dim, size in array.sizes.items()}
+    shape = tuple(sizes.values())
+    if len(shape) > 1 and prod(shape) > MOST:
+        raise ValueError(
+            f"the inputs span {prod(shape)} points, more than {MOST}; sequences are crossed: for a list of points give "
+            "a table, or DataArrays that share a dimension"
+        )
+    X = np.empty((*shape, len(names)))
+    for k, (name, array) in enumerate(arrays.items()):
+        X[..., k] = _broadcast(array, sizes)
+        bad = ~np.isfinite(array.values)
         if bad.any():
+            where = int(np.count_nonzero(~np.isfinite(X[..., k])))
             raise ValueError(
-                f"input {one.name!r} is {X[bad, k][0]} at {bad.sum()} of {len(X)} points; give finite values"
+                f"input {name!r} is {array.values[bad][0]} at {where} of {prod(shape)} points; give finite values"
             )
-    return Points(X, aligned[0].dims, aligned[0].shape, dict(aligned[0].coords))
+    coords = {label: coord.variable for array in arrays.values() for label, coord in array.coords.items()}
+    coords |= {one.name: xr.Variable(arrays[one.name].dims, arrays[one.name].values, one.attrs) for one in inputs}
+    return Points(X.reshape(-1, len(names)), tuple(sizes), shape, coords)
 
 
 def outside(X: Array, inputs: Sequence[Input]) -> Flags:
     """Return, for points (n, d), which entries lie outside the box (NaN counts as outside), shape (n, d)."""
-    margins = [_margin(one) for one in inputs]
-    low = np.array([lower for lower, _ in margins])
-    high = np.array([upper for _, upper in margins])
+    low, high = _margins(tuple(inputs))
     return np.asarray(~((low <= X) & (high >= X)))
 
 
@@ -120,6 +138,13 @@ def require_inside(X: Array, inputs: Sequence[Input]) -> None:
         one, count = inputs[column], int(wrong.any(axis=1).sum())
         others = f" ({count} of {len(X)} points are outside)" if len(X) > 1 else ""
         raise OutOfBoxError(f"{one.name} = {X[row, column]:.10g} is outside the trained box {one.range_text()}{others}")
+
+
+@cache
+def _margins(inputs: tuple[Input, ...]) -> tuple[Array, Array]:
+    """The ends of the box with some room for rounding, (d,) each."""
+    low, high = zip(*map(_margin, inputs), strict=True)
+    return np.array(low), np.array(high)
 
 
 def _margin(one: Input) -> tuple[float, float]:
@@ -135,7 +160,7 @@ def _by_name(points: Table | ArrayLike, names: Sequence[str]) -> dict[Any, Any]:
     if isinstance(points, Table):
         if len(set(points.columns)) < len(points.columns):
             raise ValueError("the table of points has a column twice")
-        return {name: np.asarray(points[name]) for name in points.columns}
+        return {name: _along(np.asarray(points[name])) for name in points.columns}
     array = None if isinstance(points, (str, bytes, xr.DataArray)) else _plain(points)
     if array is None or array.ndim != 2 or array.shape[1] != len(names) or array.dtype.kind not in "iuf":
         got = type(points).__name__ if array is None else f"{array.dtype} values of shape {array.shape}"
@@ -143,7 +168,11 @@ def _by_name(points: Table | ArrayLike, names: Sequence[str]) -> dict[Any, Any]:
             f"points must be named, or an array of numbers of shape (n, {len(names)}) with the columns "
             f"{', '.join(names)}; got {got}"
         )
-    return dict(zip(names, array.T, strict=True))
+    return {name: _along(column) for name, column in zip(names, array.T, strict=True)}
+
+
+def _along(column: NDArray[Any]) -> xr.DataArray:
+    return xr.DataArray(column, dims="point")
 
 
 def _plain(points: ArrayLike) -> NDArray[Any] | None:
@@ -165,14 +194,25 @@ def _check_names(points: Mapping[Any, Any] | xr.Dataset, names: Sequence[str]) -
             raise ValueError(f"input {name!r} is missing; the inputs are {', '.join(names)}")
 
 
-def _as_array(name: str, value: object) -> xr.DataArray:
+def _broadcast(array: xr.DataArray, sizes: Mapping[Hashable, int]) -> Array:
+    """The values with one axis for each dimension, of length one where they do not vary."""
+    present = [dim for dim in sizes if dim in array.dims]
+    return array.transpose(*present).values.reshape([array.sizes.get(dim, 1) for dim in sizes])
+
+
+def _as_array(name: str, value: object, names: Sequence[str]) -> xr.DataArray:
     if isinstance(value, xr.DataArray):
         array = value.reset_coords(drop=True)
     else:
         plain = np.asarray(value)
         if plain.ndim > 1:
             raise ValueError(f"input {name!r} is an array of {plain.ndim} dimensions; label it (xarray.DataArray)")
-        array = xr.DataArray(plain, dims=("point",) * plain.ndim)
+        array = xr.DataArray(plain, dims=(name,) * plain.ndim)
     if array.dtype.kind not in "iuf":
         raise ValueError(f"input {name!r} must be numbers, got {array.dtype} values")
-    return array.astype(np.float64)
+    for dim in array.dims:
+        if dim in names and array.dims != (name,):
+            raise ValueError(
+                f"input {name!r} has a dimension of an input's name, {dim!r}; only {dim!r} itself may, alone"
+            )
+    return array if array.dtype == np.float64 else array.astype(np.float64)

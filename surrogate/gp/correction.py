@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import solve_triangular
 
 from surrogate.data.arrays import Array
 from surrogate.gp.factors import Features, chebyshev, chebyshev_slopes
@@ -26,10 +26,13 @@ Indices = NDArray[np.intp]
 DEAREST = 1.5
 # Degrees are taken up to this cost together; where the cases do not allow this one, no correction is worth its terms.
 COST, LEAST_COST = 4.6, 1.5
-# Held-out cases that a term needs, and the most terms: memory and time stay bounded.
-CASES_A_TERM, MOST_TERMS = 7, 600
+# Held-out cases that a term needs. The most terms and cases of a regression bound its memory and time; what it leaves
+# of further cases is evaluated in blocks.
+CASES_A_TERM, MOST_TERMS, MOST_CASES, BLOCK = 7, 600, 20_000, 2048
 # Directions of the regression that are this small beside the largest are dropped.
 TOLERANCE = 1e-9
+# What a group alone tells is as good as unknown without it.
+UNKNOWN = 1e-3
 # Where ordinary least squares leave more than this share of the median error, they spread the errors of a small part
 # of the box over all of it. There a case weighs as a power of its scale: 1 would raise the largest errors by 40 %.
 LEAST_GAIN = 0.5
@@ -160,10 +163,13 @@ def degrees(rho: Sequence[float], cases: int) -> Indices | None:
     return np.array([index for _, index in found], dtype=np.intp)
 
 
-def correct(errors: Array, t: Array, levels: tuple[int, ...], rho: Sequence[float]) -> tuple[Correction | None, Array]:
+def correct(
+    errors: Array, t: Array, levels: tuple[int, ...], rho: Sequence[float], groups: Indices
+) -> tuple[Correction | None, Array]:
     """Learn the correction of a mean from held-out cases.
 
-    Ordinary least squares, and for outputs whose errors they spread about, weighted ones.
+    Ordinary least squares, and for outputs whose errors they spread about, weighted ones. An output whose errors do not
+    become smaller keeps its mean.
 
     Parameters
     ----------
@@ -175,45 +181,71 @@ def correct(errors: Array, t: Array, levels: tuple[int, ...], rho: Sequence[floa
         Number of levels of every factor.
     rho : sequence of float
         Decay of every factor's kernel.
+    groups : ndarray of int, shape (n,)
+        Number of the group of every case; the cases of one share some coordinates.
 
     Returns
     -------
     correction : Correction or None
         None where there are too few cases for one.
     left : ndarray, shape (p, n)
-        What a correction from all other cases leaves of the error of each.
+        What a correction from all other groups leaves of the error of each case.
     """
     indices = degrees(rho, errors.shape[1])
     if indices is None:
         return None, errors
+    made, left = _fitted(errors[:, :MOST_CASES], t[:, :MOST_CASES], levels, indices, groups[:MOST_CASES])
+    rest = [
+        errors[:, start : start + BLOCK] - made.values(t[:, start : start + BLOCK])
+        for start in range(MOST_CASES, errors.shape[1], BLOCK)
+    ]
+    return made, np.concatenate([left, *rest], axis=1)
+
+
+def _fitted(
+    errors: Array, t: Array, levels: tuple[int, ...], indices: Indices, groups: Indices
+) -> tuple[Correction, Array]:
+    """The correction and what it leaves of every group left out."""
     empty = Correction(levels, indices, np.empty((len(t), len(indices), 0)))
     T = empty._polynomials(t)
     features = (empty._nodal(T)[:, None] * _products(indices, T)).reshape(-1, t.shape[1])
     basis, values, back = np.linalg.svd(features.T, full_matrices=False)
     kept = values > TOLERANCE * values[0]
     basis, back = basis[:, kept], (back[kept] / values[kept, None]).T
-    coefficients, leverage = errors @ basis, np.einsum("nk,nk->n", basis, basis)
-    left = _left_out(errors - coefficients @ basis.T, leverage)
+    coefficients = errors @ basis
+    left = _left_out(errors - coefficients @ basis.T, basis, groups)
     stays = np.median(np.abs(left), axis=1) > LEAST_GAIN * np.median(np.abs(errors), axis=1)
     for p in np.flatnonzero(stays):
-        coefficients[p], left[p] = _weighted(basis, errors[p], _rough_scale(left[p], t))
+        coefficients[p], left[p] = _weighted(basis, errors[p], _rough_scale(left[p], t), groups)
+    worse = (left**2).sum(axis=1) >= (errors**2).sum(axis=1)
+    coefficients[worse], left[worse] = 0.0, errors[worse]
     whole = (back @ coefficients.T).reshape(*empty.coefficients.shape[:2], len(errors))
     return replace(empty, coefficients=whole), left
 
 
-def _weighted(basis: Array, error: Array, scale: Array) -> tuple[Array, Array]:
-    """Coefficients in an orthonormal basis, (n, k), and leave-one-out residuals, (n,), with errors of a known scale."""
+def _weighted(basis: Array, error: Array, scale: Array, groups: Indices) -> tuple[Array, Array]:
+    """Coefficients in an orthonormal basis, (n, k), and what they leave of every group left out, (n,)."""
     root = scale**-WEIGHT_POWER
-    rows = basis * root[:, None]
-    factor = cho_factor(rows.T @ rows)
-    coefficients = cho_solve(factor, rows.T @ (error * root))
-    leverage = np.einsum("nk,kn->n", rows, cho_solve(factor, rows.T))
-    return coefficients, _left_out(error - basis @ coefficients, leverage)
+    orthonormal, triangle = np.linalg.qr(basis * root[:, None])
+    own = orthonormal.T @ (error * root)
+    left = _left_out((error * root - orthonormal @ own)[None], orthonormal, groups)[0]
+    return solve_triangular(triangle, own), left / root
 
 
-def _left_out(residuals: Array, leverage: Array) -> Array:
-    """What a fit to all other cases leaves of each (D. M. Allen, Technometrics 16 (1974) 125)."""
-    return np.asarray(residuals / np.maximum(1 - leverage, TOLERANCE))
+def _left_out(residuals: Array, basis: Array, groups: Indices) -> Array:
+    """What a fit to all other groups leaves of each: residuals (p, n) of least squares in an orthonormal basis (n, k).
+
+    Residuals over 1 - leverage (D. M. Allen, Technometrics 16 (1974) 125); of a group of several cases, with its block
+    of the projection in place of the leverage.
+    """
+    left = residuals / np.maximum(1 - np.einsum("nk,nk->n", basis, basis), TOLERANCE)
+    order = np.argsort(groups, kind="stable")
+    for cases in np.split(order, np.flatnonzero(np.diff(groups[order])) + 1):
+        if len(cases) > 1:
+            rows = basis[cases]
+            values, vectors = np.linalg.eigh(np.eye(len(cases)) - rows @ rows.T)
+            left[:, cases] = residuals[:, cases] @ (vectors / np.maximum(values, UNKNOWN)) @ vectors.T
+    return np.asarray(left)
 
 
 def _rough_scale(left: Array, t: Array) -> Array:

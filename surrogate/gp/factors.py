@@ -12,12 +12,15 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
+from scipy.special import eval_chebyt
 
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import gauss_points
 
 # Mean features drop contributions of the kernel's tail below rounding.
 NEGLIGIBLE = 1e-17
+# Below so many points one compiled recurrence a polynomial beats a step in Python for all points.
+FEW = 32
 
 
 @dataclass(frozen=True)
@@ -128,6 +131,8 @@ class ChebyshevFactor(Factor):
             self._unknown[0] = decay[n]
         significant = np.flatnonzero(self._damping > NEGLIGIBLE)
         self._first_damped = int(significant[0]) if significant.size else n
+        # one product gives the prior and what it must be multiplied by T_n^2 to give the residual
+        self._shares = np.stack([decay, np.append(self._unknown, np.zeros(len(decay) - n))])
 
     def inverse(self) -> tuple[Array, Array]:
         """Return K^-1 basis and the diagonal of K^-1; the basis diagonalises K."""
@@ -138,10 +143,10 @@ class ChebyshevFactor(Factor):
         """Return T_m damped by its alias, K(x, x) and what the levels leave unknown."""
         T = chebyshev(t, len(self._decay))
         squares = T * T
-        residual = self._unknown @ squares[: self._n]
+        prior, residual = self._shares @ squares
         if not self.affine:
             residual *= squares[self._n]
-        return Features(self._mean(T, modes), self._decay @ squares, residual)
+        return Features(self._mean(T, modes), prior, residual)
 
     def slopes(self, t: Array, modes: int) -> Features:
         """Return those of T_m damped by its alias; kernel and unknown part are sums of products T(x) T(y)."""
@@ -167,10 +172,11 @@ class ChebyshevFactor(Factor):
         }
 
     def _mean(self, T: Array, modes: int) -> Array:
-        rows = self._damped(modes)
+        first, n = self._first_damped, self._n
+        if first >= modes:
+            return T[:modes]
         mean = T[:modes].copy()
-        if rows.size:
-            mean[rows] -= (2 * self._damping[rows, None] * T[self._n]) * T[self._n - rows]
+        mean[first:] -= (2 * self._damping[first:modes, None] * T[n]) * T[n - first : n - modes : -1]
         return mean
 
     def _damped(self, modes: int) -> NDArray[np.intp]:
@@ -266,6 +272,8 @@ def polynomial_basis(t: Array) -> Array:
 
 def chebyshev(t: Array, count: int) -> Array:
     """T_0 .. T_{count-1} at t by their recurrence, shape (count, B); valid outside [-1, 1] too."""
+    if len(t) < FEW:
+        return np.asarray(eval_chebyt(np.arange(count)[:, None], t))
     T = np.empty((count, len(t)))
     T[0] = 1
     if count > 1:

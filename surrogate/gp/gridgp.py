@@ -6,6 +6,7 @@ from typing import Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from surrogate.data.arrays import Array
 from surrogate.data.factorial import Factorial, check_levels, complete_factorial
@@ -18,6 +19,8 @@ from surrogate.gp.tensortrain import TensorTrain, compress
 
 Kernel = Literal["chebyshev", "rbf", "matern32", "matern52"]
 KERNELS: tuple[str, ...] = get_args(Kernel)
+# As good as the end of a decay: an affine factor has no parameter to tell it.
+AFFINE_DECAY = 1e-3
 
 
 class GridGP(GaussianProcess):
@@ -78,7 +81,7 @@ class GridGP(GaussianProcess):
         self.compression = compression
         self.nugget = nugget
 
-    def fit(self, X: xr.Dataset, y: None = None) -> Self:
+    def fit(self, X: xr.Dataset) -> Self:
         """Fit to a complete factorial.
 
         Parameters
@@ -86,8 +89,6 @@ class GridGP(GaussianProcess):
         X : Dataset
             Dimensions are the factors with their levels as coordinates; variables are the outputs, which may lack
             factors that they do not depend on.
-        y : None
-            Ignored; scikit-learn's convention.
 
         Raises
         ------
@@ -262,11 +263,12 @@ class GridGP(GaussianProcess):
         plain.correction_ = None
         return plain
 
-    def _corrected(self, errors: Array, t: Array) -> Array:
+    def _corrected(self, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
         if self.kernel != "chebyshev":
             return errors
-        counts, decays = tuple(map(len, self.levels_)), [factor.parameter for factor in self.factors_]
-        self.correction_, left = correct(errors, t, counts, decays)
+        counts = tuple(map(len, self.levels_))
+        decays = [AFFINE_DECAY if factor.affine else factor.parameter for factor in self.factors_]
+        self.correction_, left = correct(errors, t, counts, decays, groups)
         return left
 
     def _slope_variances(self, t: Array, weights: Array) -> Array:

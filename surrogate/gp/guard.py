@@ -17,7 +17,7 @@ SLABS = 10
 # Cases below which the own quantile of a slab or a corner says too little, and the shares of them that hold beyond: a
 # corner has few, and needs room for their error.
 SLAB_CASES, CORNER_CASES = 20, 8
-SLAB_LEVEL, CORNER_LEVEL = 0.95, 0.97
+SLAB_LEVEL, CORNER_LEVEL = 0.95, 0.98
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
-"""The face that all surrogates share: named, labelled inputs and outputs over scikit-learn's estimator conventions."""
+"""The face that all surrogates share: named, labelled inputs and outputs."""
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from typing import Any, ClassVar, Literal, Self, overload
@@ -8,23 +8,24 @@ from typing import Any, ClassVar, Literal, Self, overload
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from sklearn.base import BaseEstimator, RegressorMixin
-from sklearn.utils.validation import check_is_fitted
+from sklearn.exceptions import NotFittedError
 
 from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.points import Points, Queries, named_points, outside, require_inside
-from surrogate.gp.conformal import MINIMUM, Calibration, calibrate
-from surrogate.gp.distribution import NOMINAL, Distribution, Normal, central
+from surrogate.gp.conformal import MINIMUM, Calibration, calibrate, sharing
+from surrogate.gp.distribution import NOMINAL
+from surrogate.gp.predictive import Predictive
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048
 
 
-class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]  # scikit-learn is untyped
+class GaussianProcess(Predictive):
     """Base of the surrogates: several outputs over named inputs, each a distribution at every point.
 
-    Subclasses fit on a data set and answer at scaled coordinates; this class checks, labels and scales.
+    Subclasses fit on a data set and answer at scaled coordinates; this class checks, labels and scales. They are no
+    estimators of scikit-learn, which take plain arrays: `surrogate.FactorialRegressor` is one, over them.
 
     Attributes
     ----------
@@ -48,8 +49,8 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
     made_from_: str = ""
 
     @abstractmethod
-    def fit(self, X: xr.Dataset, y: None = None) -> Self:
-        """Fit to a data set that holds inputs and outputs; `y` is there for scikit-learn's convention only."""
+    def fit(self, X: xr.Dataset) -> Self:
+        """Fit to a data set that holds inputs and outputs."""
 
     @abstractmethod
     def _mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
@@ -87,7 +88,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
     @property
     def box(self) -> Mapping[str, Input]:
         """The trained box: name -> Input, in order."""
-        check_is_fitted(self, "inputs_")
+        self._require_fitted()
         return {one.name: one for one in self.inputs_}
 
     def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
@@ -96,8 +97,9 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
         Parameters
         ----------
         points : mapping, Dataset, DataFrame or array
-            One entry per input, in physical units: a scalar, a 1-d array (dimension `point`), or a DataArray of any
-            dimensions; they broadcast by name. A DataFrame has a column an input; an array is (n, d) in their order.
+            One entry per input, in physical units: a scalar, a DataArray of any dimensions, or a plain sequence, which
+            becomes a dimension named after its input; dimensions broadcast, so sequences span the full factorial. A
+            DataFrame has a column an input, an array is (n, d) in their order: points along dimension `point`.
         return_std : bool
             Add `<output>_std`, the standard deviation: half of the central 68 % of the predictive distribution. The
             95 % interval is not 1.96 of it to either side, since the distribution is not Gaussian: see `interval`.
@@ -107,148 +109,30 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
         Returns
         -------
         Dataset
-            `<output>` and `<output>_std` over the broadcast dimensions, with the units of the training data.
+            `<output>` and `<output>_std` over the broadcast dimensions, with the units of the training data, and every
+            input as a coordinate.
 
         Raises
         ------
         OutOfBoxError
             A point outside the trained box, unless `extrapolate`.
         ValueError
-            Missing or unknown inputs, NaN, lengths, shapes or coordinates that do not agree.
+            Missing or unknown inputs, NaN, shapes, dimensions or coordinates that do not fit or span over 1e7 points.
         """
-        check_is_fitted(self, "inputs_")
+        self._require_fitted()
         named = named_points(points, self.inputs_)
         outer = self._checked(named, extrapolate)
         mean, std = self._blocks(named.X, return_std)
-        answer: dict[str, xr.DataArray] = {}
+        answer: dict[str, tuple[NDArray[Any], dict[str, str]]] = {}
         for k, name in enumerate(self.outputs_):
             attrs = self.attrs_[name]
-            answer[name] = named.labelled(mean[k], attrs)
+            answer[name] = mean[k], attrs
             if std is not None:
                 long_name = f"standard deviation of {attrs.get('long_name', name)}"
-                answer[f"{name}_std"] = named.labelled(std[k], {**attrs, "long_name": long_name})
+                answer[f"{name}_std"] = std[k], {**attrs, "long_name": long_name}
         if outer is not None:
-            answer["extrapolated"] = named.labelled(outer, {"long_name": "outside the trained box"})
-        return xr.Dataset(answer)
-
-    @property
-    def distribution(self) -> Distribution:
-        """Distribution of (truth - mean) / std: what the calibration cases say, a normal one without them."""
-        return Normal() if self.calibration_ is None else self.calibration_.distribution
-
-    def interval(self, points: Queries, level: float = NOMINAL, *, extrapolate: bool = False) -> xr.Dataset:
-        """Return the ends of the interval that holds the true value of an output in a share `level` of the cases.
-
-        As many true values lie above it as below. Before `calibrate` it is the process's own interval, which may not
-        hold.
-
-        Parameters
-        ----------
-        points, extrapolate
-            As for `predict`.
-        level : float
-            Share, 0 < level < 1; n calibration cases tell levels up to 1 - 2/(n + 1), and up to 0.999.
-
-        Returns
-        -------
-        Dataset
-            `<output>_lower` and `<output>_upper` over the broadcast dimensions.
-
-        Raises
-        ------
-        OutOfBoxError, ValueError
-            As for `predict`; a level that the calibration cases do not tell.
-
-        Examples
-        --------
-        >>> import numpy as np, xarray as xr
-        >>> from surrogate import GridGP, Input
-        >>> x, y = Input("x", 0, 1), Input("y", 0, 1)
-        >>> def truth(x, y):
-        ...     return np.exp(x * y) / (1 + x)
-        >>> grid = xr.Dataset(coords={"x": x.levels(6), "y": y.levels(4)})
-        >>> model = GridGP(inputs=[x, y]).fit(grid.assign(f=truth(grid.x, grid.y)))
-        >>> rng = np.random.default_rng(0)
-        >>> cases = xr.Dataset({name: ("case", rng.uniform(size=500)) for name in "xy"})
-        >>> found = model.calibrate(cases.assign(f=truth(cases.x, cases.y))).interval({"x": 0.3, "y": 0.8}, level=0.9)
-        >>> bool(found["f_lower"] <= truth(0.3, 0.8) <= found["f_upper"])
-        True
-        """
-        self.check_level(level)
-        ends = self._quantiles(points, central(level), extrapolate)
-        answer: dict[str, xr.DataArray] = {}
-        for name in self.outputs_:
-            for k, end in enumerate(("lower", "upper")):
-                one = ends[name].isel(quantile=k, drop=True)
-                whole = f"{end} end of the {100 * level:g} % interval of {one.attrs.get('long_name', name)}"
-                answer[f"{name}_{end}"] = one.assign_attrs(long_name=whole)
-        flags = {"extrapolated": ends["extrapolated"]} if extrapolate else {}
-        return xr.Dataset(answer | flags)
-
-    def quantile(self, points: Queries, q: float | Sequence[float], *, extrapolate: bool = False) -> xr.Dataset:
-        """Return the values that the true output stays below with probability q.
-
-        Parameters
-        ----------
-        points, extrapolate
-            As for `predict`.
-        q : float or sequence of float
-            Probabilities, as far out as `interval` has levels.
-
-        Returns
-        -------
-        Dataset
-            `<output>` over the broadcast dimensions; with a sequence, over `quantile` before them.
-
-        Raises
-        ------
-        OutOfBoxError, ValueError
-            As for `predict`; a probability that the calibration cases do not tell.
-        """
-        asked = np.atleast_1d(np.asarray(q, dtype=np.float64))
-        if asked.ndim != 1:
-            raise ValueError(f"q must be a number or a sequence of numbers, got an array of {asked.ndim} dimensions")
-        most = (1 + self.distribution.highest_level()) / 2
-        for one in asked[~((1 - most <= asked) & (asked <= most))]:
-            raise ValueError(f"q {one:g} is not between {1 - most:.4g} and {most:.10g}{self._told()}")
-        found = self._quantiles(points, asked, extrapolate)
-        return found if np.ndim(q) else found.isel(quantile=0)
-
-    def sample(self, points: Queries, n: int, seed: int, *, extrapolate: bool = False) -> xr.Dataset:
-        """Draw from the predictive distributions, independently for every point and output.
-
-        Parameters
-        ----------
-        points, extrapolate
-            As for `predict`.
-        n : int
-            Draws, >= 1.
-        seed : int
-            The same seed gives the same draws.
-
-        Returns
-        -------
-        Dataset
-            `<output>` over `sample`, then the broadcast dimensions.
-
-        Raises
-        ------
-        OutOfBoxError, ValueError
-            As for `predict`; n below one.
-        """
-        if n < 1:
-            raise ValueError(f"n {n} must be at least 1")
-        found = self.predict(points, extrapolate=extrapolate)
-        random = np.random.default_rng(seed)
-        answer: dict[str, xr.DataArray] = {}
-        for k, name in enumerate(self.outputs_):
-            mean, std = found[name], found[f"{name}_std"]
-            share = random.uniform(np.finfo(float).tiny, 1, (n, *mean.shape))
-            away = self.distribution.quantile(share)
-            drawn = mean.values + std.values * away[..., k if away.shape[-1] > 1 else 0]
-            answer[name] = xr.DataArray(drawn, coords=mean.coords, dims=("sample", *mean.dims), attrs=mean.attrs)
-        flags = {"extrapolated": found["extrapolated"]} if extrapolate else {}
-        return xr.Dataset(answer | flags)
+            answer["extrapolated"] = outer, {"long_name": "outside the trained box"}
+        return named.dataset(answer)
 
     @overload
     def predict_array(
@@ -275,18 +159,6 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
         mean, std = self._blocks(points, return_std)
         return (mean.T, std.T) if std is not None else mean.T
 
-    def interval_array(
-        self, X: NDArray[np.floating[Any]], level: float = NOMINAL, *, extrapolate: bool = False
-    ) -> tuple[Array, Array]:
-        """Return the lower and upper ends of `interval` at plain points: X (n, d) -> two of (n, n_outputs).
-
-        Raises as `predict_array`, and ValueError for a level that the calibration cases do not tell.
-        """
-        self.check_level(level)
-        mean, std = self.predict_array(X, return_std=True, extrapolate=extrapolate)
-        lower, upper = self.distribution.ends(level)
-        return mean + lower * std, mean + upper * std
-
     def gradient(
         self, points: Queries, return_std: bool = False, *, level: float = NOMINAL, extrapolate: bool = False
     ) -> xr.Dataset:
@@ -298,7 +170,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
         `<output>_upper`, the ends of the interval at `level`. They rest on the process's own variance of its
         derivatives, stretched as `calibrate` stretches that of its values, and on the distribution of the values.
         """
-        check_is_fitted(self, "inputs_")
+        self._require_fitted()
         self.check_level(level)
         named = named_points(points, self.inputs_)
         outer = self._checked(named, extrapolate)
@@ -321,12 +193,10 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
                 attrs = self.attrs_[name]
                 derivative = {"long_name": f"{what} of {attrs.get('long_name', name)} with respect to the input"}
                 derivative |= {"units": f"({attrs['units']}) / input_units"} if "units" in attrs else {}
-                each = [named.labelled(values[i, k], derivative) for i in range(len(self.inputs_))]
-                joined = xr.concat(each, "input", coords="minimal", compat="override")
-                answer[f"{name}{suffix}"] = joined.assign_coords(coords)
-        if outer is not None:
-            answer["extrapolated"] = named.labelled(outer, {"long_name": "outside the trained box"})
-        return xr.Dataset(answer)
+                each = values[:, k].reshape(-1, *named.shape)
+                answer[f"{name}{suffix}"] = xr.Variable(("input", *named.dims), each, derivative)
+        flags = {} if outer is None else {"extrapolated": (outer, {"long_name": "outside the trained box"})}
+        return named.dataset(flags).assign_coords(coords).assign(answer)
 
     def gradient_array(self, X: NDArray[np.floating[Any]]) -> Array:
         """Return the derivatives of the means at plain points, in physical units: X (n, d) -> (n, n_outputs, d).
@@ -362,7 +232,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
 
         Raises ValueError for an input or output that it lacks.
         """
-        check_is_fitted(self, "inputs_")
+        self._require_fitted()
         for name in [one.name for one in self.inputs_] + list(self.outputs_):
             if name not in dataset.variables:
                 raise ValueError(f"{name!r} is not in the data set; it has {', '.join(map(str, dataset.variables))}")
@@ -405,7 +275,8 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
         parts = [
             np.concatenate([self._variance(t[:, block], weights) for block in blocks], axis=1) for weights in single
         ]
-        self.calibration_ = calibrate(self._corrected(true - mean, t), parts, t)
+        groups = sharing(t)
+        self.calibration_ = calibrate(self._corrected(true - mean, t, groups), parts, t, groups)
         return self
 
     def uncalibrated(self) -> Self:
@@ -414,32 +285,9 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
         plain.calibration_ = None
         return plain
 
-    def _corrected(self, errors: Array, t: Array) -> Array:
-        """Learn from errors, true minus predicted (p, n), to correct the mean; return what is left of each left out."""
+    def _corrected(self, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
+        """Learn to correct the mean from errors, true minus predicted (p, n); return what is left of each left out."""
         return errors
-
-    def check_level(self, level: float) -> None:
-        """Raise ValueError, with what is allowed, for a level of intervals that the calibration cases do not tell."""
-        most = self.distribution.highest_level()
-        if not 0 < level <= most:
-            raise ValueError(f"level {level:g} is not between 0 and {most:.10g}{self._told()}")
-
-    def _told(self) -> str:
-        """Who sets the bounds of levels, for messages."""
-        if self.calibration_ is None:
-            return ""
-        return f", all that {self.calibration_.distribution.cases} calibration cases tell"
-
-    def _quantiles(self, points: Queries, q: Array, extrapolate: bool) -> xr.Dataset:
-        found = self.predict(points, extrapolate=extrapolate)
-        away = self.distribution.quantile(q)
-        along = xr.DataArray(q, dims="quantile", attrs={"long_name": "probability of no more"})
-        answer: dict[str, xr.DataArray] = {}
-        for k, name in enumerate(self.outputs_):
-            own = along.copy(data=away[:, k if away.shape[1] > 1 else 0]).assign_coords(quantile=along)
-            answer[name] = (own * found[f"{name}_std"] + found[name]).assign_attrs(found[name].attrs)
-        flags = {"extrapolated": found["extrapolated"]} if extrapolate else {}
-        return xr.Dataset(answer | flags)
 
     def _physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
         """Turn derivatives in scaled coordinates into those in physical inputs, at points (n, d): (d, p, n)."""
@@ -455,6 +303,10 @@ class GaussianProcess(RegressorMixin, BaseEstimator, ABC):  # type: ignore[misc]
 
     def _weights(self) -> Array:
         return np.ones((self.parts, len(self.outputs_))) if self.calibration_ is None else self.calibration_.weights
+
+    def _require_fitted(self) -> None:
+        if not hasattr(self, "inputs_"):
+            raise NotFittedError(f"this {type(self).__name__} is not fitted yet; call fit first")
 
     def _checked(self, named: Points, extrapolate: bool) -> Flags | None:
         if not extrapolate:

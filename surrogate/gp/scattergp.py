@@ -69,15 +69,13 @@ class ScatterGP(GaussianProcess):
         self.restarts = restarts
         self.random_state = random_state
 
-    def fit(self, X: xr.Dataset, y: None = None) -> Self:
+    def fit(self, X: xr.Dataset) -> Self:
         """Fit to scattered cases.
 
         Parameters
         ----------
         X : Dataset
             One dimension (such as `case`); inputs and outputs are variables over it.
-        y : None
-            Ignored; scikit-learn's convention.
 
         Raises
         ------

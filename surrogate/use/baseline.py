@@ -48,20 +48,21 @@ def chebyshev_interpolation(
     t = [one.to_unit(named.X[:, k]) for k, one in enumerate(data.inputs)]
     answer = {}
     for name, values in data.outputs.items():
-        found = _evaluate(_coefficients(values), t)
+        found = _evaluate(coefficients(values), t)
         answer[name] = named.labelled(found, data.attrs[name])
     return xr.Dataset(answer)
 
 
-def _coefficients(values: Array) -> Array:
-    coefficients: Any = values
+def coefficients(values: Array) -> Array:
+    """Return the Chebyshev coefficients of the polynomial through values on ascending Chebyshev levels, any dims."""
+    found: Any = values
     for axis, size in enumerate(values.shape):
         # the transform counts points from the right end, levels ascend
-        coefficients = dct(np.flip(coefficients, axis), type=2, axis=axis) / size
+        found = dct(np.flip(found, axis), type=2, axis=axis) / size
         first: list[Any] = [slice(None)] * values.ndim
         first[axis] = 0
-        coefficients[tuple(first)] /= 2
-    return np.asarray(coefficients)
+        found[tuple(first)] /= 2
+    return np.asarray(found)
 
 
 def _evaluate(coefficients: Array, t: Sequence[Array]) -> Array:

@@ -8,18 +8,19 @@ import numpy as np
 import pytest
 
 import solver
-from verification import GROUPS, Findings, Sizes, finite_elements, integral_equations, limits
+from verification import GROUPS, Findings, Sizes, film_cases, film_elements, finite_elements, integral_equations, limits
 from verification.cases import SIH_SONG, constants
 from verification.findings import check
 from verification.oracles.surface_response import surface_response
 from workflow.study.model import CHECK_GROUPS
 
 SMALL = Sizes(cases=4, elements=24, timed=0)
+SMALLEST = Sizes(elements=12, timed=0)
 
 
 @cache
 def findings(group: str) -> Findings:
-    return GROUPS[group](SMALL)
+    return GROUPS[group](SMALLEST if group == "film_elements" else SMALL)
 
 
 def test_the_study_knows_the_groups() -> None:
@@ -40,6 +41,14 @@ def test_finite_elements_converge() -> None:
         assert all(fine < coarse for coarse, fine in zip(curve.error, curve.error[1:], strict=False)), curve.label
 
 
+def test_finite_elements_of_films_converge() -> None:
+    assert {curve.figure for curve in findings("film_elements").curves} == {"film_elements"}
+    film = film_cases.Solved(film_cases.CASES["composite on a rigid base, charged"])
+    coarse, fine = (film_elements.Compared(film, order) for order in (4, 6))
+    for what in ("load", "edges", "interface"):
+        assert fine.error(what) < coarse.error(what) / 4, what
+
+
 def test_collocation_of_the_circle_converges_geometrically_to_the_closed_form() -> None:
     (curve,) = [one for one in findings("integral_equations").curves if one.figure == "collocation_circle"]
     assert all(fine < coarse / 10 for coarse, fine in zip(curve.error, curve.error[1:], strict=False))
@@ -51,6 +60,9 @@ def test_a_wrong_coupling_turns_the_checks_red(monkeypatch: pytest.MonkeyPatch) 
     assert integral_equations.error("cylinder", (1, 2), 8, other) > 1e-5
     monkeypatch.setattr(finite_elements, "constants", lambda material: m | {"e15": 1.2 * m["e15"]})
     assert max(finite_elements.Loaded(12).errors().values()) > 1e-2
+    film = film_cases.Solved(film_cases.CASES["BaTiO3 on a rigid base"])
+    monkeypatch.setattr(film_elements, "constants", lambda material: constants(material) | {"e33": 18.8})
+    assert film_elements.Compared(film, 4).error("response") > 5e-3
     monkeypatch.setattr(limits, "STEEL", (200e9, 0.31))
     monkeypatch.setattr(solver.Material, "isotropic", lambda *_: solver.find("steel"))
     assert limits.hertz() > 1e-3

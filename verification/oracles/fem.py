@@ -31,13 +31,13 @@ FIELDS = (
     "magnetic_induction_y",
 )
 FAR = 1e6  # distance of the clamped ellipse
-_UNITS = np.array([1.0, 1.0, 1e10, 1e8])  # m, m, V, A
-_STIFFNESS = 1e11
-# G = _ALONG u,x + _DOWN u,y with u = (u_x, u_y, phi, psi): equations (2)
-_ALONG = np.zeros((7, 4))
-_ALONG[[0, 2, 3, 5], [0, 1, 2, 3]] = 1.0
-_DOWN = np.zeros((7, 4))
-_DOWN[[2, 1, 4, 6], [0, 1, 2, 3]] = 1.0
+UNITS = np.array([1.0, 1.0, 1e10, 1e8])  # m, m, V, A
+STIFFNESS = 1e11
+# G = ALONG u,x + DOWN u,y with u = (u_x, u_y, phi, psi): equations (2)
+ALONG = np.zeros((7, 4))
+ALONG[[0, 2, 3, 5], [0, 1, 2, 3]] = 1.0
+DOWN = np.zeros((7, 4))
+DOWN[[2, 1, 4, 6], [0, 1, 2, 3]] = 1.0
 _ELEMENTS = {1: ElementTriP1, 2: ElementTriP2, 4: ElementTriP4}
 _GAUSS = np.polynomial.legendre.leggauss(16)
 
@@ -113,8 +113,8 @@ class Body:
         def product(i: int, j: int) -> Any:  # scikit-fem has no types
             return BilinearForm(lambda u, v, w: v.grad[i] * u.grad[j]).assemble(self.basis)[self._free][:, self._free]
 
-        M, sides = constitutive_matrix(self.material), (_ALONG, _DOWN)
-        scale = _UNITS[:, None] * _UNITS / _STIFFNESS
+        M, sides = constitutive_matrix(self.material), (ALONG, DOWN)
+        scale = UNITS[:, None] * UNITS / STIFFNESS
         parts: list[Any] = [
             kron(scale * (one.T @ M @ two), product(i, j), format="csc")
             for i, one in enumerate(sides)
@@ -129,8 +129,8 @@ class Body:
 
     def solve(self, load: Array) -> Array:
         """u = (u_x, u_y, phi, psi) under nodal loads; both (4, degrees of freedom, ...), SI units."""
-        units = _UNITS.reshape(4, *(1,) * (load.ndim - 1))
-        scaled = (units * load / _STIFFNESS)[:, self._free]
+        units = UNITS.reshape(4, *(1,) * (load.ndim - 1))
+        scaled = (units * load / STIFFNESS)[:, self._free]
         out = np.zeros_like(load)
         out[:, self._free] = units * self._factors.solve(scaled.reshape(-1, *load.shape[2:])).reshape(scaled.shape)
         return out
@@ -143,7 +143,7 @@ class Body:
         for k in range(self.basis.Nbfun):
             shape = self.basis.elem.gbasis(self.basis.mapping, local, k, tind=cells)[0].grad[:, :, 0]
             gradient += shape[:, None, :] * u[:, self.basis.element_dofs[k, cells]]
-        G = (_ALONG @ gradient[0] + _DOWN @ gradient[1]) / length
+        G = (ALONG @ gradient[0] + DOWN @ gradient[1]) / length
         return dict(zip(FIELDS, constitutive_matrix(self.material) @ G, strict=True))
 
 

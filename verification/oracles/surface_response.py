@@ -79,9 +79,10 @@ def _angular_integrals(Q: Array, R: Array, T: Array) -> tuple[Array, Array]:
     return -S @ compliance, compliance
 
 
-def reduced(surface: SurfaceResponse, friction: float) -> tuple[float, float]:
-    """lam and alpha of a punch that conducts both fields."""
-    inverse_n = np.linalg.inv(surface.normal_compliance / (s := np.outer([1, 1e10, 1e8], [1, 1e10, 1e8])))
+def reduced(surface: SurfaceResponse, friction: float, conducted: tuple[int, ...] = (1, 2)) -> tuple[float, float]:
+    """lam and alpha of a punch that conducts some fields, 1 the electric and 2 the magnetic one."""
+    kept, scale = [0, *conducted], np.array([1, 1e10, 1e8])
+    inverse_n = np.linalg.inv((surface.normal_compliance / np.outer(scale, scale))[np.ix_(kept, kept)])
     lam = 1 / inverse_n[0, 0]
-    kap = lam * inverse_n[0] @ (surface.shear_coupling / s[0])
+    kap = lam * inverse_n[0] @ (surface.shear_coupling / scale)[kept]
     return lam, float(np.arctan2(1.0, -friction * kap / lam)) / np.pi

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from solver import solve
-from solver.names import FACTORS, TABLED
+from solver.names import ALL_QUANTITIES, FACTORS, TABLED
 from surrogate import Input, chebyshev_levels
 from workflow.study import categories
 from workflow.study.model import Study
@@ -86,9 +86,9 @@ def exact(
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
     With the largest stresses of the body where ``peaks``, by default where the data set has them; with the regular
-    parts of the surface fields where ``regular``.
+    parts of the surface fields where ``regular``. Without what is no number in some cases, which no file would hold.
     """
-    return solve(
+    solved = solve(
         {**study.fixed, **axes, **{name: names for name, names in study.categories.items() if name not in axes}},
         positions,
         materials=study.own_materials,
@@ -96,3 +96,4 @@ def exact(
         peaks=study.dataset.peaks if peaks is None else peaks,
         regular=regular,
     )
+    return solved.drop_vars([name for name, one in ALL_QUANTITIES.items() if one.sparse and name in solved])

@@ -12,6 +12,7 @@ from storage.described import described
 _LOCAL = ("map_x", "map_y", "slice", "step", "front", "choice", "position", "x", "y")  # what only pictures need
 
 SOURCE = "meecontact: search on a Gaussian process, polished and judged on the closed-form solution"
+SOURCE_OF_FILMS = "meecontact: search on a Gaussian process, judged on the exact solver of films"
 _MEANINGS = {
     "target": "name of a design target",
     "factor": "name of a factor",
@@ -53,7 +54,7 @@ def together(answers: list[xr.Dataset]) -> xr.Dataset:
         for answer in answers
     ]
     whole = xr.concat(kept, dim="target", join="outer", data_vars="all", fill_value=_missing(kept))
-    return described(whole, "designs", SOURCE, _MEANINGS)
+    return described(whole, "designs", str(answers[0].attrs["source"]), _MEANINGS)
 
 
 def kinds(answer: xr.Dataset) -> list[tuple[str, str, str]]:

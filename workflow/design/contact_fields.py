@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from solver import FactorError, MaterialError, solve_interior
+from solver import MaterialError, solve_interior
 from workflow.dataset import factorial
 from workflow.study.model import Study
 from workflow.study.sections import Positions
@@ -23,8 +23,7 @@ def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
     -------
     xarray.Dataset
         ``field_<name>`` over ``position`` for the names of ``SURFACE`` that the case has, ``inside_<name>`` over ``y``,
-        ``x`` for the in-plane and, where the material has c12, von Mises stress; none where the solver gives no
-        fields inside a film.
+        ``x`` for the in-plane and, where the material has c12, von Mises stress.
     """
     factors = {**study.fixed, **case}
     surface = factorial.exact(study, dict(case), _POSITIONS.values(), peaks=False)
@@ -37,9 +36,5 @@ def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
         inside = below(["stress_xx", "von_mises"])
     except MaterialError:  # no c12: no stress out of the plane
         inside = below(["stress_xx"])
-    except FactorError:
-        if not study.on_film:
-            raise
-        inside = xr.Dataset()
     parts |= {f"inside_{name}": array.reset_coords(drop=True) for name, array in inside.data_vars.items()}
     return xr.Dataset(parts)

@@ -13,7 +13,7 @@ from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem, maximise
 from surrogate.search.pareto import Front
 from workflow.design import assessment, contact_fields, front, landscape, polish
-from workflow.design.answers import SOURCE
+from workflow.design.answers import SOURCE, SOURCE_OF_FILMS
 from workflow.design.candidate import Candidate
 from workflow.design.designs import Designs
 from workflow.design.question import Question, ask
@@ -73,7 +73,7 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> x
         "objective": str(target.objectives[0]),
         "statistic": str(target.statistic),
         "polish": best.polish,
-        "source": SOURCE,
+        "source": SOURCE_OF_FILMS if study.on_film else SOURCE,
     }
     return out.assign_coords(target=name)
 

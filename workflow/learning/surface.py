@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 NAMES = ("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx")
 ANGLE = Input("angle", 0.0, np.pi, "linear", "rad", "angle of the position under the punch, X = -cos(angle)")
 _BLOCK = 100  # random cases that are solved at once
+# cases for calibration at most: every one takes as many positions as its block has cases
+_CALIBRATION = 3000
 
 
 def weights(X: Array, exponent: xr.DataArray) -> dict[str, xr.DataArray]:
@@ -45,7 +47,7 @@ def fit(study: Study) -> GridGP:
     data = _regular(study, dict(factorial.levels(study)), angles)
     inputs, allowed = [*factorial.inputs(study), ANGLE], training.compression(study)
     model = GridGP(study.surrogate.kernel, inputs, NAMES, compression=allowed).fit(data)
-    return model.calibrate(cases(study, study.validation.calibration, 4))
+    return model.calibrate(cases(study, min(study.validation.calibration, _CALIBRATION), 4))
 
 
 def cases(study: Study, count: int, number: int) -> xr.Dataset:
@@ -104,7 +106,7 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
     position = np.asarray(X, dtype=np.float64)
     weight = weights(position, quantities.predict(points, return_std=False)["pressure_exponent"])
     angle = xr.DataArray(np.arccos(-position), dims="position", coords={"position": position})
-    at = {**_named(points), "angle": angle}
+    at = {**points, "angle": angle}
     found = fields.predict(at).assign(fields.interval(at).data_vars)
     return xr.Dataset(
         {
@@ -113,12 +115,6 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
             for suffix in ("", "_std", "_lower", "_upper")
         }
     )
-
-
-def _named(points: dict[str, Any]) -> dict[str, xr.DataArray]:
-    """Plain sequences get the dimension that the surrogate would give them, so that they broadcast with positions."""
-    arrays = {name: np.asarray(value) for name, value in points.items() if not isinstance(value, xr.DataArray)}
-    return {**points, **{name: xr.DataArray(one, dims=("point",) * one.ndim) for name, one in arrays.items()}}
 
 
 def _regular(study: Study, axes: dict[str, Any], angles: Array) -> xr.Dataset:

@@ -13,6 +13,7 @@ from markupsafe import Markup
 from solver.names import ALL_QUANTITIES, CHOICES, FACTORS, TABLED
 from storage.netcdf import read_whole
 from surrogate import load
+from workflow.dataset import factorial
 from workflow.dataset.slabs import CARD
 from workflow.design import answers, assessment
 from workflow.language import titles
@@ -94,6 +95,7 @@ def page(
         "hanging": hangs,
         "datum": length(study),
         "on_film": study.on_film,
+        "together": factorial.TOGETHER,
         "tabled": [name for name in study.factors if name in TABLED],
         "film_beside": study.effects.film if study.effects else {},
         "costly": study.costly.issuperset(study.quantities),

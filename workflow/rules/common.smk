@@ -68,8 +68,8 @@ def designs_of(wildcards):
 def effects_of(study):
     if not study.effects:
         return []
-    shown = [[f"effect_{name}", *([f"interior_{name}"] if name in study.inside else [])] for name in study.effects.vary]
-    return [field for fields in shown for field in fields]
+    fields = ["effect", "interior"] if study.effects.interior else ["effect"]
+    return [f"{field}_{name}" for name in study.effects.vary for field in fields]
 
 
 def levels_of(wildcards):

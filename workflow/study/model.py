@@ -4,14 +4,14 @@ import hashlib
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import prod
 from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
-from solver import FactorError, Material, solve, solve_interior
+from solver import Material, solve
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, FILM_PEAKS, PEAKS, TABLED
 from workflow.study.categories import Kinds, combinations, output
 from workflow.study.location import location
@@ -36,39 +36,24 @@ from workflow.study.types import CategoryName, FactorName, InputName, Number, St
 _LABEL = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 _SMOOTH = {"profile": "cylinder", "electric": "conducting", "magnetic": "conducting"}
 #: Groups of checks in verification/, in the order of the page.
-CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "digits")
+CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "films", "film_elements", "digits")
 #: Those with convergence curves.
-CONVERGING = ("integral_equations", "finite_elements")
+CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements")
 #: Sections that decide what a case is and what the solver answers.
 PHYSICS = ("phases", "materials", "fixed", "factors", "categories")
-
-
-@dataclass(frozen=True)
-class Known:
-    """What only the solver knows of a study.
-
-    Attributes
-    ----------
-    absent
-        Names of the quantities that some cases lack.
-    inside
-        Factors whose effect it can show inside the body.
-    """
-
-    absent: frozenset[str] = frozenset()
-    inside: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
 class Origin:
     """What a study has beside the content of its file: where that is, and the study's own materials by name.
 
-    What the solver knew of it when it was checked before, too: of a film it costs seconds to ask.
+    Of one that was checked before, also the names of the quantities that some cases lack: of films it costs seconds to
+    ask the solver.
     """
 
     path: Path
     materials: dict[str, Material]
-    known: Known | None = None
+    absent: frozenset[str] | None = None
 
 
 class Study(Strict):
@@ -94,7 +79,7 @@ class Study(Strict):
     verification: Verification | None = Field(None, description="checks of the solver against independent methods")
 
     _origin: Origin = PrivateAttr()
-    _known: Known = PrivateAttr()
+    _absent: frozenset[str] = PrivateAttr()
 
     @property
     def path(self) -> Path:
@@ -126,11 +111,6 @@ class Study(Strict):
         return frozenset(ALL_QUANTITIES if self.on_film and not self.factors.keys().isdisjoint(TABLED) else ALL_PEAKS)
 
     @property
-    def inside(self) -> list[str]:
-        """Factors whose effect is shown inside the body."""
-        return [name for name in (self.effects.vary if self.effects else ()) if name in self._known.inside]
-
-    @property
     def cases(self) -> int:
         """Number of cases of the factorial; 0 while some of its levels are open."""
         levels = prod(axis.levels or 0 for axis in self.factors.values()) if self.factors else 0
@@ -154,19 +134,13 @@ class Study(Strict):
     @property
     def quantities(self) -> list[str]:
         """Quantities of the data set: those that its cases have, the peaks where they are asked for."""
-        without = self._known.absent | (set() if self.dataset.peaks else set(ALL_PEAKS))
-        return [name for name in ALL_QUANTITIES if name not in without]
+        without = self._absent | (set() if self.dataset.peaks else set(ALL_PEAKS))
+        return [name for name, one in ALL_QUANTITIES.items() if name not in without and not one.sparse]
 
     @property
     def outputs(self) -> list[str]:
-        """Quantities that the surrogate learns; unless the study names them, all but what designs take from others.
-
-        What some case has no number for is not learned either.
-        """
-        learnable = [
-            name for name in self.quantities if not (ALL_QUANTITIES[name].sparse or ALL_QUANTITIES[name].formula)
-        ]
-        return self.surrogate.outputs or learnable
+        """Quantities that the surrogate learns; unless the study names them, all but what designs take from others."""
+        return self.surrogate.outputs or [name for name in self.quantities if not ALL_QUANTITIES[name].formula]
 
     @property
     def learned(self) -> list[str]:
@@ -204,11 +178,15 @@ class Study(Strict):
             if not _LABEL.fullmatch(label):  # names files
                 part = "design" if label in self.design else "readout"
                 raise ValueError(f"{part}: {label!r} must be letters, digits and underscores, at most 60 of ASCII")
-        self._known = self._origin.known or Known(self._absent(), self._inside())
+        if self._origin.absent is None:
+            self._absent = self._lacked()
+            self._solve_effects()
+        else:
+            self._absent = self._origin.absent
         self._check_quantities()
         return self
 
-    def _absent(self) -> frozenset[str]:
+    def _lacked(self) -> frozenset[str]:
         """Names of the quantities that some cases lack, once the solver has answered at every corner of the box."""
         if not self.factors:
             return frozenset()
@@ -220,26 +198,11 @@ class Study(Strict):
             peaks -= {name for name in peaks if name.startswith("base_")}
         return frozenset(set(ALL_QUANTITIES) - set(found.data_vars) - peaks)
 
-    def _inside(self) -> frozenset[str]:
-        """Factors whose effect the solver shows inside the body, once it has answered every effect."""
-        if self.effects is None:
-            return frozenset()
-        for factor in self.effects.vary:
-            solve(self.effects.case(factor), materials=self.own_materials, phases=self.phases)
-        return frozenset(factor for factor in self.effects.vary if self._answers_inside(factor, self.effects))
-
-    def _answers_inside(self, factor: str, effects: Effects) -> bool:
-        """Whether the solver answers at the deepest point, which it need not in a film."""
-        case = effects.case(factor)
-        if effects.interior is None or "thickness" not in case:
-            return effects.interior is not None
-        depth = effects.interior.grid()[1][-1:]
-        try:
-            solve_interior(case, [0.0], depth, fields=effects.interior.fields,
-                           materials=self.own_materials, phases=self.phases)  # fmt: skip
-        except FactorError:
-            return False
-        return True
+    def _solve_effects(self) -> None:
+        """Whether the solver answers every effect."""
+        if self.effects is not None:
+            for factor in self.effects.vary:
+                solve(self.effects.case(factor), materials=self.own_materials, phases=self.phases)
 
     def _check_size(self) -> None:
         """Whether what the study asks for can be computed and stored at all."""
@@ -263,7 +226,7 @@ class Study(Strict):
     def _check_quantities(self) -> None:
         """Whether the data set holds what the surrogate and the designs ask for."""
         for name in self.surrogate.outputs:
-            if name in self._known.absent or ALL_QUANTITIES[name].sparse:
+            if name in self._absent or ALL_QUANTITIES[name].sparse:
                 raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
             if name in ALL_PEAKS and not self.dataset.peaks:
                 raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
@@ -308,7 +271,7 @@ class Study(Strict):
                 raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
         for name in target.names():
             if name in ALL_QUANTITIES and name not in self.outputs:
-                searched = name in ALL_PEAKS and name not in self._known.absent and not self.dataset.peaks
+                searched = name in ALL_PEAKS and name not in self._absent and not self.dataset.peaks
                 needs = "needs dataset: peaks: true" if searched else ""
                 raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
 
@@ -348,7 +311,7 @@ class Study(Strict):
             "path": str(self.path),
             "study": self.model_dump(mode="json"),
             "materials": self._plain_materials(),
-            "known": {name: sorted(names) for name, names in asdict(self._known).items()},
+            "absent": sorted(self._absent),
         }
 
     def _plain_materials(self) -> dict[str, dict[str, Any]]:
@@ -385,8 +348,7 @@ def load(path: str | Path) -> Study:
 def thawed(frozen: Mapping[str, Any]) -> Study:
     """The study as it was when it was `frozen`; no file is read."""
     materials = {name: Material.from_mapping(entries) for name, entries in frozen["materials"].items()}
-    known = Known(**{name: frozenset(names) for name, names in frozen["known"].items()})
-    return _made(frozen["study"], Origin(Path(frozen["path"]), materials, known))
+    return _made(frozen["study"], Origin(Path(frozen["path"]), materials, frozenset(frozen["absent"])))
 
 
 def _made(content: dict[str, Any], origin: Origin) -> Study:

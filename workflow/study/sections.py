@@ -177,6 +177,12 @@ class Verification(Strict):
     """Checks of the solver against independent methods; they need requirements/dev.txt."""
 
     cases: int = Field(24, ge=1, le=1000, description="random cases evaluated in 50 digits")
-    elements: int = Field(24, ge=12, le=96, multiple_of=12, description="finest mesh: finite elements under the punch")
+    elements: int = Field(
+        24,
+        ge=12,
+        le=96,
+        multiple_of=12,
+        description="finest mesh: finite elements under the punch; a sixth and two more: order of those of films",
+    )
     timed: int = Field(4096, ge=100, le=1_000_000, description="cases of the closed form that are timed at once")
     seed: int = Field(1, ge=0, description="seed of the random cases")

@@ -202,7 +202,7 @@ REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
     "two bases": (FILM | {"base_modulus": 1e11, "base_poisson": 0.3}, "base_modulus: 1e+11 beside a base"),
     "half an isotropic base": (FILM | {"base": "", "base_modulus": 1e11}, "base_poisson: missing; must be"),
     "incompressible base": (FILM | {"base": "", "base_modulus": 1e9, "base_poisson": 0.5}, "base_poisson: 0.5 is not"),
-    "speed": (FILM | {"speed": 0.5}, "speed: 0.5 on a film; must be 0"),
+    "speed": (FILM | {"speed": 5e3}, "speed: 5000 m/s is not below the first critical speed of the film, 2758.22 m/s"),
     "bonded to rigid": (FILM | {"interface_electric": "bonded"}, "interface_electric: 'bonded' is not allowed"),
     "insulated on steel": (FILM | {"base": "steel", "interface_magnetic": "insulated"}, "'insulated' is allowed"),
     "unknown interface": (FILM | {"interface_magnetic": "open"}, "interface_magnetic: 'open' is not one of grounded"),

@@ -9,6 +9,7 @@ from numpy.polynomial.chebyshev import chebval, chebval2d
 
 from surrogate import GridGP, load, save
 from surrogate.gp import correction
+from surrogate.gp.conformal import sharing
 from surrogate.gp.correction import Correction, correct, degrees
 from surrogate.use.validation import validate
 from tests.surrogate import functions
@@ -59,7 +60,7 @@ def test_an_error_of_its_own_kind_is_found_and_evaluated() -> None:
         tensor = np.zeros((*(own.max(axis=0) + 1), 3))
         tensor[tuple(own.T)] = coefficients[f]
         error += chebval(t[f], np.eye(n + 1)[n]) * chebval2d(t[0], t[1], tensor)
-    made, left = correct(error, t, levels, rho)
+    made, left = correct(error, t, levels, rho, np.arange(t.shape[1]))
     assert made is not None
     np.testing.assert_allclose(Correction(levels, own, coefficients).values(t), error, rtol=0, atol=1e-12)
     np.testing.assert_allclose(made.values(t), error, rtol=0, atol=1e-10)
@@ -80,7 +81,8 @@ def test_what_is_left_of_a_case_is_what_a_fit_to_the_others_leaves(
     error = (np.sin(9 * t[0]) * np.exp(t[1]))[None]
     monkeypatch.setattr(correction, "LEAST_GAIN", 0.0 if weighted else np.inf)
     monkeypatch.setattr(correction, "_rough_scale", lambda left, t: scale)
-    made, left = correct(error, t, levels, rho)
+    groups = np.concatenate([np.arange(100), np.full(20, 100), np.full(30, 101)])
+    made, left = correct(error, t, levels, rho, groups)
     assert made is not None
     terms = np.stack(
         [
@@ -93,9 +95,41 @@ def test_what_is_left_of_a_case_is_what_a_fit_to_the_others_leaves(
     )
     root = scale**-0.25 if weighted else np.ones(150)
     for case in (0, 17, 149):
-        rest = np.arange(150) != case
+        rest = groups != groups[case]
         fitted = np.linalg.lstsq(terms[rest] * root[rest, None], (error[0] * root)[rest], rcond=1e-12)[0]
         assert left[0, case] == pytest.approx(error[0, case] - terms[case] @ fitted, rel=1e-6)
+
+
+def test_cases_beyond_the_most_are_held_out_from_the_regression(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(2)
+    t = rng.uniform(-1, 1, (2, 500))
+    error = np.stack([np.sin(9 * t[0]) * np.exp(t[1]), np.cos(7 * t[0] * t[1])])
+    indices = degrees((0.2, 0.1), 500)
+    assert indices is not None
+    monkeypatch.setattr(correction, "MOST_CASES", 300)
+    monkeypatch.setattr(correction, "BLOCK", 64)
+    made, left = correct(error, t, (7, 5), (0.2, 0.1), np.arange(500))
+    assert made is not None
+    np.testing.assert_allclose(left[:, 300:], (error - made.values(t))[:, 300:], rtol=0, atol=1e-12)
+    assert left.shape == error.shape
+
+
+def test_an_error_that_no_term_explains_leaves_the_mean_alone() -> None:
+    rng = np.random.default_rng(3)
+    error = rng.standard_normal((2, 400))
+    made, left = correct(error, rng.uniform(-1, 1, (2, 400)), (7, 5), (0.2, 0.1), np.arange(400))
+    assert made is not None
+    assert not made.coefficients.any()
+    np.testing.assert_array_equal(left, error)
+
+
+def test_cases_that_share_inputs_are_one_group() -> None:
+    rng = np.random.default_rng(4)
+    shared, own = np.repeat(rng.uniform(size=(2, 6)), 5, axis=1), rng.uniform(size=(2, 30))
+    groups = sharing(np.concatenate([shared, own]))
+    assert [len(set(part)) for part in np.split(groups, 6)] == [1] * 6
+    assert len(set(groups)) == 6
+    assert len(set(sharing(own))) == 30
 
 
 def test_few_cases_and_other_kernels_leave_the_mean_alone() -> None:

@@ -74,7 +74,7 @@ def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient(ker
     fixed, nugget = {"x": 0.5, "y": 0.4, "z": 0.6}, 1e-4
     model = GridGP(kernel, PLANE, hyperparameters=fixed, compression=0, nugget=nugget).fit(data)
     levels, t = [one.to_unit(data[one.name]) for one in PLANE], unit_points(12)
-    found = model.gradient(dict(zip("xyz", _physical(t).T, strict=True)), return_std=True)
+    found = model.gradient(_physical(t), return_std=True)
     for p, name in enumerate(model.outputs_):
         kernels = [
             dense.chebyshev(n, fixed[one.name], model.amplitude_[f, p])
@@ -153,7 +153,7 @@ def test_gradient_agrees_with_differences_of_the_mean() -> None:
         model = GridGP(kernel, PLANE, nugget=1e-6).fit(data)
         t = 0.9 * unit_points(20)
         X = _physical(t)
-        gradient = model.gradient(dict(zip("xyz", X.T, strict=True)))
+        gradient = model.gradient(X)
         for i, one in enumerate(PLANE):
             step = 1e-4 * np.maximum(np.abs(X[:, i]), 0.1)
             samples = []
@@ -174,7 +174,7 @@ def test_gradient_of_a_polynomial_is_its_derivative() -> None:
     a = xr.DataArray(x.levels(6), dims="x", coords={"x": x.levels(6)})
     b = xr.DataArray(y.levels(7), dims="y", coords={"y": y.levels(7)})
     model = GridGP(inputs=[x, y], hyperparameters={"x": 1e-3, "y": 1e-3}).fit(xr.Dataset({"f": a**3 * np.log(b) ** 2}))
-    at = {"x": np.array([1.3, 4.9]), "y": np.array([0.6, 7.0])}
+    at = {"x": xr.DataArray([1.3, 4.9], dims="point"), "y": xr.DataArray([0.6, 7.0], dims="point")}
     found = model.gradient(at)["f"]
     np.testing.assert_allclose(found.sel(input="x"), 3 * at["x"] ** 2 * np.log(at["y"]) ** 2, rtol=1e-9)
     np.testing.assert_allclose(found.sel(input="y"), at["x"] ** 3 * 2 * np.log(at["y"]) / at["y"], rtol=1e-9)

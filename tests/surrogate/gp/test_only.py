@@ -39,7 +39,7 @@ def model() -> GridGP:
 @pytest.mark.parametrize("outputs", [["root"], ["small", "wave"], ["flat"], ["small", "flat", "root", "rise", "wave"]])
 def test_a_part_answers_as_the_whole(model: GridGP, outputs: list[str]) -> None:
     random = np.random.default_rng(2)
-    points = {one.name: one.from_unit(random.uniform(-1, 1, 500)) for one in BOX}
+    points = {one.name: xr.DataArray(one.from_unit(random.uniform(-1, 1, 500)), dims="case") for one in BOX}
     part = model.only(outputs)
     found, whole = part.predict(points), model.predict(points)
     assert list(found.data_vars) == [one for name in outputs for one in (name, f"{name}_std")]

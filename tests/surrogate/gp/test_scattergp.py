@@ -84,7 +84,8 @@ def test_prediction_is_that_of_a_dense_process(kernel: KernelName) -> None:
 @pytest.mark.parametrize("kernel", ["rbf", "matern32", "matern52"])
 def test_gradient_agrees_with_differences(kernel: KernelName) -> None:
     model = ScatterGP(kernel, INPUTS, nugget=1e-4).fit(cases(40))
-    at = {"x": np.linspace(-0.7, 0.8, 6), "y": np.geomspace(2, 60, 6)}
+    columns = {"x": np.linspace(-0.7, 0.8, 6), "y": np.geomspace(2, 60, 6)}
+    at = {name: xr.DataArray(column, dims="point") for name, column in columns.items()}
     gradient = model.gradient(at)
     # the slope of a Matern 3/2 mean has kinks at the cases, so differences agree to the size of the step only
     room = 1e-3 if kernel == "matern32" else 1e-6

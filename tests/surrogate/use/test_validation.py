@@ -68,5 +68,6 @@ def test_the_baseline_is_the_polynomial_through_the_data() -> None:
     grid = np.meshgrid(a, y.to_unit(b), indexing="ij")
     matrix = chebvander2d(grid[0].ravel(), grid[1].ravel(), [5, 4])
     coefficients = np.linalg.solve(matrix, values.ravel()).reshape(6, 5)
-    found = chebyshev_interpolation(data, [x, y], {"x": s, "y": y.from_unit(t)})
+    points = {"x": xr.DataArray(s, dims="point"), "y": xr.DataArray(y.from_unit(t), dims="point")}
+    found = chebyshev_interpolation(data, [x, y], points)
     np.testing.assert_allclose(found["f"], chebval2d(s, t, coefficients), rtol=0, atol=1e-13)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import solver
 import surrogate
@@ -184,7 +185,7 @@ def test_query_prints_and_writes_what_the_surrogate_says(
     assert main.main(["query", str(path), str(table), "-o", str(out)]) == 0
     with out.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    named = {name: np.array([value]) for name, value in point.items()}
+    named = {name: xr.DataArray([value], dims="point") for name, value in point.items()}
     expected = model.predict(named).merge(model.interval(named))
     for name in model.outputs_:
         for key in (name, f"{name}_std", f"{name}_lower", f"{name}_upper"):

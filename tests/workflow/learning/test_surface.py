@@ -71,7 +71,7 @@ def test_intervals_of_the_regular_parts_hold(study: Study, models: tuple[GridGP,
 
 def test_points_and_positions_are_checked(models: tuple[GridGP, GridGP]) -> None:
     point = {"volume_fraction": 0.5, "friction": [0.1, 0.2], "load": 1e4, "charge": 0.0, "radius": 0.05}
-    assert dict(surface.predict(*models, point, np.array([0.0, 0.5])).sizes) == {"point": 2, "position": 2}
+    assert dict(surface.predict(*models, point, np.array([0.0, 0.5])).sizes) == {"friction": 2, "position": 2}
     with pytest.raises(ValueError, match="positions: 1 is not under the punch"):
         surface.predict(*models, point, np.array([0.0, 1.0]))
     with pytest.raises(OutOfBoxError, match="load = 10 is outside"):

@@ -40,6 +40,11 @@ def test_cases_have_the_quantities_of_films(study: Study) -> None:
     # a nominal field bends where the voltage changes sign: designs take it from voltage and thickness
     assert set(study.quantities) - set(study.outputs) == {"nominal_field"}
     assert study.design["thin"].names() == ["voltage_sensitivity", "voltage", "thickness"]
+    searched = study.model_copy(update={"dataset": study.dataset.model_copy(update={"peaks": True})})
+    # no file holds a position where nothing is tensile, and a rigid base has no stresses
+    assert set(searched.quantities) - set(study.quantities) == {
+        "interface_shear", "interface_tension", "film_peak_von_mises", "film_peak_principal_tension"
+    }  # fmt: skip
 
 
 def test_factors_that_need_tables_come_first_and_make_every_quantity_costly(study: Study) -> None:

@@ -18,7 +18,7 @@ def below(figure: Figure, axes: Sequence[Axes], fields: Sequence[xr.DataArray], 
 
     The edges of a conducting punch are singular: the scale leaves out the topmost percent.
     """
-    low, high = np.quantile([field.values for field in fields], [0.005, 0.99])
+    low, high = np.nanquantile([field.values for field in fields], [0.005, 0.99])
     signed = low < -0.02 * high
     bound = float(max(abs(low), abs(high)))
     size, label = field_label(fields[0], bound, where)

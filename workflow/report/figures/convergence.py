@@ -15,6 +15,8 @@ _CONVERGENCE = {
     "collocation_circle": ("collocation, the whole circle", False),
     "fem_fields": ("finite elements, given tractions", True),
     "fem_contact": ("finite elements, unilateral contact", True),
+    "film_resolution": ("load on a film, default resolution", True),
+    "film_elements": ("spectral elements, load on a film", False),
 }
 
 
@@ -37,5 +39,5 @@ def figure(curves: list[dict[str, Any]]) -> Figure:
         ax.set_xlabel(shown[0]["effort"])
         ax.set_title(title)
         ax.legend()
-    axes[0, 0].set_ylabel("error against the closed form")
+    axes[0, 0].set_ylabel("relative error")
     return made

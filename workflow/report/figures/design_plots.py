@@ -124,8 +124,8 @@ def _contact(answer: xr.Dataset) -> Figure:
     """Exact fields of the contact on the surface, and stresses below it."""
     surface = [name for name in SURFACE if f"field_{name}" in answer]
     inside = [name for name in ("von_mises", "stress_xx") if f"inside_{name}" in answer]
-    figure = plt.figure(figsize=(10.4, 5.2 if inside else 2.5))
-    grid = figure.add_gridspec(2 if inside else 1, 12, height_ratios=[1, 1.15] if inside else [1])
+    figure = plt.figure(figsize=(10.4, 5.2))
+    grid = figure.add_gridspec(2, 12, height_ratios=[1, 1.15])
     width = 12 // len(surface)
     X = answer["position"].values
     for k, name in enumerate(surface):

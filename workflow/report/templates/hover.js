@@ -45,7 +45,8 @@
 
   function valueOfMap({ x: across, y: up, map: { x, y, values, label } }, { s, t }) {
     const i = closest(across, x, s), j = closest(up, y, t);
-    return { s, t, lines: [named(label, values[j * x.length + i]), named(across.label, x[i]), named(up.label, y[j])] };
+    const value = values[j * x.length + i]; // null where there is none, as in a rigid base
+    return { s, t, lines: [value === null ? "" : named(label, value), named(across.label, x[i]), named(up.label, y[j])] };
   }
 
   // What is told at a pointer: a point of a curve, or the value of the map below it.

@@ -1,0 +1,74 @@
+"""Composites whose volume fraction is a power of depth: graded films as plain numbers."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.stack import StackError
+from solver.material.composite import fibrous, laminate
+from solver.material.constants import UNITS, Material
+
+#: Composites of two phases by their volume fraction.
+MIXTURES = {"fibrous": fibrous, "laminate": laminate}
+
+#: Constants in the order of ``solver.material.constants.UNITS``; None where unknown: NaN never equals itself.
+Constants = tuple[float | None, ...]
+
+_SMOOTH = 4.0  # from this exponent on three derivatives exist at the surface, whatever it is
+
+
+def material_from(constants: Constants, name: str) -> Material:
+    """The material of constants."""
+    given: dict[str, Any] = {
+        key: np.array(np.nan if value is None else value) for key, value in zip(UNITS, constants, strict=True)
+    }
+    return Material(**given, name=name)
+
+
+def constants_of(material: Material) -> Constants:
+    """The constants of a material without case axes."""
+    values = {key: float(getattr(material, key)) for key in UNITS}
+    return tuple(None if np.isnan(value) else value for value in values.values())
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """Material at depths over thickness: v = surface + (base - surface) depth^exponent.
+
+    Attributes
+    ----------
+    composite
+        ``fibrous`` or ``laminate``.
+    phases
+        Constants of phase one and phase two.
+    surface, base
+        Volume fractions at the surface and at the base, within 0 to 1.
+    exponent
+        A whole number from 1 on, or any from 4 on.
+
+    Raises
+    ------
+    StackError
+        An exponent that the surface's derivatives do not bear.
+    """
+
+    composite: str
+    phases: tuple[Constants, Constants]
+    surface: float
+    base: float
+    exponent: float
+
+    def __post_init__(self) -> None:
+        if not (self.exponent >= _SMOOTH or self.exponent in (1.0, 2.0, 3.0)):
+            raise StackError(
+                f"grading_exponent: {self.exponent:g} is not 1, 2, 3 or >= {_SMOOTH:g} [1]: "
+                "the material would not be a smooth function of depth at the surface"
+            )
+
+    def __call__(self, depth: Array) -> Material:
+        """The composite at depths over thickness, 0 to 1."""
+        fraction = self.surface + (self.base - self.surface) * depth**self.exponent
+        one, two = (material_from(constants, "phase") for constants in self.phases)
+        return MIXTURES[self.composite](one, two, fraction)

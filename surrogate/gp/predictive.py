@@ -1,0 +1,187 @@
+"""Predictive distributions at points: intervals at any level, quantiles and samples, from means and deviations."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from surrogate.data.arrays import Array
+from surrogate.data.points import Queries
+from surrogate.gp.conformal import Calibration
+from surrogate.gp.distribution import NOMINAL, Distribution, Normal, central
+
+
+class Predictive(ABC):
+    """Outputs that are their mean plus their standard deviation times a standardised error of a known distribution."""
+
+    outputs_: tuple[str, ...]
+    calibration_: Calibration | None
+
+    @abstractmethod
+    def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
+        """Return every output, with its standard deviation, at labelled points."""
+
+    @abstractmethod
+    def predict_array(
+        self, X: NDArray[np.floating[Any]], return_std: Literal[True], *, extrapolate: bool = False
+    ) -> tuple[Array, Array]:
+        """Return means and standard deviations at plain points, (n, d) -> two of (n, n_outputs)."""
+
+    @property
+    def distribution(self) -> Distribution:
+        """Distribution of (truth - mean) / std: what the calibration cases say, a normal one without them."""
+        return Normal() if self.calibration_ is None else self.calibration_.distribution
+
+    def interval(self, points: Queries, level: float = NOMINAL, *, extrapolate: bool = False) -> xr.Dataset:
+        """Return the ends of the interval that holds the true value of an output in a share `level` of the cases.
+
+        As many true values lie above it as below. Before `calibrate` it is the process's own interval, which may not
+        hold.
+
+        Parameters
+        ----------
+        points, extrapolate
+            As for `predict`.
+        level : float
+            Share, 0 < level < 1; n calibration cases tell levels up to 1 - 2/(n + 1), and up to 0.999.
+
+        Returns
+        -------
+        Dataset
+            `<output>_lower` and `<output>_upper` over the broadcast dimensions.
+
+        Raises
+        ------
+        OutOfBoxError, ValueError
+            As for `predict`; a level that the calibration cases do not tell.
+
+        Examples
+        --------
+        >>> import numpy as np, xarray as xr
+        >>> from surrogate import GridGP, Input
+        >>> x, y = Input("x", 0, 1), Input("y", 0, 1)
+        >>> def truth(x, y):
+        ...     return np.exp(x * y) / (1 + x)
+        >>> grid = xr.Dataset(coords={"x": x.levels(6), "y": y.levels(4)})
+        >>> model = GridGP(inputs=[x, y]).fit(grid.assign(f=truth(grid.x, grid.y)))
+        >>> rng = np.random.default_rng(0)
+        >>> cases = xr.Dataset({name: ("case", rng.uniform(size=500)) for name in "xy"})
+        >>> found = model.calibrate(cases.assign(f=truth(cases.x, cases.y))).interval({"x": 0.3, "y": 0.8}, level=0.9)
+        >>> bool(found["f_lower"] <= truth(0.3, 0.8) <= found["f_upper"])
+        True
+        """
+        self.check_level(level)
+        ends = self._quantiles(points, central(level), extrapolate)
+        answer: dict[str, xr.Variable] = {}
+        for name in self.outputs_:
+            for k, end in enumerate(("lower", "upper")):
+                one = ends[name].variable.isel(quantile=k)
+                whole = f"{end} end of the {100 * level:g} % interval of {one.attrs.get('long_name', name)}"
+                one.attrs = {**one.attrs, "long_name": whole}
+                answer[f"{name}_{end}"] = one
+        flags = {"extrapolated": ends["extrapolated"].variable} if extrapolate else {}
+        return xr.Dataset(answer | flags, ends.drop_vars("quantile").coords)
+
+    def quantile(self, points: Queries, q: float | Sequence[float], *, extrapolate: bool = False) -> xr.Dataset:
+        """Return the values that the true output stays below with probability q.
+
+        Parameters
+        ----------
+        points, extrapolate
+            As for `predict`.
+        q : float or sequence of float
+            Probabilities, as far out as `interval` has levels.
+
+        Returns
+        -------
+        Dataset
+            `<output>` over the broadcast dimensions; with a sequence, over `quantile` before them.
+
+        Raises
+        ------
+        OutOfBoxError, ValueError
+            As for `predict`; a probability that the calibration cases do not tell.
+        """
+        asked = np.atleast_1d(np.asarray(q, dtype=np.float64))
+        if asked.ndim != 1:
+            raise ValueError(f"q must be a number or a sequence of numbers, got an array of {asked.ndim} dimensions")
+        most = (1 + self.distribution.highest_level()) / 2
+        for one in asked[~((1 - most <= asked) & (asked <= most))]:
+            raise ValueError(f"q {one:g} is not between {1 - most:.4g} and {most:.10g}{self._told()}")
+        found = self._quantiles(points, asked, extrapolate)
+        return found if np.ndim(q) else found.isel(quantile=0)
+
+    def sample(self, points: Queries, n: int, seed: int, *, extrapolate: bool = False) -> xr.Dataset:
+        """Draw from the predictive distributions, independently for every point and output.
+
+        Parameters
+        ----------
+        points, extrapolate
+            As for `predict`.
+        n : int
+            Draws, >= 1.
+        seed : int
+            The same seed gives the same draws.
+
+        Returns
+        -------
+        Dataset
+            `<output>` over `sample`, then the broadcast dimensions.
+
+        Raises
+        ------
+        OutOfBoxError, ValueError
+            As for `predict`; n below one.
+        """
+        if n < 1:
+            raise ValueError(f"n {n} must be at least 1")
+        found = self.predict(points, extrapolate=extrapolate)
+        random = np.random.default_rng(seed)
+        answer: dict[str, xr.DataArray] = {}
+        for k, name in enumerate(self.outputs_):
+            mean, std = found[name], found[f"{name}_std"]
+            share = random.uniform(np.finfo(float).tiny, 1, (n, *mean.shape))
+            away = self.distribution.quantile(share)
+            drawn = mean.values + std.values * away[..., k if away.shape[-1] > 1 else 0]
+            answer[name] = xr.DataArray(drawn, coords=mean.coords, dims=("sample", *mean.dims), attrs=mean.attrs)
+        flags = {"extrapolated": found["extrapolated"]} if extrapolate else {}
+        return xr.Dataset(answer | flags)
+
+    def interval_array(
+        self, X: NDArray[np.floating[Any]], level: float = NOMINAL, *, extrapolate: bool = False
+    ) -> tuple[Array, Array]:
+        """Return the lower and upper ends of `interval` at plain points: X (n, d) -> two of (n, n_outputs).
+
+        Raises as `predict_array`, and ValueError for a level that the calibration cases do not tell.
+        """
+        self.check_level(level)
+        mean, std = self.predict_array(X, return_std=True, extrapolate=extrapolate)
+        lower, upper = self.distribution.ends(level)
+        return mean + lower * std, mean + upper * std
+
+    def check_level(self, level: float) -> None:
+        """Raise ValueError, with what is allowed, for a level of intervals that the calibration cases do not tell."""
+        most = self.distribution.highest_level()
+        if not 0 < level <= most:
+            raise ValueError(f"level {level:g} is not between 0 and {most:.10g}{self._told()}")
+
+    def _told(self) -> str:
+        """Who sets the bounds of levels, for messages."""
+        if self.calibration_ is None:
+            return ""
+        return f", all that {self.calibration_.distribution.cases} calibration cases tell"
+
+    def _quantiles(self, points: Queries, q: Array, extrapolate: bool) -> xr.Dataset:
+        found = self.predict(points, extrapolate=extrapolate)
+        away = self.distribution.quantile(q)
+        along = xr.Variable("quantile", q, {"long_name": "probability of no more"})
+        answer: dict[str, xr.Variable] = {}
+        for k, name in enumerate(self.outputs_):
+            own = xr.Variable("quantile", away[:, k if away.shape[1] > 1 else 0])
+            answer[name] = own * found[f"{name}_std"].variable + found[name].variable
+            answer[name].attrs = found[name].attrs
+        flags = {"extrapolated": found["extrapolated"].variable} if extrapolate else {}
+        return xr.Dataset(answer | flags, {**found.coords, "quantile": along})

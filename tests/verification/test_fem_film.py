@@ -1,0 +1,58 @@
+"""The finite elements of films against published figures, and what they must refuse or tell apart."""
+
+import numpy as np
+import pytest
+
+from verification.oracles.fem_film import ELECTRIC, MAGNETIC, FilmContact, Layer, Punch, under_load
+from verification.oracles.film_mesh import layered_mesh
+from verification.oracles.sample_materials import BARIUM_TITANATE, isotropic
+from verification.oracles.spectral import Body
+
+#: Theory of films, section 9, case 1: half-length, depth, V, K_D.
+FIGURES = (2.103852975e-04, 6.959044108e-07, -5.393112137e02, 6.164540932e-04)
+FILM, PUNCH = Layer(BARIUM_TITANATE, 0.5e-3), Punch(0.05)
+
+
+def test_contact_under_a_load_is_the_published_one() -> None:
+    found = under_load([FILM], None, PUNCH, 1e5, order=6)
+    assert found.load == pytest.approx(1e5, rel=1e-6)
+    numbers = found.half_length, found.depth, found.voltage, found.edge_intensities(ELECTRIC)[0]
+    np.testing.assert_allclose(numbers, FIGURES, rtol=2e-5)
+    np.testing.assert_allclose(found.edge_intensities(ELECTRIC)[1], FIGURES[3], rtol=2e-5)
+    assert abs(found.centre) < 1e-9 * found.half_length
+    p = -found.fields([-0.5, 0.0, 0.5], 0.0)["stress_yy"]
+    np.testing.assert_allclose(p, [2.620449157e08, 3.033895065e08, 2.620449157e08], rtol=1e-4)
+
+
+def test_a_coupling_that_is_one_per_cent_off_is_seen() -> None:
+    other = Layer(BARIUM_TITANATE | {"e33": 1.01 * BARIUM_TITANATE["e33"]}, FILM.thickness)
+    right, wrong = (FilmContact([one], None, PUNCH, FIGURES[0], order=4).voltage for one in (FILM, other))
+    assert right == pytest.approx(FIGURES[2], rel=1e-5)
+    assert abs(wrong / right - 1) > 5e-3
+
+
+def test_steel_on_steel_is_the_half_plane() -> None:
+    """Guler and Erdogan's exponent (theory, section 8), under a film of 0.3 mm of the base's material."""
+    young, poisson, load, friction = 200e9, 0.3, 1e5, 0.5
+    alpha = np.arctan2(1, friction * (1 - 2 * poisson) / (2 * (1 - poisson))) / np.pi
+    width = np.sqrt(4 * (1 - poisson**2) / young * PUNCH.radius * load / (np.pi * alpha * (1 - alpha)))
+    steel = isotropic(young, poisson)
+    found = FilmContact(
+        [Layer(steel, 3e-4, ())], steel, Punch(PUNCH.radius, friction, conducted=()), width / 2, order=5
+    )
+    assert found.load == pytest.approx(load, rel=2e-5)
+    assert found.half_length + found.centre == pytest.approx((1 - alpha) * width, rel=2e-5)
+    assert found.loads[:, 0].sum() == pytest.approx(friction * found.loads[:, 1].sum(), rel=1e-12)
+
+
+def test_charges_are_held() -> None:
+    punch = Punch(0.05, 0.3, 1e-5, 2e-3)
+    found = FilmContact([FILM], None, punch, 2e-4, order=4)
+    np.testing.assert_allclose(-found.loads[:, [ELECTRIC, MAGNETIC]].sum(axis=0), (1e-5, 2e-3), rtol=1e-12)
+
+
+@pytest.mark.parametrize("layer", [0, 1])
+def test_points_outside_of_a_layer_are_refused(layer: int) -> None:
+    body = Body(layered_mesh([1.0, 0.5], rigid=True), [BARIUM_TITANATE] * 2, 2)
+    with pytest.raises(ValueError, match=f"no element of layer {layer}"):
+        body.fluxes(np.zeros((len(body.places), 4)), np.array([[0.0, -1.2 if layer == 0 else -0.5]]), layer)

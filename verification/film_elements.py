@@ -1,0 +1,160 @@
+"""Films against spectral finite elements of the whole coupled contact, which find its edges as well."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from verification.cases import Array, constants
+from verification.film_cases import CASES, FLUXES, INTENSITIES, RESPONSES, Answers, Solved
+from verification.findings import Curve, Findings, Sizes, check, off
+from verification.oracles import fem_film
+from verification.oracles.fem import FIELDS
+from verification.oracles.fem_film import ELECTRIC, MAGNETIC
+
+X, BESIDE = np.array([-0.9, -0.5, 0.0, 0.5, 0.9]), np.array([-1.5, -1.2, 1.2, 1.5])
+WHERE = np.sort(np.concatenate([X, BESIDE, [-1.0, 1.0]]))
+_BY_UNIT = {"stress": FIELDS[:3], "electric displacement": FIELDS[3:5], "magnetic induction": FIELDS[5:]}
+_ENDS = ("trailing", "leading")
+_ABOVE = 1 - 1e-9  # of the depth of an interface: its upper side
+#: What is compared, and the tolerance at order 10.
+COMPARED = {
+    "load": ("load that the half-length needs", 1e-6),
+    "ends": ("a and b over the half-length", 1e-6),
+    "response": ("depth and potentials, each over itself", 5e-6),
+    "edges": ("edge intensities of D_y and B_y, over the larger of each", 1e-5),
+    "surface": ("p, D_y, B_y below the punch, sigma_xx beside it; each over its largest", 1e-5),
+    "inside": ("stress, D, B half way down, above interfaces and in the base; each over its largest", 1e-5),
+    "interface": ("largest shear and tension above the interface, over the shear", 1e-5),
+}
+
+
+def run(sizes: Sizes) -> Findings:
+    """Every case at rising orders."""
+    orders = range(4, 3 + sizes.elements // 6, 2)
+    slack = 10 ** ((10 - orders[-1]) / 2)
+    checks, curves = [], []
+    for name, case in CASES.items():
+        solved = Solved(case)
+        finest = Compared(solved, orders[-1])
+        checks += [
+            check(f"{what}: {name}", text, tolerance * slack, finest.error, what)
+            for what, (text, tolerance) in COMPARED.items()
+        ]
+        errors = [*(Compared(solved, order).load for order in orders[:-1]), finest.load]
+        curves.append(Curve("film_elements", name, "order of the polynomials", list(map(float, orders)), errors))
+    return Findings(
+        "Films by finite elements",
+        "Layers and base in spectral elements that shrink towards both edges, under the conditions of the contact "
+        "itself: displacement and potentials below the punch, Coulomb's law, no singular pressure. They are given the "
+        f"solver's half-length; load, centre and all else must come out. Order {orders[-1]}.",
+        checks,
+        curves,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """A case by both methods."""
+
+    solved: Solved
+    order: int
+
+    def error(self, what: str) -> float:
+        """Largest error of one of ``COMPARED``."""
+        if what == "load":
+            return self.load
+        found, expected = getattr(self, what)
+        return max(_off(found[name], one) for name, one in expected.items())
+
+    @property
+    def load(self) -> float:
+        """Relative error of the load."""
+        return off(self.contact.load, self.solved.case["load"])
+
+    @cached_property
+    def contact(self) -> fem_film.FilmContact:
+        """The finite elements, at the solver's half-length."""
+        one, numbers = self.solved, np.array([ELECTRIC, MAGNETIC])
+        *upper, (material, thickness) = one.layers
+        grounded = numbers[[name == "grounded" for name in one.interface]]
+        layers = [fem_film.Layer(constants(above), thick, grounded=()) for above, thick in upper]
+        layers.append(fem_film.Layer(constants(material), thickness, tuple(grounded)))
+        sliding = one.case["radius"], one.case.get("friction", 0.0)
+        punch = fem_film.Punch(*sliding, *one.charges, tuple(numbers[list(one.conducts)]))
+        base = None if one.base is None else constants(one.base)
+        return fem_film.FilmContact(layers, base, punch, float(one.contact.half_width[0]), self.order)
+
+    @cached_property
+    def quantities(self) -> Answers:
+        """Of the solver, with the datum of the elements."""
+        return self.solved.quantities(self.contact.datum)
+
+    @property
+    def ends(self) -> tuple[Answers, Answers]:
+        """a and b; like the others below by the elements and by the solver."""
+        one = self.contact
+        ends = np.array([one.half_length + one.centre, one.half_length - one.centre])
+        return {"ends": ends}, {"ends": np.array([self.quantities[f"contact_{end}"] for end in _ENDS])}
+
+    @property
+    def response(self) -> tuple[Answers, Answers]:
+        """Depth and potentials; psi over an insulated base is seen from a place of its own and left out."""
+        names = ["depth", *(name for _, name, _ in self._potentials)]
+        if self.solved.interface[1] == "insulated":
+            names.remove("magnetic_potential")
+        return {k: np.array(getattr(self.contact, k)) for k in names}, {k: self.quantities[k] for k in names}
+
+    @property
+    def edges(self) -> tuple[Answers, Answers]:
+        """Edge intensities."""
+        found = {name: np.array(self.contact.edge_intensities(number)) for number, _, name in self._potentials}
+        return found, {k: np.array([self.quantities[f"{k}_{end}"] for end in _ENDS]) for k in found}
+
+    @property
+    def surface(self) -> tuple[Answers, Answers]:
+        """Tractions below the punch and the stress beside it."""
+        below, beside = self.contact.fields(X, 0.0), self.contact.fields(BESIDE, 0.0)
+        solved = self.solved.surface(X)
+        found = {"contact_pressure": -below["stress_yy"], **{name: below[name] for name in FLUXES}}
+        expected = {name: solved[name] for name in found}
+        name = "stress_xx"
+        return found | {name: beside[name]}, expected | {name: self.solved.surface(BESIDE)[name]}
+
+    @property
+    def inside(self) -> tuple[Answers, Answers]:
+        """Fields half way down each layer, above its lower side, and in the base."""
+        places, top = [], 0.0
+        for number, (_, thickness) in enumerate(self.solved.layers):
+            places += [(number, top + thickness / 2), (number, (top + thickness) * _ABOVE)]
+            top += thickness
+        if self.contact.base is not None:
+            places.append((len(self.solved.layers), 1.5 * top))
+        rows = [self.contact.fields(WHERE, depth, layer) for layer, depth in places]
+        Y = -np.array([depth for _, depth in places]) / self.contact.half_length
+        found = {name: np.array([row[name] for row in rows]) for name in FIELDS}
+        return _by_unit(found), _by_unit(self.solved.inside(WHERE, Y))
+
+    @property
+    def interface(self) -> tuple[Answers, Answers]:
+        """Largest shear, and largest tension or 0."""
+        found = self.contact.interface(len(self.solved.layers) - 1)
+        expected = [self.quantities[f"interface_{name}"] for name in ("shear", "tension")]
+        return {"extremes": np.array([found["shear"], max(found["tension"], 0.0)])}, {"extremes": np.array(expected)}
+
+    @cached_property
+    def _potentials(self) -> list[tuple[int, str, str]]:
+        """Number, name and edge intensity of the potentials that the punch makes uniform."""
+        every = zip((ELECTRIC, MAGNETIC), RESPONSES[1:], INTENSITIES, strict=True)
+        return [one for one, conducts in zip(every, self.solved.conducts, strict=True) if conducts]
+
+
+def _by_unit(fields: Answers) -> Answers:
+    """Fields of one unit together, so that small ones count by the large."""
+    return {unit: np.stack([fields[name] for name in names]) for unit, names in _BY_UNIT.items()}
+
+
+def _off(found: Array, expected: Array) -> float:
+    """Largest difference over the largest expected size; 0 where both vanish."""
+    size = np.max(np.abs(expected))
+    return float(np.max(np.abs(found - expected)) / size) if size else float(np.max(np.abs(found)))

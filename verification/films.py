@@ -1,0 +1,204 @@
+"""Films against what is known of them: the closed form, thick and thin limits, balance, Betti, finer resolution."""
+
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+import solver
+from solver.film import outputs
+from solver.film.kernel import kernel
+from solver.film.stack import RIGID, Layer, Stack
+from solver.film.system import System
+from solver.film.table import at
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
+from verification.cases import SIH_SONG, Array
+from verification.findings import Check, Curve, Findings, Sizes, check, off, off_each
+
+Case = dict[str, Any]
+CHARGED: Case = {"load": 1e5, "friction": 0.4, "datum": 0.2}
+CHARGES = {"electric": ("charge", 2e-6), "magnetic": ("magnetic_charge", -3e-3)}
+PROFILES: dict[str, Case] = {
+    "cylinder": {"radius": 0.05},
+    "tilted flat punch": {"profile": "flat", "width": 4e-4, "slope": 1e-4},
+    "wedge": {"profile": "wedge", "slope": 4e-3},
+    "half cylinder": {"profile": "half_cylinder", "radius": 0.05},
+}
+COMPOSITE: Case = {"radius": 0.05, "load": 1e5, "volume_fraction": 0.5, "friction": 0.3}
+STEEL: Case = {"base": "steel", "interface_electric": "bonded"}
+#: Half-length of a film ten and a hundred half-lengths thick over the closed form's, less 1: theory of films, 9 and 10.
+THICK: dict[str, tuple[Case, tuple[float, float]]] = {
+    "rigid base": ({"base": "rigid"}, (-3.6e-3, -3.7e-5)),
+    "steel": (STEEL, (-1.4e-3, -1.4e-5)),
+}
+RATIOS = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0])
+THIN = 1e-4  # thickness of thin films [m]
+FINER = 1.5  # times as many terms
+
+
+def run(_: Sizes) -> Findings:
+    """All of them."""
+    own = "every quantity of a film of its own base, four kinds of conduction, and of the half-plane"
+    checks = [
+        *(check(f"Film of its own base: {name}", own, 1e-11, own_base, punch) for name, punch in PROFILES.items()),
+        *(check(f"Thick film on a {name}", "half-length less the closed form's, and the theory's, at 10 and 100 "
+                "half-lengths", 0.03, thick, *of) for name, of in THICK.items()),
+        check("Thin film, insulating punch", "P R h1/h^3, h1/h to 0, and 2/3 of the uniaxial modulus", 5e-4, uniaxial),
+        check("Thin film, conducting punch", "charge per load, h1/h to 0, and e33/c33", 1e-3, thin_charge),
+        check("Thin incompressible film", "P R h1^3/h^5, h1/h to 0, and 2/15 of the shear modulus (Johnson 1985)", 1e-2,
+              incompressible),
+        check("Totals", "P, T, J and the integrals of p, D_y, B_y", 1e-12, totals),
+        check("Betti", "flat punch: d depth/dT and -dV/dP, d depth/dJ and -dPsi/dP, dV/dJ and dPsi/dT", 1e-12, betti),
+    ]  # fmt: skip
+    resolution, curves = resolved()
+    return Findings(
+        "Films",
+        "Films through solver.solve against the half-plane's closed form, textbook limits, balance and reciprocity; "
+        f"and their equations at the default resolution against {FINER} times as many terms, over half-lengths from "
+        "0.01 to 30 thicknesses.",
+        checks + resolution,
+        curves,
+    )
+
+
+def own_base(punch: Case) -> float:
+    """Largest relative difference of a quantity of the half-plane, and of a film of the same material on it."""
+    worst = 0.0
+    for kinds in ((), ("electric",), ("magnetic",), ("electric", "magnetic")):
+        case = {**CHARGED, **punch, "material": SIH_SONG}
+        case |= dict.fromkeys(set(CHARGES) - set(kinds), "insulating") | dict(CHARGES[kind] for kind in kinds)
+        bonded = {"thickness": 2e-4, "base": SIH_SONG, "interface_electric": "bonded", "interface_magnetic": "bonded"}
+        exact, film = solver.solve(case), solver.solve(case | bonded)
+        shared = [name for name in exact.data_vars if name in film and np.any(exact[name] != 0)]
+        worst = max(worst, *(off(film[name], exact[name]) for name in shared))
+    return worst
+
+
+def thick(base: Case, expected: tuple[float, float]) -> float:
+    """Largest relative error of how much shorter a thick film makes the contact."""
+    half = _half(solver.solve(COMPOSITE))
+    films = (solver.solve(COMPOSITE | base | {"thickness": ratio * half}) for ratio in (10.0, 100.0))
+    return off_each([_half(film) / half - 1 for film in films], expected)
+
+
+def uniaxial() -> float:
+    """Error of the load of a thin film of BaTiO3 on a rigid base, under a punch that takes no charge anywhere."""
+    one = solver.find("BaTiO3")
+    expected = 2 / 3 * float(one.c33 + one.e33**2 / one.eps33)
+    case = {"material": one, "electric": "insulating", "magnetic": "insulating"}
+    ratios, found = _thin(case, [expected * ratio**3 for ratio in (7.5, 15, 30)])
+    return off(_limit(ratios, found["load"].values * 0.05 / THIN**2 / ratios**3), expected)
+
+
+def thin_charge() -> float:
+    """Error of the charge per load of a thin film of BaTiO3 on a rigid base at zero volts."""
+    one = solver.find("BaTiO3")
+    ratios, found = _thin({"material": one}, [2 / 3 * float(one.c33) * ratio**3 for ratio in (7.5, 15, 30)])
+    return off(_limit(ratios, found.charge_sensitivity.values), float(one.e33 / one.c33))
+
+
+def incompressible() -> float:
+    """Error of the load of a thin incompressible film on a rigid base."""
+    shear, poisson = 1e9, 0.4999999
+    case = {"material": solver.Material.isotropic(2 * shear * (1 + poisson), poisson), "electric": "insulating"}
+    ratios, found = _thin(case | {"magnetic": "insulating"}, [2 / 15 * shear * ratio**5 for ratio in (7.5, 15, 30)])
+    return off(_limit(ratios, found["load"].values * 0.05 / THIN**2 / ratios**5), 2 / 15 * shear)
+
+
+def _thin(case: Case, scaled: list[float]) -> tuple[Array, xr.Dataset]:
+    """h/h1 of a film on a rigid base without friction at values of P R/h1^2 [Pa], and the solutions."""
+    loads = [one * THIN**2 / 0.05 for one in scaled]
+    found = solver.solve({"radius": 0.05, "base": "rigid", "thickness": THIN, "load": loads, **case})
+    return _half(found) / THIN, found
+
+
+def _limit(ratios: Array, values: Array) -> float:
+    """Limit at h1/h = 0 of a polynomial in it."""
+    return float(np.polyfit(1 / ratios, values, len(values) - 1)[-1])
+
+
+def _half(found: xr.Dataset) -> Array:
+    """Half-length [m]."""
+    return np.asarray(found.contact_trailing + found.contact_leading) / 2
+
+
+def totals() -> float:
+    """Largest relative error of the integrals of p, -D_y and -B_y, by Gauss panels in theta = acos X."""
+    case = {**COMPOSITE, "base": "steel", "thickness": 2e-4, "charge": 2e-5, "magnetic_charge": 1e-2}
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    ends = np.array([0, 1e-3, 0.03, 0.3, 1])  # crowded where the tractions are powers of theta
+    ends = np.pi / 2 * np.concatenate([ends, 2 - ends[-2::-1]])
+    middle, width = (ends[1:] + ends[:-1])[:, None] / 2, np.diff(ends)[:, None] / 2
+    theta, weight = (middle + width * nodes).ravel(), (width * weights).ravel()
+    found = solver.solve(case, np.cos(theta), regular=True)
+    half = float(_half(found))
+    pressed = found.contact_pressure.values * np.sin(theta)
+    whole = (pressed, -found.electric_displacement_y_regular.values, -found.magnetic_induction_y_regular.values)
+    loads = [case[name] for name in ("load", "charge", "magnetic_charge")]
+    return off_each([half * float(weight @ values) for values in whole], loads)
+
+
+def betti() -> float:
+    """Largest relative difference of both sides of Betti's law between states of a flat punch on a film."""
+    case = {"profile": "flat", "width": 4e-4, "volume_fraction": 0.5, "thickness": 2e-4, "base": "steel"}
+    loads = {"load": [1e5, 2e5], "charge": [0.0, 1e-5], "magnetic_charge": [0.0, 1e-2]}
+    found = solver.solve(case | loads)
+    names = ("depth", "voltage", "magnetic_potential")
+    by = {k: found.diff(k).isel({other: 0 for other in loads if other != k}) / np.diff(v)[0] for k, v in loads.items()}
+    tangent = np.array([[float(by[load][name].squeeze()) for load in loads] for name in names])
+    return off_each([tangent[0, 1], tangent[0, 2], tangent[1, 2]], [-tangent[1, 0], -tangent[2, 0], tangent[2, 1]])
+
+
+def _systems() -> dict[str, tuple[Stack, float]]:
+    """Stacks and frictions whose equations are hardest to resolve."""
+    titanate, ferrite, steel = (solver.find(name) for name in ("BaTiO3", "CoFe2O4", "steel"))
+    mixed = Stack((Layer(solver.fibrous(titanate, ferrite, 0.5), 1.0),), RIGID)
+    soft = Stack((Layer(titanate, 1.0),), solver.Material.isotropic(5e9, 0.35))
+    apart = Stack((Layer(titanate, 1.0), Layer(ferrite, 1.0)), steel)
+    return {
+        "composite, rigid base": (mixed, 0.0),
+        "composite, rigid base, friction 1": (mixed, 1.0),
+        "BaTiO3, base of 5 GPa": (soft, 0.3),
+        "permittivities 140 times apart": (apart, 1.0),
+    }
+
+
+def resolved() -> tuple[list[Check], list[Curve]]:
+    """Errors of outputs at the default resolution over half-lengths, and the load's as curves."""
+    kinds = {
+        "load": (slice(0, 1), 1e-8),
+        "depth, potentials": (outputs.DISPLACEMENT, 1e-8),
+        "edge intensities": (outputs.INTENSITY, 3e-8),
+        "edge stress": (outputs.EDGE_STRESS, 1e-6),
+    }
+    checks, curves = [], []
+    for name, (stack, friction) in _systems().items():
+        errors = cache(partial(_errors, stack, friction))
+
+        def worst(which: slice, errors: Callable[[], Callable[[slice], Array]] = errors) -> float:
+            return float(np.max(errors()(which)))
+
+        checks += [
+            check(f"Resolution: {what}, {name}", f"default, and {FINER} times as many terms; h/h1 from 0.01 to 30",
+                  tolerance, worst, which)
+            for what, (which, tolerance) in kinds.items()
+        ]  # fmt: skip
+        shown = np.maximum(errors()(slice(0, 1)), np.finfo(float).eps)
+        curves.append(Curve("film_resolution", name, "half-length over thickness", RATIOS.tolist(), shown.tolist()))
+    return checks, curves
+
+
+def _errors(stack: Stack, friction: float) -> Callable[[slice], Array]:
+    """Largest error of some outputs by every cause, over their largest; at every one of ``RATIOS``."""
+    sliding = Sliding(HalfPlane(stack.top.material), np.array(friction), np.array([True, True]))
+    span = kernel(stack, 2.01 * RATIOS[-1] * stack.top.thickness)
+    coarse, fine = (at(System(span, sliding, (True, True), 1, accuracy), RATIOS) for accuracy in (1.0, FINER))
+
+    def of(which: slice) -> Array:
+        miss, size = np.abs(coarse - fine)[:, which], np.abs(fine[:, which])
+        return np.asarray(np.max(miss.max(axis=-1) / size.max(axis=-1), axis=-1))
+
+    return of

@@ -1,0 +1,253 @@
+"""The whole sliding contact of a punch on layers, by spectral finite elements of the layers and of the base.
+
+Nothing is reduced to the surface here. Displacement and potentials under the punch are given, Coulomb's law is a row
+of the system (the nodal force along the surface is friction times the one across it), the far ends are clamped. Five
+states, u_y = 1, X, X^2, phi = 1 and psi = 1 under the punch, make up the contact; all but the half-length is linear.
+
+Neither edge may have a singular pressure. How singular it is comes from moments of the nodal forces with the
+polynomials orthogonal over (1-X)^(alpha-1) (1+X)^-alpha. That the force on the node at the edge vanish would be another
+condition, and a wrong one: D_y and B_y are singular there, and reach into that node.
+
+Lengths of the mesh are in half-lengths of the contact, X = (x - c)/h.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import root_scalar
+from scipy.sparse import csr_array, eye_array
+from scipy.sparse.linalg import splu
+from scipy.special import eval_chebyt, eval_jacobi, gamma
+
+from verification.oracles.fem import FIELDS, STIFFNESS, UNITS
+from verification.oracles.film_mesh import layered_mesh
+from verification.oracles.spectral import Body, Index
+from verification.oracles.surface_response import Array, reduced, surface_response
+
+ELECTRIC, MAGNETIC = 2, 3  # numbers of the potentials in u = (u_x, u_y, phi, psi)
+DATUM = 1e5  # distance of the datum on a half-plane, about, in half-lengths
+_FORCES = STIFFNESS / UNITS  # N/m, N/m, C/m, Wb/m of a scaled nodal load
+_COARSE = 6  # order at which a half-length is sought first
+_SEARCHED = np.linspace(-5, 5, 401)  # places of an interface that are searched for its extremes
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A layer: constants as for ``surface_response``, thickness [m], the potentials that vanish on its lower side."""
+
+    material: Mapping[str, float]
+    thickness: float
+    grounded: tuple[int, ...] = (ELECTRIC, MAGNETIC)
+
+
+@dataclass(frozen=True)
+class Punch:
+    """A cylinder: radius [m], friction, T [C/m], J [Wb/m], the potentials that it makes uniform in the contact."""
+
+    radius: float
+    friction: float = 0.0
+    charge: float = 0.0
+    magnetic_charge: float = 0.0
+    conducted: tuple[int, ...] = (ELECTRIC, MAGNETIC)
+
+
+@dataclass(frozen=True, eq=False)
+class FilmContact:
+    """The contact of a given half-length.
+
+    Attributes
+    ----------
+    layers : sequence of Layer
+        From the top down.
+    base : mapping or None
+        Constants of the half-plane below them; None: rigid.
+    punch : Punch
+    half_length : float
+        (a + b)/2 [m].
+    order : int
+        Of the polynomials of an element.
+    """
+
+    layers: Sequence[Layer]
+    base: Mapping[str, float] | None
+    punch: Punch
+    half_length: float
+    order: int = 10
+
+    @cached_property
+    def body(self) -> Body:
+        """The meshed layers and base."""
+        mesh = layered_mesh([one.thickness / self.half_length for one in self.layers], self.base is None)
+        materials = [one.material for one in self.layers]
+        return Body(mesh, materials if self.base is None else [*materials, self.base], self.order)
+
+    @cached_property
+    def _below(self) -> Index:
+        """Nodes of the contact."""
+        x, y = self.body.places.T
+        return np.flatnonzero((y == 0) & (np.abs(x) <= 1))
+
+    def _held(self) -> NDArray[np.bool_]:
+        """Which of (u_x, u_y, phi, psi) of the nodes are given."""
+        x, y = self.body.places.T
+        held = np.zeros((len(x), 4), dtype=bool)
+        held[np.isclose(np.abs(x), x.max())] = True
+        held[np.isclose(y, y.min()), : 4 if self.base else 2] = True
+        for one in (1, *self.punch.conducted):
+            held[self._below, one] = True
+        depths = np.cumsum([layer.thickness for layer in self.layers]) / self.half_length
+        for depth, layer in zip(depths, self.layers, strict=True):
+            for one in layer.grounded:
+                held[np.isclose(y, -depth), one] = True
+        return held
+
+    @cached_property
+    def _states(self) -> tuple[Array, Array]:
+        """Scaled u (nodes, 4, states) and nodal loads of the contact (nodes there, 4, states)."""
+        x, below, conducted = self.body.places[:, 0], self._below, self.punch.conducted
+        given = np.zeros((len(x), 4, 3 + len(conducted)))
+        given[below, 1, :3] = x[below, None] ** np.arange(3)
+        for state, one in enumerate(conducted, start=3):
+            given[below, one, state] = 1.0
+        u, free, matrix = given.reshape(-1, given.shape[2]), ~self._held().ravel(), self.body.matrix()
+        along = csr_array((np.full(len(below), -self.punch.friction), (4 * below, 4 * below + 1)), shape=matrix.shape)
+        rows = ((eye_array(len(free)) + along) @ matrix)[free]  # the free rows of a held force: Coulomb's law
+        factors = splu(
+            rows[:, free].tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            options={"SymmetricMode": True},
+            diag_pivot_thresh=0.001,
+        )
+        u[free] = -factors.solve(rows @ u)
+        return u.reshape(given.shape), np.asarray(matrix @ u).reshape(given.shape)[below]
+
+    @cached_property
+    def _weights(self) -> Array:
+        """Of the states: u_y = w0 + w1 X + w2 X^2, phi = w3, psi = w4 under the punch; scaled."""
+        loads, conducted = self._states[1], self.punch.conducted
+        charges = {ELECTRIC: self.punch.charge, MAGNETIC: self.punch.magnetic_charge}
+        rows = np.array([*self._singular(loads[:, 1]), *(-loads[:, one].sum(axis=0) for one in conducted)])
+        curved = self.half_length**2 / (2 * self.punch.radius)
+        right = np.array([0.0, 0.0, *(charges[one] / _FORCES[one] for one in conducted)]) - rows[:, 2] * curved
+        return np.insert(np.linalg.solve(np.delete(rows, 2, axis=1), right), 2, curved)
+
+    def _singular(self, forces: Array) -> Array:
+        """Strength of the singular pressure at X = -1 and 1, from nodal forces (nodes, states); shape (2, states)."""
+        conducted = tuple(one - 1 for one in self.punch.conducted)
+        alpha = reduced(surface_response(self.layers[0].material), self.punch.friction, conducted)[1]
+        A, B, n = alpha - 1, -alpha, np.arange(2 * self.order)[:, None]
+        norm = gamma(n + A + 1) * gamma(n + B + 1) / gamma(n + 1) ** 2 / np.where(n, 2, 1)  # as A + B = -1
+        series = eval_jacobi(n, A, B, self.body.places[self._below, 0]) @ forces / norm
+        return np.stack([eval_jacobi(n[:, 0], A, B, end) @ series for end in (-1.0, 1.0)])
+
+    @cached_property
+    def u(self) -> Array:
+        """(u_x, u_y, phi, psi) of the nodes, SI units; shape (nodes, 4)."""
+        return np.asarray(self._states[0] @ self._weights * UNITS)
+
+    @cached_property
+    def loads(self) -> Array:
+        """Nodal loads (x, y, electric, magnetic) [N/m, N/m, C/m, Wb/m] of the contact, in the order of ``places``."""
+        return np.asarray(self._states[1] @ self._weights * _FORCES)
+
+    @property
+    def places(self) -> Array:
+        """X of the nodes of the contact."""
+        places: Array = self.body.places[self._below, 0]
+        return places
+
+    @property
+    def load(self) -> float:
+        """P [N/m]."""
+        return float(-self.loads[:, 1].sum())
+
+    @property
+    def centre(self) -> float:
+        """(a - b)/2 [m]."""
+        return float(self._weights[1] * self.punch.radius / self.half_length)
+
+    @property
+    def depth(self) -> float:
+        """Of the punch [m]; on a half-plane seen, as potentials are, from the surface at ``datum`` on both sides."""
+        return float(self.centre**2 / (2 * self.punch.radius) - self._weights[0] + self._away[1])
+
+    @property
+    def voltage(self) -> float:
+        """V [V]; of a punch that conducts."""
+        return self._potential(ELECTRIC)
+
+    @property
+    def magnetic_potential(self) -> float:
+        """Psi [A]; of a punch that conducts."""
+        return self._potential(MAGNETIC)
+
+    def _potential(self, one: int) -> float:
+        return float(self._weights[3 + self.punch.conducted.index(one)] * UNITS[one] - self._away[one])
+
+    @property
+    def _away(self) -> Array:
+        """u at the datum, mean of both sides; 0 on a rigid base, where the film stands still."""
+        return np.zeros(4) if self.base is None else self.u[self._far].mean(axis=0)
+
+    @cached_property
+    def _far(self) -> Index:
+        """Nodes of the surface at the datum, one on each side."""
+        x, y = self.body.places.T
+        return np.argsort(np.where(y == 0, np.abs(np.log(np.maximum(np.abs(x), 1e-300) / DATUM)), np.inf))[:2]
+
+    @property
+    def datum(self) -> float:
+        """Distance of the datum [m]."""
+        return float(np.abs(self.body.places[self._far, 0]).mean() * self.half_length)
+
+    def edge_intensities(self, one: int) -> tuple[float, float]:
+        """lim sqrt(2 pi distance) of D_y (``one`` ELECTRIC) or B_y at x = a and at x = -b, SI units."""
+        surface, kept = surface_response(self.layers[0].material), [k - 1 for k in self.punch.conducted]
+        N, k = surface.normal_compliance, surface.shear_coupling
+        r, d = (np.linalg.solve(N[np.ix_(kept, kept)], column[kept]) for column in (N[:, 0], k))
+        slope, turn = N[0, 0] - N[0, kept] @ r, k[0] - N[0, kept] @ d
+        at = self.punch.conducted.index(one)
+        regular = self.loads[:, one] - (slope / turn * d[at] - r[at]) * self.loads[:, 1]  # is smooth / sqrt(1-X^2)
+        n = np.arange(2 * self.order)[:, None]
+        series = np.where(n[:, 0], 2, 1) * (eval_chebyt(n, self.places) @ regular) / (np.pi * self.half_length)
+        leading, trailing = (np.sqrt(np.pi * self.half_length) * (series @ end ** n[:, 0]) for end in (-1.0, 1.0))
+        return float(trailing), float(leading)
+
+    def fields(self, X: ArrayLike, depth: float, layer: int = 0) -> dict[str, Array]:
+        """``FIELDS`` at a depth [m] in a layer, by number from the top, the base's the last; SI units."""
+        points = np.column_stack([X, np.full(np.size(X), -depth / self.half_length)])
+        return dict(zip(FIELDS, self.body.fluxes(self.u, points, layer) / self.half_length, strict=True))
+
+    def interface(self, layer: int) -> dict[str, float]:
+        """Largest abs(sigma_xy) and largest sigma_yy [Pa] on the lower side of a layer."""
+        depth = sum(one.thickness for one in self.layers[: layer + 1])
+        found = self.fields(_SEARCHED, depth, layer)
+        return {"shear": _largest(np.abs(found["stress_xy"])), "tension": _largest(found["stress_yy"])}
+
+
+def under_load(
+    layers: Sequence[Layer], base: Mapping[str, float] | None, punch: Punch, load: float, order: int = 10
+) -> FilmContact:
+    """The contact that carries a load [N/m]: secants, first between elements of low order."""
+
+    def miss(log_half: float, order: int) -> float:
+        contacts.append(FilmContact(layers, base, punch, np.exp(log_half), order))
+        return float(np.log(contacts[-1].load / load))
+
+    contacts: list[FilmContact] = []
+    lam = reduced(surface_response(layers[0].material), 0.0)[0]
+    start, step = np.log(lam * punch.radius * load) / 2, 0.1
+    for stage in sorted({min(order, _COARSE), order}):
+        start = root_scalar(miss, (stage,), "secant", x0=start, x1=start + step, xtol=1e-9).root
+        step = 1e-4
+    return contacts[-1]
+
+
+def _largest(values: Array) -> float:
+    """Largest of values on a line, between them by the parabola of three."""
+    top = int(np.clip(np.argmax(values), 1, len(values) - 2))
+    left, middle, right = values[top - 1 : top + 2]
+    return float(middle - (right - left) ** 2 / (8 * (left - 2 * middle + right)))

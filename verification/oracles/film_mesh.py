@@ -1,0 +1,86 @@
+"""Meshes of layers below a contact, -1 < X < 1: rings about both edges, rectangles elsewhere."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from verification.oracles.spectral import Index, Quadrilaterals
+from verification.oracles.surface_response import Array
+
+_RING = 0.2  # size of a ring over that of the one around it
+_SIZE = 1 / 3  # of the rings, at most, over half-length and top layer
+_RINGS = 12
+_NARROW = 0.3  # place of a ray between the edge's vertical and the corner of a ring: some fields are that steep
+_NEAR, _GROWTH = 10.0, 6.0  # of what lies farther away than some half-lengths
+FAR = 1e8  # distance of the clamped ends on a half-plane
+_WIDE = 300.0  # the same on a rigid base, in thicknesses: more than layers far apart in permittivity need
+
+
+def layered_mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:
+    """Mesh of layers from the top down, and of a half-plane below them unless the base is rigid."""
+    far = _WIDE * (1 + sum(thicknesses)) if rigid else FAR
+    size = _SIZE * min(1.0, thicknesses[0])
+    near = np.array([-1, -_NARROW, 0, _NARROW, 1]) * size
+    middle = np.linspace(size - 1, 1 - size, int(np.ceil(2 * (1 - size) / size)) + 1)[1:-1]
+    outward = 1 + np.append(_growing(size, _NEAR, 3), _growing(_NEAR, far, _GROWTH))
+    x = np.concatenate([-outward[::-1], near - 1, middle, near + 1, outward])
+    sides, depth = [np.array([0.0, size])], 0.0
+    for thickness in thicknesses:
+        depth += thickness
+        sides.append(_growing(sides[-1][-1], depth, 2))
+    if not rigid:
+        sides.append(depth + np.insert(_growing(size, far, _GROWTH), 0, size))
+    y = -np.concatenate(sides)
+    bottoms = -np.cumsum([*thicknesses, np.inf])
+    layer = np.array([np.searchsorted(-bottoms, -(top + low) / 2) for top, low in pairwise(y)])
+    return _assemble(x, y, layer, [int(np.flatnonzero(x == edge)[0]) for edge in (-1.0, 1.0)])
+
+
+def _growing(start: float, end: float, growth: float) -> Array:
+    """Places beyond start up to end, each at most ``growth`` times as far as the one before."""
+    count = int(np.ceil(np.log(end / start) / np.log(growth) - 1e-9))
+    return np.append(start * (end / start) ** (np.arange(1, count) / count), end)
+
+
+def _assemble(x: Array, y: Array, layer: Index, edges: list[int]) -> Quadrilaterals:
+    """Rectangles between x and y, but rings about the columns ``edges`` in place of the four beside each."""
+    at = np.arange(len(x) * len(y)).reshape(len(x), len(y))
+    vertices, origin, corners, of = [], [], [], []
+
+    def add(ids: list[int], centre: tuple[float, float], offsets: Array, material: int) -> None:
+        vertices.append(ids)
+        origin.append(centre)
+        corners.append(offsets)
+        of.append(material)
+
+    for i in range(len(x) - 1):
+        for j in range(len(y) - 1):
+            if j == 0 and any(edge - 2 <= i < edge + 2 for edge in edges):
+                continue
+            ids = [at[i, j + 1], at[i + 1, j + 1], at[i + 1, j], at[i, j]]
+            wide, deep = x[i + 1] - x[i], y[j] - y[j + 1]
+            add(ids, (x[i], y[j]), np.array([[0, -deep], [wide, -deep], [wide, 0], [0, 0]]), layer[j])
+    count = at.size
+    for edge in edges:
+        centre = (x[edge], 0.0)
+        columns = slice(edge - 2, edge + 3)
+        rim = np.column_stack([x[columns] - x[edge], np.full(5, y[1])])
+        rim = np.concatenate([[[rim[0, 0], 0]], rim, [[rim[-1, 0], 0]]])
+        outer = [at[edge - 2, 0], *at[columns, 1], at[edge + 2, 0]]
+        for ring in range(_RINGS):
+            inner = list(range(count, count + 7))
+            count += 7
+            big, small = rim * _RING**ring, rim * _RING ** (ring + 1)
+            for k in range(6):
+                ids = [outer[k], outer[k + 1], inner[k + 1], inner[k]]
+                add(ids, centre, np.stack([big[k], big[k + 1], small[k + 1], small[k]]), layer[0])
+            outer = inner
+        top = [outer[0], count, count + 1, count + 2, outer[6]]
+        count += 3
+        for k in range(4):
+            left, right = small[k + 1], small[k + 2]
+            offsets = np.stack([left, right, right * [1, 0], left * [1, 0]])
+            add([outer[k + 1], outer[k + 2], top[k + 1], top[k]], centre, offsets, layer[0])
+    numbers = np.unique(np.array(vertices), return_inverse=True)[1]
+    return Quadrilaterals(numbers.reshape(-1, 4), np.array(origin), np.stack(corners), np.array(of))

@@ -1,0 +1,225 @@
+"""Spectral elements in plane strain: quadrilaterals of any polynomial order, their inner nodes condensed.
+
+The weak form is that of :mod:`verification.oracles.fem`. The shapes are Lagrange polynomials on the Gauss-Lobatto-
+Legendre points of a bilinear quadrilateral. A matrix depends on the shape of an element, not on its size, so that rings
+of similar elements about a singular point, however many, cost as much as one ring.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from verification.oracles.fem import ALONG, DOWN, STIFFNESS, UNITS, constitutive_matrix
+from verification.oracles.surface_response import Array
+
+Index = NDArray[np.int64]
+_SIGNS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])  # corners in the reference square, in their order
+_CLOSE = 1e-9  # to an element, in its own size
+_STEPS = 9  # of Newton's method at most: one finds a place in a rectangle
+
+
+@dataclass(frozen=True, eq=False)
+class Quadrilaterals:
+    """A mesh.
+
+    Attributes
+    ----------
+    vertices : ndarray of int, shape (elements, 4)
+        Numbers of the corners, anticlockwise from 0 without gaps.
+    origin : ndarray, shape (elements, 2)
+    corners : ndarray, shape (elements, 4, 2)
+        Seen from the origin, so that small elements beside a point keep their digits.
+    layer : ndarray of int, shape (elements,)
+        Number of the material.
+    """
+
+    vertices: Index
+    origin: Array
+    corners: Array
+    layer: Index
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """Elements filled with materials.
+
+    Attributes
+    ----------
+    mesh : Quadrilaterals
+    materials : sequence of mapping
+        By the mesh's layers, constants as for ``surface_response``.
+    order : int
+        Of the polynomials.
+    """
+
+    mesh: Quadrilaterals
+    materials: Sequence[Mapping[str, float]]
+    order: int
+
+    @cached_property
+    def _line(self) -> Array:
+        """Gauss-Lobatto-Legendre points."""
+        inner = np.polynomial.Legendre.basis(self.order).deriv().roots()
+        return np.concatenate([[-1.0], np.real(inner), [1.0]])
+
+    @cached_property
+    def _places(self) -> tuple[Index, Index]:
+        """Local numbers of the nodes on the border (corners, then sides in their direction), and of the inner ones."""
+        p = self.order
+        at = np.arange((p + 1) ** 2).reshape(p + 1, p + 1)
+        sides = [at[1:-1, 0], at[-1, 1:-1], at[-2:0:-1, -1], at[0, -2:0:-1]]
+        return np.concatenate([[at[0, 0], at[-1, 0], at[-1, -1], at[0, -1]], *sides]), at[1:-1, 1:-1].ravel()
+
+    @cached_property
+    def nodes(self) -> Index:
+        """Numbers of the border's nodes of every element, as ``_places`` lists them; shape (elements, 4 order)."""
+        corners = self.mesh.vertices
+        ends = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1)
+        _, side = np.unique(np.sort(ends, axis=-1).reshape(-1, 2), axis=0, return_inverse=True)
+        step = np.arange(self.order - 1)
+        along = np.where((ends[..., :1] < ends[..., 1:]), step, step[::-1])
+        inner = corners.max() + 1 + side.reshape(corners.shape)[..., None] * (self.order - 1) + along
+        return np.concatenate([corners, inner.reshape(len(corners), -1)], axis=1)
+
+    @cached_property
+    def places(self) -> Array:
+        """Coordinates of the nodes of the borders, shape (nodes, 2)."""
+        border = self._places[0]
+        grid = np.stack(np.meshgrid(self._line, self._line, indexing="ij"), axis=-1).reshape(-1, 2)[border]
+        found = np.empty((self.nodes.max() + 1, 2))
+        found[self.nodes] = self.mesh.origin[:, None] + np.einsum("na,eai->eni", _bilinear(grid), self.mesh.corners)
+        return found
+
+    @cached_property
+    def _shapes(self) -> tuple[Index, Index]:
+        """One element of each shape and material, and the number among them of every element's."""
+        corners = self.mesh.corners - self.mesh.corners[:, :1]
+        size = np.abs(corners).max(axis=(1, 2))[:, None, None]
+        key = np.column_stack([self.mesh.layer, np.round(corners / size, 10).reshape(len(corners), -1)])
+        _, first, of = np.unique(key, axis=0, return_index=True, return_inverse=True)
+        return first, of.ravel()
+
+    def _gradients(self, element: int, at: Array) -> tuple[Array, Array]:
+        """Derivatives of the shapes by x and y at places (n, 2) of the reference square, and the Jacobian."""
+        values, slopes = zip(*(_lagrange(self._line, at[:, i]) for i in (0, 1)), strict=True)
+        by_first = (slopes[0][:, :, None] * values[1][:, None, :]).reshape(len(at), -1)
+        by_second = (values[0][:, :, None] * slopes[1][:, None, :]).reshape(len(at), -1)
+        corners = self.mesh.corners[element]
+        (x1, y1), (x2, y2) = (np.einsum("na,ai->in", s, corners) for s in _bilinear_slopes(at))
+        jacobian = x1 * y2 - x2 * y1
+        gradient = np.stack([y2[:, None] * by_first - y1[:, None] * by_second,
+                             x1[:, None] * by_second - x2[:, None] * by_first]) / jacobian[:, None]  # fmt: skip
+        return gradient, jacobian
+
+    def _stiffness(self, element: int) -> Array:
+        """Scaled matrix over node and field, shape (4 (order + 1)^2,) * 2."""
+        points, weights = np.polynomial.legendre.leggauss(self.order + 2)
+        at = np.stack(np.meshgrid(points, points, indexing="ij"), axis=-1).reshape(-1, 2)
+        gradient, jacobian = self._gradients(element, at)
+        weighted = gradient * (np.outer(weights, weights).ravel() * jacobian)[:, None]
+        M = constitutive_matrix(self.materials[self.mesh.layer[element]])
+        scale = UNITS[:, None] * UNITS / STIFFNESS
+        n = gradient.shape[2]
+        total = np.zeros((n, 4, n, 4))
+        for one, left in zip((ALONG, DOWN), gradient, strict=True):
+            for two, right in zip((ALONG, DOWN), weighted, strict=True):
+                total += np.einsum("ab,ij->aibj", left.T @ right, scale * (one.T @ M @ two))
+        return total.reshape(4 * n, 4 * n)
+
+    def _split(self, element: int) -> tuple[Array, Array]:
+        """Condensed matrix of the border, and the inner nodes' answer to it."""
+        matrix = self._stiffness(element)
+        border, inner = (_dofs(places) for places in self._places)
+        answer = np.asarray(-np.linalg.solve(matrix[np.ix_(inner, inner)], matrix[np.ix_(inner, border)]), dtype=float)
+        return matrix[np.ix_(border, border)] + matrix[np.ix_(border, inner)] @ answer, answer
+
+    @cached_property
+    def _inside(self) -> Callable[[int], Array]:
+        """Answer of the inner nodes of a shape, by its number; kept, as points come in lines."""
+        return lru_cache(maxsize=128)(lambda shape: self._split(int(self._shapes[0][shape]))[1])
+
+    def matrix(self) -> "csr_array[np.float64]":
+        """Scaled stiffness over node and field of the borders, assembled anew."""
+        first, of = self._shapes
+        dofs = _dofs(self.nodes).astype(np.int32)  # half the memory
+        shape = (*dofs.shape, dofs.shape[1])
+        rows, columns = np.broadcast_to(dofs[:, :, None], shape), np.broadcast_to(dofs[:, None, :], shape)
+        entries = np.stack([self._split(element)[0] for element in first])[of]
+        size = 4 * len(self.places)
+        return csr_array((entries.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))
+
+    def fluxes(self, u: Array, points: Array, layer: int) -> Array:
+        """(stress_xx, yy, xy, D_x, D_y, B_x, B_y) times the unit of length at points of a layer; shape (7, points).
+
+        Parameters
+        ----------
+        u : ndarray, shape (nodes, 4)
+            Of the borders, SI units.
+        points : ndarray, shape (points, 2)
+
+        Raises
+        ------
+        ValueError
+            A point is not in the layer.
+        """
+        found = np.empty((7, len(points)))
+        M, (border, inner) = constitutive_matrix(self.materials[layer]), self._places
+        elements, at = zip(*(self._find(point, layer) for point in points), strict=True)
+        for element in set(elements):
+            here = np.flatnonzero(np.array(elements) == element)
+            full = np.empty((len(border) + len(inner), 4))
+            full[border] = u[self.nodes[element]] / UNITS
+            full[inner] = (self._inside(int(self._shapes[1][element])) @ full[border].ravel()).reshape(-1, 4)
+            along, down = self._gradients(element, np.stack(at)[here])[0] @ (full * UNITS)
+            found[:, here] = M @ (ALONG @ along.T + DOWN @ down.T)
+        return found
+
+    def _find(self, point: Array, layer: int) -> tuple[int, Array]:
+        """Element of the layer that holds the point, and its place there."""
+        mesh = self.mesh
+        low, high = (mesh.origin + end for end in (mesh.corners.min(axis=1), mesh.corners.max(axis=1)))
+        slack = _CLOSE * (high - low)
+        around = np.all((low - slack <= point) & (point <= high + slack), axis=1) & (mesh.layer == layer)
+        for element in np.flatnonzero(around):
+            at, corners = np.zeros((1, 2)), mesh.corners[element]
+            for _ in range(_STEPS):
+                miss = _bilinear(at)[0] @ corners + mesh.origin[element] - point
+                by = np.stack([slopes[0] @ corners for slopes in _bilinear_slopes(at)], axis=1)
+                step = np.linalg.solve(by, miss)
+                at = at - step
+                if np.all(np.abs(step) < _CLOSE**2):
+                    break
+            if np.all(np.abs(at) <= 1 + _CLOSE):
+                return int(element), at[0]
+        raise ValueError(f"no element of layer {layer} holds {point}")
+
+
+def _dofs(nodes: Index) -> Index:
+    """Numbers of the unknowns of nodes (..., n), four each."""
+    return (4 * nodes[..., None] + np.arange(4)).reshape(*nodes.shape[:-1], -1)
+
+
+def _bilinear(at: Array) -> Array:
+    """Weights of the corners at places (n, 2)."""
+    return np.asarray((1 + _SIGNS[:, 0] * at[:, :1]) * (1 + _SIGNS[:, 1] * at[:, 1:]) / 4)
+
+
+def _bilinear_slopes(at: Array) -> tuple[Array, Array]:
+    return (
+        _SIGNS[:, 0] * (1 + _SIGNS[:, 1] * at[:, 1:]) / 4,
+        (1 + _SIGNS[:, 0] * at[:, :1]) * _SIGNS[:, 1] / 4,
+    )
+
+
+def _lagrange(line: Array, x: Array) -> tuple[Array, Array]:
+    """Values and slopes of the Lagrange polynomials on ``line`` at x; both (len(x), len(line))."""
+    n = len(line)
+    legendre = np.linalg.inv(np.polynomial.legendre.legvander(line, n - 1))
+    by = np.polynomial.legendre.legder(np.eye(n))
+    return np.polynomial.legendre.legvander(x, n - 1) @ legendre, np.polynomial.legendre.legvander(
+        x, n - 2
+    ) @ by @ legendre
