@@ -68,16 +68,12 @@ def verdict(answer: xr.Dataset) -> Verdict:
     if broken:
         return Verdict(UNREACHABLE, _missed(broken), _way_out(answer, broken, edges), unmoved)
     binding = [limit for limit in limits if limit.margin < BINDS]
+    stops = [f"{titles.title(name)} at {_end(edge)} ({_value(answer, name)})" for name, edge in edges.items()]
+    stops += [limit.words for limit in binding]
+    told = f"{listed(stops)} {'stop' if len(stops) > 1 else 'stops'} it."
     if edges:
-        stand = [
-            f"{titles.title(name)} stands at the {edge.removesuffix(' of the studied range')}, {_value(answer, name)}"
-            for name, edge in edges.items()
-        ]
-        held = f"; {listed([limit.words for limit in binding])} {'bind' if len(binding) > 1 else 'binds'}"
-        stops = f"{listed(stand)}{held if binding else ''}."
-        return Verdict(AT_EDGE, stops, _enlarged(answer, binding, edges), unmoved)
-    stops = f"{listed([limit.words for limit in binding])} {'stop' if len(binding) > 1 else 'stops'} it."
-    return Verdict(RECOMMENDED, stops if binding else "best within the ranges, and no limit stops it.", "", unmoved)
+        return Verdict(AT_EDGE, told, _enlarged(answer, binding, edges), unmoved)
+    return Verdict(RECOMMENDED, told if stops else "best within the ranges, and no limit stops it.", "", unmoved)
 
 
 @dataclass(frozen=True)
@@ -120,6 +116,11 @@ def _value(answer: xr.Dataset, name: str) -> str:
     return titles.value(name, float(answer["value"].sel(factor=name)))
 
 
+def _end(edge: str) -> str:
+    """An end of a range, told from an end of the part of it that was asked for."""
+    return f"its {edge.removesuffix(' of the studied range').replace(' of the range asked for', ' as asked for')}"
+
+
 def _missed(broken: list[_Limit]) -> str:
     """By how much which limits are missed."""
     parts = [
@@ -143,7 +144,9 @@ def _way_out(answer: xr.Dataset, broken: list[_Limit], edges: dict[str, str]) ->
             change = _moved(answer, name, edge)
             gain = float(slopes.sel(factor=name)) * change
             if gain > _NOTHING:
-                ways.append(f"{_to(answer, name, change)} would likely change it by {_percent(gain)} for the better.")
+                ways.append(
+                    f"{capital(_to(answer, name, change))} would likely change it by {_percent(gain)} for the better."
+                )
     return " ".join(ways)
 
 
@@ -164,8 +167,8 @@ def _enlarged(answer: xr.Dataset, binding: list[_Limit], edges: dict[str, str]) 
         change = _moved(answer, name, edge)
         gain = gains.get(name, np.nan) * abs(change)
         if gain > _NOTHING:
-            parts.append(f"{_to(answer, name, change)} would likely bring {_percent(gain)} more, by the gradient.")
-    return " ".join(parts) or "A better design may lie beyond."
+            parts.append(f"{_to(answer, name, change)} would likely bring {_percent(gain)} more")
+    return f"By the gradient, {listed(parts)}." if parts else "A better design may lie beyond."
 
 
 def multipliers(answer: xr.Dataset, binding: list[str], edges: dict[str, str]) -> dict[str, float]:
@@ -208,7 +211,7 @@ def _moved(answer: xr.Dataset, name: str, edge: str) -> float:
 
 def _to(answer: xr.Dataset, name: str, change: float) -> str:
     value = float(answer["value"].sel(factor=name)) * (1 + change)
-    return f"{capital(titles.title(name))} of {titles.value(name, value)}"
+    return f"{titles.title(name)} of {titles.value(name, value)}"
 
 
 def _percent(share: float) -> str:

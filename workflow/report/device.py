@@ -16,7 +16,9 @@ _SURFACE = 128.0  # height of the surface in the picture
 _WHOLE, _NEAR = (14.0, 206.0), (236.0, 546.0)  # from x to x: the punch whole, and its contact
 _TOP, _LOW = 26.0, 222.0  # of either part
 _DEVICE = 84.0  # height of a whole punch
-_WIDER = 2.6  # times the contact, or the film's thickness, that the magnified part shows
+_WIDER = 2.6  # times the contact that the magnified part shows, or more
+_DEEP = 62.0  # of the magnified film, at most
+_TIPS = 10.0  # half of the least length that has room for two arrows
 _LINE = 22.0  # height of a line of text
 _POINTS = 97
 _BOTH_ENDS = f'stroke="{INK}" stroke-width="1.6" marker-start="url(#tip)" marker-end="url(#tip)"'
@@ -98,7 +100,8 @@ class Device:
 
     @property
     def _near_scale(self) -> float:
-        return (_NEAR[1] - _NEAR[0]) / (_WIDER * max(self.contact, self.thickness or 0.0))
+        wide = (_NEAR[1] - _NEAR[0]) / (_WIDER * self.contact)
+        return wide if self.thickness is None else min(wide, _DEEP / self.thickness)
 
 
 def draw(device: Device, title: str) -> str:
@@ -188,7 +191,7 @@ def _dimensions(device: Device) -> list[str]:
         _text(middle + aside, _SURFACE - 50, names.get(device.profile, "R = ") + size, INK),
         _text(_WHOLE[0], _HEIGHT - 10, "to scale", SOFT, "start"),
         _text(_NEAR[0], _HEIGHT - 10, f"the contact, at {number(device.magnified, 2)} times that scale", SOFT, "start"),
-        _span(near - half, near + half, _SURFACE - 16),
+        *([_span(near - half, near + half, _SURFACE - 16)] if half > _TIPS else []),
         _text(near, _SURFACE - 24, shown(device.contact, "m", 3), INK),
     ]
     if device.thickness is None:

@@ -148,7 +148,8 @@ def good(target: Target, found: xr.Dataset, hangs: frozenset[str] = frozenset(),
         f"{'' if hangs.isdisjoint(goal.expression.names()) else datum}"
         for goal in target.objectives
     ]
-    return " and ".join(parts) + _over(target)
+    together = ", the compromise of both" if len(parts) == 2 else ", the compromise of all" if len(parts) > 2 else ""
+    return titles.listed(parts) + together + _over(target)
 
 
 def _joined(one: xr.Dataset) -> str:
@@ -181,7 +182,7 @@ def cost(found: xr.Dataset) -> str:
     for name in found["factor"].values:
         one = found.sel(factor=name)
         share = float(one["cost"])
-        if str(one["role"].values) == "variable" and bool(one["matters"]) and share == share:
+        if str(one["role"].values) == "variable" and bool(one["matters"]) and share > 0:
             parts.append(f"1 % of {titles.title(str(name))} costs {number(100 * share, 2)} %")
     return f"{'; '.join(parts)}." if parts else ""
 

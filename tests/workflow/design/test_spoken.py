@@ -54,8 +54,8 @@ def test_an_end_is_worth_its_multiplier(farther: float, goal: float) -> None:
     assert spoken.multipliers(answer, ["trailing_tension <= 50 MPa"], {"radius": "upper end"}) == pytest.approx(
         {"radius": farther - 1}
     )
-    assert told.stops == "radius stands at the upper end, 200 mm; tension behind the contact of 50 MPa binds."
-    assert told.advice == f"Radius of 220 mm would likely bring {10 * (farther - 1):g} % more, by the gradient."
+    assert told.stops == "radius at its upper end (200 mm) and tension behind the contact of 50 MPa stop it."
+    assert told.advice == f"By the gradient, radius of 220 mm would likely bring {10 * (farther - 1):g} % more."
 
 
 def test_a_gradient_that_nothing_explains_promises_nothing() -> None:
