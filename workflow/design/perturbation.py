@@ -63,7 +63,7 @@ def _varied(design: Designs, source: Source) -> dict[str, Array]:
 def _effects(
     question: Question, nominal: float, moved: Array, here: Array, around: Array, largest: Array
 ) -> dict[str, Any]:
-    """Of one variable at four values about its own: what the terms count as at the design, (terms,), and there, (4, terms)."""
+    """Of one variable about its own value: what the terms count as there, (terms,), and moved, (4, terms)."""
     # a share of what is next to zero says nothing
     whole = np.where(np.abs(here) > _NOTHING * largest, here, np.nan)
     change = (moved[1] - moved[0]) / nominal
