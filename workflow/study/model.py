@@ -13,6 +13,7 @@ import xarray as xr
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from solver import Material, solve
+from solver.film.powerlaw import SMOOTH
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, FILM_PEAKS, PEAKS, TABLED
 from workflow.language.factors import FACTORS
 from workflow.study import layered
@@ -204,6 +205,12 @@ class Study(Strict):
             if name in self.factors or name in self.categories:
                 part = "factors" if name in self.factors else "categories"
                 raise ValueError(f"fixed: {name}: is one of the {part} already")
+        exponent = self.factors.get("grading_exponent")
+        if exponent and exponent.low < SMOOTH:
+            raise ValueError(
+                f"factors: grading_exponent: {exponent.low:g} to {exponent.high:g} holds values that are not 1, 2, 3 "
+                f"or >= {SMOOTH:g} [1]; an axis must be >= {SMOOTH:g}"
+            )
         if self.body and not self.factors:
             raise ValueError("body: a study without factors has none")
         layered.check(self.body, self.fixed, {name: (axis.low, axis.high) for name, axis in self.factors.items()})
