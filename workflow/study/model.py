@@ -205,6 +205,8 @@ class Study(Strict):
             if name in self.factors or name in self.categories:
                 part = "factors" if name in self.factors else "categories"
                 raise ValueError(f"fixed: {name}: is one of the {part} already")
+        if self.dataset.peaks and "base_volume_fraction" in {*self.factors, *self.fixed}:
+            raise ValueError("dataset: peaks: are not given of a film that is graded; must be false")
         exponent = self.factors.get("grading_exponent")
         if exponent and exponent.low < SMOOTH:
             raise ValueError(
@@ -239,6 +241,8 @@ class Study(Strict):
         peaks = set(FILM_PEAKS if self.on_film else PEAKS)
         if "rigid" in self.categories.get("base", [self.fixed.get("base")]):
             peaks -= {name for name in peaks if name.startswith("base_")}
+        if len(self.body) > 1:
+            peaks -= {name for name in peaks if name.startswith("film_")}
         return frozenset(set(ALL_QUANTITIES) - set(found.data_vars) - peaks)
 
     def _solve_effects(self) -> None:

@@ -87,6 +87,7 @@ def test_only_depths_on_a_base_that_gives_hang_on_the_datum(study: Study) -> Non
         ("electric: grounded", "magnetic: insulated", "interface_magnetic: 'insulated' is allowed above a"),
         ("radius: 0.05", "radius: 0.05, base_poisson: 0.3", "base_poisson: 0.3 beside a base; give either"),
         ("radius: 0.05", "radius: 0.05, speed: 9e3", "speed: 9000 m/s is not below the first critical speed of"),
+        ("interface_electric: grounded}", "base_volume_fraction: 0.2}\ndataset: {peaks: true}", "dataset: peaks: are not g"),
         ("  friction: {low: 0.0, high: 0.3", "  grading_exponent: {low: 2.0, high: 3.0", "factors: grading_exponent: 2 to 3 hold"),
         ("{low: 2e-4, high: 3e-4", "{low: 0.0, high: 3e-4", "factors.thickness: low = 0 must be positive"),
         ("design:", "surrogate: {fields: 4}\ndesign:", "surrogate: fields: only those of half-planes are learned"),
