@@ -30,6 +30,7 @@ FILES = {
         "tests/workflow/design/test_unreached.py",
         "tests/workflow/report/test_datum_effect.py",
         "tests/workflow/report/test_figures.py",
+        "tests/workflow/report/test_firstscreen.py",
         "tests/workflow/report/test_page.py",
         "tests/workflow/run/test_standin.py",
         "tests/workflow/study/test_planned.py",

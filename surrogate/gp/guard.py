@@ -42,10 +42,12 @@ class Guard:
         guard: Array = self.slabs[0][slab[0]]
         for own, place in zip(self.slabs[1:], slab[1:], strict=True):
             np.maximum(guard, own[place], out=guard)
-        for own, (i, j) in zip(self.corners, combinations(range(len(t)), 2), strict=True):
-            rows = np.flatnonzero(_outer(slab[i]) & _outer(slab[j]))
-            if rows.size:
-                guard[rows] = np.maximum(guard[rows], own[_edge(slab[i][rows]), _edge(slab[j][rows])])
+        edge = _edge(slab)
+        rows = np.flatnonzero((edge != 1).sum(0) > 1)
+        if rows.size:
+            i, j = np.array(list(combinations(range(len(t)), 2))).T
+            corners = self.corners[np.arange(i.size)[:, None], edge[i][:, rows], edge[j][:, rows]]
+            guard[rows] = np.maximum(guard[rows], corners.max(0))
         return guard
 
     def only(self, columns: Sequence[int]) -> Self:
@@ -97,10 +99,6 @@ def _cells(slab: NDArray[np.intp]) -> Iterator[tuple[tuple[int, ...], NDArray[np
         for a in (0, 2):
             for b in (0, 2):
                 yield (pair, a, b), np.flatnonzero((_edge(slab[i]) == a) & (_edge(slab[j]) == b))
-
-
-def _outer(slab: NDArray[np.intp]) -> NDArray[np.bool_]:
-    return np.asarray((slab == 0) | (slab == SLABS - 1))
 
 
 def _edge(slab: NDArray[np.intp]) -> NDArray[np.intp]:

@@ -77,12 +77,12 @@ class Predictive(ABC):
         ends = self._quantiles(points, central(level), extrapolate)
         answer: dict[str, xr.Variable] = {}
         for name in self.outputs_:
+            both = ends.variables[name]
             for k, end in enumerate(("lower", "upper")):
-                one = ends[name].variable.isel(quantile=k)
-                whole = f"{end} end of the {100 * level:g} % interval of {one.attrs.get('long_name', name)}"
-                one.attrs = {**one.attrs, "long_name": whole}
-                answer[f"{name}_{end}"] = one
-        flags = {"extrapolated": ends["extrapolated"].variable} if extrapolate else {}
+                whole = f"{end} end of the {100 * level:g} % interval of {both.attrs.get('long_name', name)}"
+                attrs = {**both.attrs, "long_name": whole}
+                answer[f"{name}_{end}"] = xr.Variable(both.dims[1:], both.values[k], attrs)
+        flags = {"extrapolated": ends.variables["extrapolated"]} if extrapolate else {}
         return xr.Dataset(answer | flags, ends.drop_vars("quantile").coords)
 
     def quantile(self, points: Queries, q: float | Sequence[float], *, extrapolate: bool = False) -> xr.Dataset:
@@ -177,11 +177,11 @@ class Predictive(ABC):
     def _quantiles(self, points: Queries, q: Array, extrapolate: bool) -> xr.Dataset:
         found = self.predict(points, extrapolate=extrapolate)
         away = self.distribution.quantile(q)
-        along = xr.Variable("quantile", q, {"long_name": "probability of no more"})
         answer: dict[str, xr.Variable] = {}
         for k, name in enumerate(self.outputs_):
-            own = xr.Variable("quantile", away[:, k if away.shape[1] > 1 else 0])
-            answer[name] = own * found[f"{name}_std"].variable + found[name].variable
-            answer[name].attrs = found[name].attrs
-        flags = {"extrapolated": found["extrapolated"].variable} if extrapolate else {}
+            mean, std = found.variables[name], found.variables[f"{name}_std"]
+            own = away[:, k if away.shape[1] > 1 else 0].reshape(-1, *[1] * mean.ndim)
+            answer[name] = xr.Variable(("quantile", *mean.dims), mean.values + own * std.values, mean.attrs)
+        flags = {"extrapolated": found.variables["extrapolated"]} if extrapolate else {}
+        along = xr.Variable("quantile", q, {"long_name": "probability of no more"})
         return xr.Dataset(answer | flags, {**found.coords, "quantile": along})

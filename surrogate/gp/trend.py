@@ -10,7 +10,8 @@ from surrogate.data.arrays import Array
 
 def additive(t: Array, degree: int) -> Array:
     """Return a constant and T_1 .. T_degree of every scaled input: (d, n) -> (n, 1 + d * degree)."""
-    return np.concatenate([np.ones((t.shape[1], 1)), *(chebvander(x, degree)[:, 1:] for x in t)], axis=1)
+    terms = chebvander(t, degree)[..., 1:].swapaxes(0, 1)
+    return np.concatenate([np.ones((t.shape[1], 1)), terms.reshape(t.shape[1], -1)], axis=1)
 
 
 def pairwise(t: Array) -> Array:

@@ -14,6 +14,7 @@ from surrogate import GaussianProcess, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
 from workflow.dataset import factorial
 from workflow.design import answers, search
+from workflow.design.spoken import verdict
 from workflow.language.factors import FACTORS
 from workflow.study import location
 from workflow.study import model as studies
@@ -102,7 +103,12 @@ def _usual(study: Study, name: str) -> str:
 
 def as_text(answer: xr.Dataset) -> str:
     """The answer as a table."""
-    lines = [str(answer.attrs["goal"]), str(answer["status"].values), f"polish: {answer.attrs['polish']}"]
+    lines = [
+        str(answer.attrs["goal"]),
+        str(verdict(answer)),
+        str(answer["status"].values),
+        f"polish: {answer.attrs['polish']}",
+    ]
     lines += [f"note: {answer['flags'].values}"] if str(answer["flags"].values) else []
     lines += [f"  {name:44s} {kind:25s} {role}" for name, kind, role in answers.kinds(answer)]
     for name in answer["factor"].values:
@@ -126,6 +132,7 @@ def as_text(answer: xr.Dataset) -> str:
 def as_json(answer: xr.Dataset) -> str:
     """The answer as JSON; what is not a number is null."""
     out: dict[str, Any] = {key: answer.attrs[key] for key in ("goal", "polish")}
+    out["verdict"] = str(verdict(answer))
     out |= {key: answer[key].item() for key in ("status", "flags", "feasible")}
     out["factors"] = {
         str(name): {"value": float(one["value"]), "role": str(one["role"].values), "units": FACTORS[name].units}
@@ -166,7 +173,7 @@ def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> xr.Dataset:
     if not bool(answer["feasible"]):
         at = ", ".join(f"{name} = {float(answer['value'].sel(factor=name)):.6g}" for name in answer["factor"].values)
         kinds = "".join(f"{name} = {kind}, " for name, kind, _ in answers.kinds(answer))
-        raise InputError(f"design: {answer['status'].values}, at {kinds}{at}")
+        raise InputError(f"design: {answer['status'].values}, at {kinds}{at}. {verdict(answer)}")
     return answer
 
 

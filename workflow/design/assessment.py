@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 
 #: Excess over a limit's scale that counts as none: rounding of the exact solver, which is good to 4e-14.
 ROUNDING = 1e-12
-_BINDS = 1e-3  # margin below which a limit binds
+#: Margin below which a limit binds.
+BINDS = 1e-3
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
 _PLAIN = 10.0  # times a limit, from which an excess is written without digits behind the point
 _LINEAR_FIELD = 3e5  # V/m: beyond it, ferroelectric ceramics are not linear
@@ -230,7 +231,7 @@ def _status(question: Question, margin: Array, edges: Mapping[str, str], idle: S
     if worst is not None and least < -ROUNDING:
         missed = f"{-100 * least:.3g}" if least > -_PLAIN else f"{-100 * least:.0f}"
         return f"infeasible: {worst.label} binds; the least violated design misses it by {missed} %"
-    binding = ", ".join(term.label for term, m in limited if m < _BINDS)
+    binding = ", ".join(term.label for term, m in limited if m < BINDS)
     parts = [f"feasible; binding: {binding or 'none'}"]
     parts += [f"{name} at the {end}" for name, end in edges.items() if name not in idle]
     parts += [f"{', '.join(idle)} of no effect on the goal"] if idle else []

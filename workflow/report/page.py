@@ -1,7 +1,7 @@
 """The report: one self-contained HTML page from the files of a study."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +16,12 @@ from surrogate import load
 from workflow.dataset import factorial
 from workflow.dataset.slabs import CARD
 from workflow.design import answers, assessment
+from workflow.language import titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, raised, shown
+from workflow.language.statements import limit
 from workflow.learning.timing import by_quantity
-from workflow.report import datum_effect, problem, whatif
+from workflow.report import datum_effect, firstscreen, problem, sentences, whatif
 from workflow.report.figures.design_kinds import kinds
 from workflow.report.svg import element, inlined
 from workflow.report.verdict import findings
@@ -108,9 +110,10 @@ def page(
         "timing": None,
         "times": [],
         "designs": [],
+        "answers": [],
         "whatif": None,
         "readouts": [],
-        "scripts": [_script(name) for name in ("numbers.js", "hover.js", "surrogate.js", "whatif.js")],
+        "scripts": [_script(name) for name in ("contents.js", "numbers.js", "hover.js", "surrogate.js", "whatif.js")],
         "effects": list(study.effects.vary) if study.effects else [],
         "verification": _verification(folder) if study.verification else None,
     }
@@ -121,7 +124,7 @@ def page(
         content["validation"] = _validation(folder)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = by_quantity(study, times)
-        answers = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
+        found = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
         content["datum_changes"] = datum_effect.changes(study)
         content["designs"] = [
             _design(answer)
@@ -129,13 +132,43 @@ def page(
                 "on_datum": datum_effect.of_design(study, target, answer),
                 "edge": datum_effect.singular_zone(study, target, answer),
             }
-            for target, answer in zip(study.design.values(), answers, strict=True)
+            for target, answer in zip(study.design.values(), found, strict=True)
+        ]
+        content["answers"] = [
+            firstscreen.answered(study, *target, answer)
+            for target, answer in zip(study.design.items(), found, strict=True)
         ]
         content["readouts"] = [_readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")
-        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers, hangs)
+        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, found, hangs)
         content["whatif_json"] = whatif.as_json(content["whatif"])
+    content["says"] = _says(study, folder, content)
     return environment.get_template("report.html.j2").render(content)
+
+
+def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, str]:
+    """The sentence of every section that the page has."""
+    says = {"provenance": sentences.provenance(content["provenance"]), "study": sentences.study(study)}
+    if study.factors:
+        validation, indices = content["validation"], read_whole(folder / "sensitivity.nc")
+        says |= {
+            "dataset": sentences.dataset(study, content["dataset"]["rows"]),
+            "surrogate": sentences.surrogate(validation["worst"], validation["tolerance"]),
+            "sensitivity": sentences.sensitivity(indices, study.of_interest),
+            "time": sentences.time(content["timing"]),
+        }
+    if content["surface"]:
+        says["surface"] = sentences.surface(content["surface"])
+    if content["answers"]:
+        reached = sentences.reached({one.name: one.verdict for one in content["answers"]})
+        says |= {"reached": reached, "design": reached}
+    if content["readouts"]:
+        says["readout"] = sentences.readout(content["readouts"])
+    if study.effects:
+        says["effects"] = sentences.effects(study)
+    if content["verification"]:
+        says["speed"] = sentences.speed(content["verification"]["timings"])
+    return says
 
 
 def _problem(study: Study) -> Markup:
@@ -179,7 +212,9 @@ def _verification(folder: Path) -> dict[str, Any]:
     groups = findings([folder / "verification" / f"{name}.json" for name in CHECK_GROUPS])
     checks = [check for group in groups for check in group["checks"]]
     return {
-        "groups": dict(zip(CHECK_GROUPS, groups, strict=True)),
+        "groups": {
+            name: group | {"says": sentences.checks(group)} for name, group in zip(CHECK_GROUPS, groups, strict=True)
+        },
         "checks": len(checks),
         "green": sum(check["passed"] for check in checks),
         "timings": [timing for group in groups for timing in group["timings"]],
@@ -294,6 +329,7 @@ def _design(data: xr.Dataset) -> dict[str, Any]:
     terms = [
         {
             "name": str(name),
+            "title": titles.objective(str(name)) if np.isnan(one["limit"]) else titles.limited(limit(str(name))),
             "inside": bool(one["inside"]),
             "broken": float(one["margin"]) < -assessment.ROUNDING,
             **{key: float(one[key]) for key in ("predicted", "half", "exact", "limit", "margin")},

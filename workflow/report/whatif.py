@@ -17,6 +17,7 @@ from workflow.design.sources import Predicted
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
+from workflow.language.titles import title
 from workflow.study.categories import Kinds, output
 from workflow.study.datum import HANGING, meaning
 from workflow.study.model import Study
@@ -54,7 +55,8 @@ def content(
     return {
         "surrogate": stored,
         "quantities": [
-            {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs)} for name in study.outputs
+            {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs), "title": title(name)}
+            for name in study.outputs
         ],
         "categories": study.categories,
         "kinds": [_kind(study, model, kind) for kind in study.combinations],
@@ -108,7 +110,7 @@ def _target(name: str, target: Target, answer: xr.Dataset) -> dict[str, Any]:
                 "units": str(one["units"].values),
                 "judged": limit.probability is None and not limit.deviation,
                 "exact": exact if np.isfinite(exact) else None,
-                "held": bool(one["margin"] >= 0),
+                "held": bool(one["margin"] >= -assessment.ROUNDING),
             }
         )
     ranges = target.worst_case | {factor: list(one.support) for factor, one in target.uncertain.items()}

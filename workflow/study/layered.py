@@ -66,9 +66,18 @@ class BodyLayer(Strict):
                 raise ValueError(f"{kind}: {value:g} is not {FACTORS[kind].allowed}")
         return self
 
-    def made(self, values: Mapping[str, float], found: Callable[[str], Material], phases: Sequence[str]) -> Layer:
+    def at(self, values: Mapping[str, Any]) -> dict[str, float]:
+        """The layer's numbers, with factors at values."""
+        return {kind: float(values[one] if isinstance(one, str) else one) for kind, one in self.numbers.items()}
+
+    def plain(self, values: Mapping[str, Any]) -> dict[str, float | str]:
+        """The layer by the factors of a single film."""
+        kind = {"material": self.material} if self.material else {"composite": str(self.composite)}
+        return {**kind, **self.at(values)}
+
+    def made(self, values: Mapping[str, Any], found: Callable[[str], Material], phases: Sequence[str]) -> Layer:
         """The solver's layer, with factors at values."""
-        at = {kind: values[one] if isinstance(one, str) else one for kind, one in self.numbers.items()}
+        at = self.at(values)
         if self.material is not None:
             material = found(self.material)
         elif self.composite == "AlScN":

@@ -28,7 +28,8 @@ def test_answers_as_a_table_and_as_json(ran: Project) -> None:
     words += ["--worst-case", "friction=0.1:0.4", "--limit", "trailing_tension<5e7"]
     table = asked(ran, *words)
     assert table.startswith(
-        "maximise abs(voltage_sensitivity)\nfeasible; binding: trailing_tension<5e7\npolish: on the exact solver\n"
+        "maximise abs(voltage_sensitivity)\nRecommended: tension behind the contact of 50 MPa stops it.\n"
+        "feasible; binding: trailing_tension<5e7\npolish: on the exact solver\n"
     )
     found = json.loads(asked(ran, *words, "--json"))
     assert found["polish"] == "on the exact solver"

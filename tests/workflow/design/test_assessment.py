@@ -11,7 +11,7 @@ import yaml
 
 from solver import solve
 from workflow.dataset import factorial
-from workflow.design import assessment, search
+from workflow.design import assessment, search, spoken
 from workflow.learning import training
 from workflow.report.figures.design_plots import figures_of
 from workflow.study import model as studies
@@ -132,6 +132,15 @@ def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: 
     # the same box, of which the question asks for a part
     answer = ask(SQUARE, {"load": 1e4}, over={"volume_fraction": {"high": 0.7}, "radius": {}}, **target)
     assert "volume_fraction at the upper end of the range asked for" in answer["status"].item()
+    words = spoken.verdict(answer)
+    assert words.stops == "volume fraction at its upper end as asked for (0.7) stops it."
+    assert words.idle == "Radius does not matter to the goal."
+    # what a little more would bring, from the exact solver
+    at = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "radius": 0.1}
+    strokes = np.log(np.abs(solve({**at, "volume_fraction": 0.7 * np.array([0.9999, 1.0001])})["stroke_per_volt"]))
+    weight = spoken.multipliers(answer, [], {"volume_fraction": "upper end"})["volume_fraction"]
+    assert weight == pytest.approx(float(strokes[1] - strokes[0]) / 2e-4, rel=2e-3)
+    assert words.advice.startswith("By the gradient, volume fraction of 0.77 would likely bring ")
 
 
 def test_next_to_zero_an_error_costs_units_and_no_share(ask: Ask) -> None:

@@ -1,0 +1,78 @@
+"""Verdicts in words: what an optimum's own conditions say, on goals whose best is known by hand."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from workflow.design import spoken
+
+
+def design(
+    exact: list[float],
+    limits: list[float],
+    elasticity: list[list[float]],
+    edge: tuple[str, str] = ("", ""),
+    **more: Any,
+) -> xr.Dataset:
+    """A design of radius and load with stroke_per_volt for its goal, trailing_tension and peak_pressure limited."""
+    terms = ["stroke_per_volt", "trailing_tension <= 50 MPa", "peak_pressure <= 500 MPa"][: len(exact)]
+    bounds = np.array([np.nan, *limits])
+    return xr.Dataset(
+        {
+            "exact": ("term", exact),
+            "limit": ("term", bounds),
+            "margin": ("term", (bounds - exact) / bounds),
+            "units": ("term", ["m V-1", "Pa", "Pa"][: len(exact)]),
+            "elasticity": (("factor", "term"), elasticity),
+            "value": ("factor", [0.2, 1e4]),
+            "edge": ("factor", list(edge)),
+            "matters": ("factor", more.get("matters", [True, True])),
+        },
+        {"factor": ["radius", "load"], "term": terms},
+        {"goal": more.get("goal", "maximise stroke_per_volt")},
+    )
+
+
+def test_a_limit_or_nothing_stops_a_recommended_design() -> None:
+    held = spoken.verdict(design([1e-9, 50e6, 1e6], [50e6, 500e6], [[1.0, 1, 0], [2, 2, 0]]))
+    assert str(held) == "Recommended: tension behind the contact of 50 MPa stops it."
+    free = spoken.verdict(design([1e-9, 5e6, 1e6], [50e6, 500e6], [[0.0, 1, 0], [0, 2, 0]], matters=[False, True]))
+    assert (
+        str(free) == "Recommended: best within the ranges, and no limit stops it. Radius does not matter to the goal."
+    )
+
+
+@pytest.mark.parametrize(("farther", "goal"), [(2.0, 1e-9), (3.0, 1e-9), (2.0, -1e-9)])
+def test_an_end_is_worth_its_multiplier(farther: float, goal: float) -> None:
+    """R^n P under R P <= constant, R at its upper end: P follows R, so that the goal grows as R^(n-1)."""
+    answer = design([goal, 50e6], [50e6], [[farther, 1.0], [1.0, 1.0]], ("upper end of the studied range", ""),
+                    goal=f"{'maximise' if goal > 0 else 'minimise'} stroke_per_volt")  # fmt: skip
+    told = spoken.verdict(answer)
+    assert told.kind == spoken.AT_EDGE
+    assert spoken.multipliers(answer, ["trailing_tension <= 50 MPa"], {"radius": "upper end"}) == pytest.approx(
+        {"radius": farther - 1}
+    )
+    assert told.stops == "radius at its upper end (200 mm) and tension behind the contact of 50 MPa stop it."
+    assert told.advice == f"By the gradient, radius of 220 mm would likely bring {10 * (farther - 1):g} % more."
+
+
+def test_a_gradient_that_nothing_explains_promises_nothing() -> None:
+    answer = design([1e-9, 5e6], [50e6], [[1.0, 1.0], [1.0, 1.0]], ("upper end of the studied range", ""))
+    assert spoken.multipliers(answer, [], {"radius": "upper end"}) == {}
+    assert spoken.verdict(answer).advice == "A better design may lie beyond."
+
+
+def test_a_miss_says_by_how_much_and_what_would_help() -> None:
+    answer = design([1e-9, 91.751e6], [50e6], [[1.0, -0.5], [1.0, 1.0]], ("upper end of the studied range", ""))
+    told = spoken.verdict(answer)
+    assert told.kind == spoken.UNREACHABLE
+    assert told.stops == (
+        "tension behind the contact must be at most 50 MPa and comes to 91.75 MPa, 83.5 % beyond, in the least "
+        "violated design."
+    )
+    assert told.advice == (
+        "A limit on tension behind the contact of 91.8 MPa would make it reachable. "
+        "Radius of 220 mm would likely change it by 5 % for the better."
+    )

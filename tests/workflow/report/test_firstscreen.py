@@ -1,0 +1,115 @@
+"""The first screen's sentences and drawings follow their numbers."""
+
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from tests.workflow.conftest import Project
+from workflow.design.spoken import verdict
+from workflow.report import device, firstscreen, sentences
+from workflow.report.device import Device
+from workflow.report.firstscreen import Case
+from workflow.report.svg import ACCENT, BAD
+from workflow.study.model import load
+
+FILM = Device("cylinder", "leading", 0.05, 6e-4, 5e-4, 1e4, thickness=3e-4, base="steel", grounded=True)
+
+
+def horizontals(drawing: str, colour: str) -> list[float]:
+    """Lengths of the horizontal lines of a colour, in pixels."""
+    lines = re.findall(rf'<line x1="([\d.]+)" y1="([\d.]+)" x2="([\d.]+)" y2="([\d.]+)" stroke="{colour}"', drawing)
+    return [float(x1) - float(x0) for x0, y0, x1, y1 in lines if y0 == y1 and float(x1) > float(x0)]
+
+
+def test_both_parts_of_a_drawing_are_to_scale() -> None:
+    drawing = device.draw(FILM, "a film")
+    contact_whole, contact_near = horizontals(drawing, BAD)
+    interface = [float(y) for y in re.findall(rf'y1="([\d.]+)" x2="[\d.]+" y2="[\d.]+" stroke="{ACCENT}"', drawing)]
+    assert (interface[-1] - 128) / contact_near == pytest.approx(3e-4 / 1.1e-3, rel=1e-3)
+    # the whole punch is two radii wide
+    outline = re.findall(r'<polyline points="([^"]+)"', drawing)[0].split()
+    places = [float(point.partition(",")[0]) for point in outline]
+    assert (max(places) - min(places)) / 0.1 * 1.1e-3 == pytest.approx(contact_whole, abs=0.02)
+    assert f"at {FILM.magnified:.0f} times that scale" in drawing
+    assert contact_near / contact_whole == pytest.approx(FILM.magnified, rel=0.01)
+    for words in ("R = 50 mm", "1.1 mm", "film 300 µm", "steel, grounded electrode between", "10 kN m⁻¹", "slides"):
+        assert words in drawing
+
+
+@pytest.mark.parametrize(
+    ("one", "words"),
+    [
+        (Device("flat", "leading", 4e-3, 2e-3, 2e-3, 1e4), "w = 4 mm"),
+        (Device("wedge", "leading", 0.02, 3e-3, 0.0, 1e4), "slope 0.02"),
+        (Device("half_cylinder", "trailing", 0.03, 0.0, 2e-3, 1e4, conducts=False), "R = 30 mm"),
+    ],
+)
+def test_every_punch_touches_its_contact(one: Device, words: str) -> None:
+    x = np.linspace(-one.leading, one.trailing, 9)[1:-1]
+    assert np.all(one.heights(x) <= one.sunk * (1 + 1e-6))
+    drawing = device.draw(one, "a punch")
+    assert words in drawing
+    assert "half-plane" in drawing
+    assert ("polyline" in drawing) == one.conducts
+
+
+def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
+    study = load(ran.folder / "config/small.yaml")
+    folder, target = ran.folder / "results/small/design", study.design["sensor"]
+    found = xr.load_dataset(folder / "sensor.nc")
+    one = firstscreen.answered(study, "sensor", target, found)
+    assert one.reachable
+    assert one.limit == "Tension behind the contact of 50 MPa stops it."
+    assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane", one.body)
+    assert one.good.endswith(" of voltage per load (ground 1 m away) at worst over friction 0.1 to 0.4")
+    other = found.copy(deep=True)
+    other["exact"][0] *= 2
+    other["cost"][:] *= 2
+    other["worst"].loc[{"factor": "radius"}] = 0.05
+    changed = firstscreen.answered(study, "sensor", target, other)
+    assert changed.punch == "R = 50 mm" != one.punch
+    number = [float(text.good.split("\N{NO-BREAK SPACE}")[0]) for text in (one, changed)]
+    assert number[1] == pytest.approx(2 * number[0], rel=0.01)
+    assert changed.cost != one.cost
+    assert changed.sure != one.sure
+    assert changed.drawing != one.drawing
+    missed = verdict(xr.load_dataset(folder / "impossible.nc"))
+    assert sentences.reached({"sensor": one.verdict, "a_b": missed}) == "A b is not reachable (1 of 2 targets)."
+    assert sentences.reached({"sensor": one.verdict}) == "The target is reachable."
+
+
+def test_the_body_is_said_by_what_it_is() -> None:
+    study = load("config/film.yaml")
+    case: Case = {"composite": "fibrous", "volume_fraction": 0.67, "thickness": 2.3e-4, "base": "steel", "radius": 0.05}
+    assert firstscreen.body_in_words(study, case) == "Fibrous, 67 % BaTiO3, 230 µm on steel"
+    assert firstscreen.body_in_words(study, {**case, "base": "rigid"}).endswith("on a rigid base")
+    half = load("config/quickstart.yaml")
+    assert firstscreen.body_in_words(half, {"material": "PZT-4"}) == "PZT-4, a half-plane"
+    scandium: Case = {"composite": "AlScN", "scandium_fraction": 0.3}
+    assert firstscreen.body_in_words(half, scandium) == "Al(0.7)Sc(0.3)N, a half-plane"
+    assert firstscreen.punch_in_words({"profile": "flat", "width": 2e-3}) == "flat punch 2 mm wide"
+    assert firstscreen.punch_in_words({"profile": "wedge", "slope": 0.02}) == "wedge of slope 0.02"
+
+
+def test_every_section_says_what_its_numbers_say() -> None:
+    worst = {"name": "voltage", "error": 4.7e-7}
+    assert sentences.surrogate(worst, 1e-6) == "Largest error 4.7×10⁻⁷ of range (voltage): asked 1×10⁻⁶, met."
+    assert sentences.surrogate(worst, 1e-7).endswith("asked 1×10⁻⁷, not met.")
+    times = {"exact_per_scattered_case": 1e-5, "surrogate_mean_std_per_query": 3e-5}
+    assert sentences.time(times) == "On scattered cases the exact solver is 3 times faster than the surrogate."
+    times["exact_per_scattered_case"] = 6e-5
+    assert sentences.time(times) == "On scattered cases the surrogate is 2 times faster than the exact solver."
+    totals = xr.DataArray([[0.2, 0.9]], {"output": ["voltage"], "input": ["load", "charge"]}).to_dataset(name="total")
+    assert sentences.sensitivity(totals, ["voltage"]).startswith("Voltage hangs most on charge (90 %)")
+    rows = [{"name": "a", "error": 2e-4, "tolerance": 1e-3, "passed": True}]
+    assert (
+        sentences.checks({"checks": rows}) == "1 of 1 checks are green; the largest error is 20 % of its tolerance (a)."
+    )
+    assert sentences.readout([{"cases": 50, "rows": [{"name": "load", "coverage": 0.96, "width": 0.01}]}]) == (
+        "Load is read to 1 %, and its 95 % interval held it in 96 % of 50 cases."
+    )
+    study = load("config/parametric.yaml")
+    assert study.effects is not None
+    assert all(name.replace("_", " ") in sentences.effects(study) for name in study.effects.vary)

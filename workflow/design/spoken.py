@@ -1,0 +1,218 @@
+"""The verdict on a design in words: recommended, at the edge of the studied range, or not reachable."""
+
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from workflow.design.assessment import BINDS, ROUNDING
+from workflow.language import statements, titles
+from workflow.language.factors import FACTORS
+from workflow.language.numbers import number, shown
+from workflow.language.titles import capital, listed
+
+Array = NDArray[np.float64]
+
+RECOMMENDED, AT_EDGE, UNREACHABLE = "recommended", "at the edge of the studied range", "not reachable"
+
+_FARTHER = 0.1  # share by which an end of a range is moved in words
+_UNEXPLAINED = 0.1  # share of a gradient that limits and ends may leave, and yet explain the optimum
+_NOTHING = 1e-3  # least share that a moved end must bring to be told
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a design comes to.
+
+    Attributes
+    ----------
+    kind
+        ``RECOMMENDED``, ``AT_EDGE`` or ``UNREACHABLE``.
+    stops
+        What stops the design from being better, in words.
+    advice
+        What would make it better, or reachable; empty where nothing is known to.
+    idle
+        Which variables do not matter; empty where all do.
+    """
+
+    kind: str
+    stops: str
+    advice: str = ""
+    idle: str = ""
+
+    def __str__(self) -> str:
+        return " ".join([f"{capital(self.kind)}: {self.stops}", *filter(None, (self.advice, self.idle))])
+
+
+def verdict(answer: xr.Dataset) -> Verdict:
+    """The verdict on one design.
+
+    Parameters
+    ----------
+    answer
+        As :func:`workflow.design.search.answer` gives it, with its attributes.
+    """
+    limits = [_Limit.of(answer, str(name)) for name in answer["term"].values if _limited(answer, str(name))]
+    idle = [str(name) for name in answer["factor"].values if not bool(answer["matters"].sel(factor=name))]
+    edges = {
+        str(name): str(edge)
+        for name, edge in zip(answer["factor"].values, answer["edge"].values, strict=True)
+        if edge and name not in idle
+    }
+    unmoved = f"{capital(listed(idle))} {'do' if len(idle) > 1 else 'does'} not matter to the goal." if idle else ""
+    broken = [limit for limit in limits if limit.margin < -ROUNDING]
+    if broken:
+        return Verdict(UNREACHABLE, _missed(broken), _way_out(answer, broken, edges), unmoved)
+    binding = [limit for limit in limits if limit.margin < BINDS]
+    stops = [f"{titles.title(name)} at {_end(edge)} ({_value(answer, name)})" for name, edge in edges.items()]
+    stops += [limit.words for limit in binding]
+    told = f"{listed(stops)} {'stop' if len(stops) > 1 else 'stops'} it."
+    if edges:
+        return Verdict(AT_EDGE, told, _enlarged(answer, binding, edges), unmoved)
+    return Verdict(RECOMMENDED, told if stops else "best within the ranges, and no limit stops it.", "", unmoved)
+
+
+@dataclass(frozen=True)
+class _Limit:
+    """A limit and what it came to."""
+
+    label: str
+    parsed: statements.Limit
+    exact: float
+    margin: float
+    units: str
+
+    @classmethod
+    def of(cls, answer: xr.Dataset, label: str) -> "_Limit":
+        one = answer.sel(term=label)
+        return cls(
+            label,
+            statements.limit(label),
+            float(one["exact"]),
+            float(one["margin"]),
+            str(one["units"].values),
+        )
+
+    @property
+    def name(self) -> str:
+        return titles.limited(self.parsed)
+
+    @property
+    def words(self) -> str:
+        chance = self.parsed.probability
+        promised = f" with probability {chance:g}" if chance is not None else ""
+        return f"{self.name} of {shown(self.parsed.value, self.units, 4)}{promised}"
+
+
+def _limited(answer: xr.Dataset, term: str) -> bool:
+    return bool(np.isfinite(answer["limit"].sel(term=term)))
+
+
+def _value(answer: xr.Dataset, name: str) -> str:
+    return titles.value(name, float(answer["value"].sel(factor=name)))
+
+
+def _end(edge: str) -> str:
+    """An end of a range, told from an end of the part of it that was asked for."""
+    return f"its {edge.removesuffix(' of the studied range').replace(' of the range asked for', ' as asked for')}"
+
+
+def _missed(broken: list[_Limit]) -> str:
+    """By how much which limits are missed."""
+    parts = [
+        f"{one.name} must be {'at most' if one.parsed.upper else 'at least'} "
+        f"{shown(one.parsed.value, one.units, 4)} and comes to {shown(one.exact, one.units, 4)}, "
+        f"{number(-100 * one.margin, 4)} % beyond"
+        for one in broken
+    ]
+    return f"{'; '.join(parts)}, in the least violated design."
+
+
+def _way_out(answer: xr.Dataset, broken: list[_Limit], edges: dict[str, str]) -> str:
+    """Limits that this design would keep, and the end of a range that, moved, would lessen the miss."""
+    loosened = [f"{one.name} of {_rounded_away(one)}" for one in broken]
+    ways = [f"A limit on {listed(loosened)} would make it reachable."]
+    if len(broken) == 1:
+        one = broken[0]
+        sign = -1.0 if one.parsed.upper else 1.0  # less of an upper limit's value helps
+        slopes = sign * np.sign(one.exact) * answer["elasticity"].sel(term=one.label)
+        for name, edge in edges.items():
+            change = _moved(answer, name, edge)
+            gain = float(slopes.sel(factor=name)) * change
+            if gain > _NOTHING:
+                ways.append(
+                    f"{capital(_to(answer, name, change))} would likely change it by {_percent(gain)} for the better."
+                )
+    return " ".join(ways)
+
+
+def _rounded_away(one: _Limit) -> str:
+    """A limit that the design keeps, in three digits: rounded to the side that is kept."""
+    digits = ROUND_CEILING if one.parsed.upper else ROUND_FLOOR
+    rounded = Context(prec=3, rounding=digits).create_decimal_from_float(one.exact)
+    return shown(float(rounded), one.units, 4)
+
+
+def _enlarged(answer: xr.Dataset, binding: list[_Limit], edges: dict[str, str]) -> str:
+    """What moving the ends of the ranges would likely bring, by the multipliers of the optimum."""
+    if int(np.isnan(answer["limit"].values).sum()) > 1:  # a compromise of several goals has no one gradient
+        return "A better design may lie beyond."
+    gains = multipliers(answer, [one.label for one in binding], edges)
+    parts = []
+    for name, edge in edges.items():
+        change = _moved(answer, name, edge)
+        gain = gains.get(name, np.nan) * abs(change)
+        if gain > _NOTHING:
+            parts.append(f"{_to(answer, name, change)} would likely bring {_percent(gain)} more")
+    return f"By the gradient, {listed(parts)}." if parts else "A better design may lie beyond."
+
+
+def multipliers(answer: xr.Dataset, binding: list[str], edges: dict[str, str]) -> dict[str, float]:
+    """Relative gain of the objective for a relative move outwards of every end at which a variable stands.
+
+    At an optimum the objective's gradient is a sum of those of the limits that bind and of the ends of the ranges, none
+    with a negative weight (Karush, Kuhn and Tucker): the weights, by non-negative least squares on the elasticities.
+    Nothing where they do not explain the gradient, as at a kink.
+    """
+    goal = str(answer["term"].values[0])
+    known = [str(name) for name in answer["factor"].values if np.isfinite(answer["elasticity"].sel(factor=name)[0])]
+    ends = [name for name in edges if name in known]
+
+    def slopes(term: str, sign: float) -> Array:
+        one = answer.sel(term=term, factor=known)
+        return np.asarray(sign * np.sign(float(one["exact"])) * one["elasticity"].values)
+
+    columns = [slopes(label, statements.limit(label).sign) for label in binding]
+    columns += [_outward(edges[name]) * (np.array(known) == name) for name in ends]
+    wanted = slopes(goal, 1.0 if str(answer.attrs["goal"]).startswith("maximise") else -1.0)
+    if not ends or not np.all(np.isfinite(columns)):
+        return {}
+    weights, left = nnls(np.stack(columns, -1).astype(np.float64), wanted)
+    explained = left <= _UNEXPLAINED * np.linalg.norm(wanted)
+    return dict(zip(ends, map(float, weights[len(binding) :]), strict=True)) if explained else {}
+
+
+def _outward(edge: str) -> float:
+    return 1.0 if edge.startswith("upper") else -1.0
+
+
+def _moved(answer: xr.Dataset, name: str, edge: str) -> float:
+    """Relative change of a variable that moves its end outwards, no farther than it has a meaning."""
+    value = float(answer["value"].sel(factor=name))
+    if value == 0:
+        return 0.0
+    end = value + _outward(edge) * _FARTHER * abs(value)
+    return float(np.clip(end, FACTORS[name].low, FACTORS[name].high)) / value - 1
+
+
+def _to(answer: xr.Dataset, name: str, change: float) -> str:
+    value = float(answer["value"].sel(factor=name)) * (1 + change)
+    return f"{titles.title(name)} of {titles.value(name, value)}"
+
+
+def _percent(share: float) -> str:
+    return f"{number(100 * share, 2)} %"

@@ -1,0 +1,117 @@
+"""Readable names of quantities, factors, expressions and limits: what a page says before the name of the interface."""
+
+from collections.abc import Sequence
+
+from solver.names import ALL_QUANTITIES
+from workflow.language import statements
+from workflow.language.expressions import Call, Expression, Name, Operation
+from workflow.language.factors import FACTORS
+from workflow.language.numbers import shown
+
+#: What names are called whose words alone do not say it.
+TITLES = {
+    "volume_fraction": "volume fraction",
+    "contact_trailing": "trailing extent of the contact",
+    "contact_leading": "leading extent of the contact",
+    "trailing_tension": "tension behind the contact",
+    "leading_compression": "stress ahead of the contact",
+    "peak_pressure": "contact pressure",
+    "voltage_sensitivity": "voltage per load",
+    "magnetic_sensitivity": "magnetic potential per load",
+    "charge_sensitivity": "charge per force",
+    "flux_sensitivity": "flux per force",
+    "nominal_field": "electric field over the thickness",
+    "peak_von_mises": "von Mises stress in the body",
+    "peak_principal_tension": "tension in the body",
+    "film_peak_von_mises": "von Mises stress in the film",
+    "film_peak_principal_tension": "tension in the film",
+    "interface_shear": "shear of the interface",
+    "interface_tension": "tension of the interface",
+}
+
+
+def title(name: str) -> str:
+    """A quantity or factor in words.
+
+    Examples
+    --------
+    >>> title("charge_sensitivity"), title("stroke_per_volt")
+    ('charge per force', 'stroke per volt')
+    """
+    return TITLES.get(name, name.replace("_", " "))
+
+
+def capital(text: str) -> str:
+    """A sentence from its words: its first letter a capital one, the others as they are.
+
+    Examples
+    --------
+    >>> capital("kV on BaTiO3")
+    'KV on BaTiO3'
+    """
+    return text[:1].upper() + text[1:]
+
+
+def listed(words: Sequence[str]) -> str:
+    """Words with commas between them, and an "and" before the last.
+
+    Examples
+    --------
+    >>> listed(["load", "radius", "friction"])
+    'load, radius and friction'
+    """
+    return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
+
+
+def spoken(expression: Expression, text: str) -> str:
+    """A name, its size, or the ratio of two in words; any other expression as the study writes it.
+
+    Examples
+    --------
+    >>> from workflow.language import grammar
+    >>> [spoken(grammar.parse(text), text) for text in ("abs(voltage) / load", "load^2 + 1")]
+    ['voltage over load', 'load^2 + 1']
+    """
+    if isinstance(expression, Name):
+        return title(expression.name)
+    if isinstance(expression, Call) and expression.function == "abs":
+        return spoken(expression.arguments[0], text)
+    if isinstance(expression, Operation) and expression.symbol == "/":
+        parts = [spoken(part, "") for part in (expression.left, expression.right)]
+        return " over ".join(parts) if all(parts) else text
+    return text
+
+
+def objective(text: str) -> str:
+    """What is wanted, in words.
+
+    Examples
+    --------
+    >>> objective("abs(charge_sensitivity)")
+    'charge per force'
+    """
+    return spoken(statements.objective(text).expression, text)
+
+
+def limited(limit: statements.Limit) -> str:
+    """What a limit bounds, in words.
+
+    Examples
+    --------
+    >>> limited(statements.limit("trailing_tension <= 50 MPa"))
+    'tension behind the contact'
+    """
+    text = limit.text.partition("<" if limit.upper else ">")[0].strip()
+    words = spoken(limit.expression, text)
+    return f"deviation of {words}" if limit.deviation and words != text else words
+
+
+def value(name: str, number: float, digits: int = 4) -> str:
+    """A factor's or quantity's value with its unit.
+
+    Examples
+    --------
+    >>> value("radius", 0.05)
+    '50 mm'
+    """
+    return shown(number, (FACTORS[name] if name in FACTORS else ALL_QUANTITIES[name]).units, digits)

@@ -1,0 +1,225 @@
+"""The drawing to scale of a design: the punch on its body whole, and its contact magnified; from the numbers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from markupsafe import escape
+from numpy.typing import NDArray
+
+from workflow.language.numbers import number, shown
+from workflow.report.svg import ACCENT, BAD, BODY, INK, PAPER, PUNCH, SOFT
+
+Array = NDArray[np.float64]
+
+_WIDTH, _HEIGHT = 560, 250
+_SURFACE = 128.0  # height of the surface in the picture
+_WHOLE, _NEAR = (14.0, 206.0), (236.0, 546.0)  # from x to x: the punch whole, and its contact
+_TOP, _LOW = 26.0, 222.0  # of either part
+_DEVICE = 84.0  # height of a whole punch
+_WIDER = 2.6  # times the contact that the magnified part shows, or more
+_DEEP = 62.0  # of the magnified film, at most
+_TIPS = 10.0  # half of the least length that has room for two arrows
+_LINE = 22.0  # height of a line of text
+_POINTS = 97
+_BOTH_ENDS = f'stroke="{INK}" stroke-width="1.6" marker-start="url(#tip)" marker-end="url(#tip)"'
+
+
+@dataclass(frozen=True)
+class Device:
+    """A punch on its body, in SI units.
+
+    Attributes
+    ----------
+    profile, corner
+        Shape of the punch and the side of its sharp edge, as the interface names them.
+    size
+        Radius of a circle, width of a flat punch, slope of a wedge.
+    trailing, leading
+        Extents of the contact.
+    load
+        Load per length.
+    conducts
+        Whether the punch is an electrode.
+    thickness, base, grounded
+        Of a film: thickness, its base in words, and whether an electrode lies between them; None on a half-plane.
+    """
+
+    profile: str
+    corner: str
+    size: float
+    trailing: float
+    leading: float
+    load: float
+    conducts: bool = True
+    thickness: float | None = None
+    base: str = ""
+    grounded: bool = False
+
+    @property
+    def contact(self) -> float:
+        """Width of the contact [m]."""
+        return self.trailing + self.leading
+
+    @property
+    def reach(self) -> float:
+        """Half the width of the whole punch [m]."""
+        if self.profile == "wedge":
+            return 2 * self.contact
+        return self.size / 2 if self.profile == "flat" else self.size
+
+    def heights(self, x: Array) -> Array:
+        """Of the punch's face over its lowest point [m]; NaN beside the punch."""
+        if self.profile == "flat":
+            return np.where(np.abs(x) <= self.size / 2, 0.0, np.nan)
+        if self.profile == "wedge":
+            ahead = self._ahead(x)
+            return np.where(ahead >= 0, abs(self.size) * ahead, np.nan)
+        ahead = x if self.profile == "cylinder" else self._ahead(x)
+        inside = (np.abs(ahead) <= self.size) & ((self.profile == "cylinder") | (ahead >= 0))
+        return np.where(inside, self.size - np.sqrt(np.maximum(self.size**2 - ahead**2, 0.0)), np.nan)
+
+    def _ahead(self, x: Array) -> Array:
+        """How far from the sharp edge, towards the other."""
+        return x + self.leading if self.corner == "leading" else self.trailing - x
+
+    @property
+    def sunk(self) -> float:
+        """How far the lowest point is below the ends of the contact [m]."""
+        ends = self.heights(np.array([-self.leading, self.trailing]) * (1 - 1e-9))
+        return float(np.nanmax(ends)) if np.any(np.isfinite(ends)) else 0.0
+
+    @property
+    def magnified(self) -> float:
+        """Scale of the magnified part over that of the whole."""
+        return self._near_scale / self._whole_scale
+
+    @property
+    def _whole_scale(self) -> float:
+        """Pixels a metre of the whole punch."""
+        return (_WHOLE[1] - _WHOLE[0] - 24) / (2 * self.reach)
+
+    @property
+    def _near_scale(self) -> float:
+        wide = (_NEAR[1] - _NEAR[0]) / (_WIDER * self.contact)
+        return wide if self.thickness is None else min(wide, _DEEP / self.thickness)
+
+
+def draw(device: Device, title: str) -> str:
+    """The drawing as SVG.
+
+    Parameters
+    ----------
+    device
+        What is drawn.
+    title
+        What it shows, for those who do not see it.
+    """
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-size="14">',
+        f"<title>{escape(title)}</title>",
+        f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="{PAPER}"/>',
+        '<marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" '
+        'orient="auto-start-reverse"><path d="M0 0 8 4 0 8z" fill="context-stroke"/></marker>',
+        *_part(device, _WHOLE, device._whole_scale),
+        *_part(device, _NEAR, device._near_scale),
+        *_loads(device),
+        *_dimensions(device),
+        "</svg>",
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def _part(device: Device, ends: tuple[float, float], scale: float) -> list[str]:
+    """Body and punch between two places of the picture, with its middle under the contact's, to scale."""
+    left, right = ends
+    middle = (device.trailing - device.leading) / 2
+    parts = [f'<rect x="{left}" y="{_SURFACE}" width="{right - left}" height="{_LOW - _SURFACE}" fill="{BODY}"/>']
+    if device.thickness is not None:
+        interface = min(_SURFACE + max(device.thickness * scale, 1.2), _LOW)
+        size = f'width="{right - left}" height="{_LOW - interface:.2f}"'
+        parts.append(f'<rect x="{left}" y="{interface:.2f}" {size} fill="{PUNCH}"/>')
+        if device.grounded:
+            parts.append(_line(left, interface, right, interface, ACCENT, 2.2))
+    x = middle + np.linspace(left - right, right - left, _POINTS) / 2 / scale
+    x = np.unique(np.concatenate([x, _edges(device)]))
+    x = x[np.abs(x - middle) * scale <= (right - left) / 2 * (1 + 1e-9)]
+    heights = device.heights(x)
+    x, heights = x[np.isfinite(heights)], heights[np.isfinite(heights)]
+    places = (left + right) / 2 + (x - middle) * scale
+    faces = np.maximum(_SURFACE - (heights - device.sunk) * scale, _TOP)
+    top = max(_TOP, _SURFACE - _DEVICE) if scale == device._whole_scale else _TOP
+    outline = " ".join(f"{place:.2f},{max(face, top):.2f}" for place, face in zip(places, faces, strict=True))
+    parts.append(_line(left, _SURFACE, right, _SURFACE))
+    parts.append(
+        f'<polygon points="{places[0]:.2f},{top} {outline} {places[-1]:.2f},{top}" fill="{PUNCH}" stroke="{INK}"/>'
+    )
+    if device.conducts:
+        parts.append(f'<polyline points="{outline}" fill="none" stroke="{ACCENT}" stroke-width="2.2"/>')
+    a, b = ((left + right) / 2 + (end - middle) * scale for end in (-device.leading, device.trailing))
+    parts.append(_line(a, _SURFACE, max(b, a + 1.2), _SURFACE, BAD, 4))
+    return parts
+
+
+def _edges(device: Device) -> Array:
+    """Where a punch has sharp edges [m], just inside."""
+    inside = 1 - 1e-9
+    if device.profile == "flat":
+        return np.array([-0.5, 0.5]) * device.size * inside
+    return np.array([-device.leading, device.trailing, -device.reach, device.reach]) * inside
+
+
+def _loads(device: Device) -> list[str]:
+    """Load and direction of sliding, beside the whole punch."""
+    middle = sum(_WHOLE) / 2
+    return [
+        _line(middle, 4, middle, 38, BAD, 1.6, tip=True),
+        _text(middle + 8, 16, shown(device.load, "N m-1", 3), BAD, "start"),
+        _line(_WHOLE[0] + 56, 28, _WHOLE[0] + 4, 28, BAD, 1.6, tip=True),
+        _text(_WHOLE[0] + 4, 18, "slides", BAD, "start"),
+    ]
+
+
+def _dimensions(device: Device) -> list[str]:
+    """Radius or width, contact and thickness with their numbers, and the magnification."""
+    middle, near = sum(_WHOLE) / 2, sum(_NEAR) / 2
+    half = device.contact * device._near_scale / 2
+    names = {"flat": "w = ", "wedge": "slope "}
+    size = number(device.size, 3) if device.profile == "wedge" else shown(device.size, "m", 3)
+    cornered = device.profile in ("wedge", "half_cylinder")  # and lies on one side of its edge
+    aside = (38 if device.corner == "leading" else -38) if cornered else 0
+    parts = [
+        _text(middle + aside, _SURFACE - 50, names.get(device.profile, "R = ") + size, INK),
+        _text(_WHOLE[0], _HEIGHT - 10, "to scale", SOFT, "start"),
+        _text(_NEAR[0], _HEIGHT - 10, f"the contact, at {number(device.magnified, 2)} times that scale", SOFT, "start"),
+        *([_span(near - half, near + half, _SURFACE - 16)] if half > _TIPS else []),
+        _text(near, _SURFACE - 24, shown(device.contact, "m", 3), INK),
+    ]
+    if device.thickness is None:
+        return [*parts, _text(_NEAR[0] + 8, _LOW - 10, "half-plane", SOFT, "start")]
+    interface = _SURFACE + device.thickness * device._near_scale
+    place, below = _NEAR[1] - 14, ", grounded electrode between" if device.grounded else ""
+    words = (_SURFACE + interface) / 2 + 5 if interface - _SURFACE > _LINE else interface + _LINE - 4
+    return [
+        *parts,
+        f'<path d="M{place} {_SURFACE} V{interface:.2f}" {_BOTH_ENDS}/>',
+        _text(place - 8, words, f"film {shown(device.thickness, 'm', 3)}", INK, "end"),
+        _text(_NEAR[0] + 8, _LOW - 10, escape(device.base) + below, SOFT, "start"),
+    ]
+
+
+def _line(
+    x0: float, y0: float, x1: float, y1: float, colour: str = INK, wide: float = 1.2, *, tip: bool = False
+) -> str:
+    end = ' marker-end="url(#tip)"' if tip else ""
+    return (
+        f'<line x1="{x0:.2f}" y1="{y0:.2f}" x2="{x1:.2f}" y2="{y1:.2f}" stroke="{colour}" stroke-width="{wide}"{end}/>'
+    )
+
+
+def _span(x0: float, x1: float, y: float) -> str:
+    """A dimension line."""
+    return f'<path d="M{x0:.2f} {y} H{x1:.2f}" {_BOTH_ENDS}/>'
+
+
+def _text(x: float, y: float, text: str, colour: str = INK, anchor: str = "middle") -> str:
+    return f'<text x="{x:.1f}" y="{y:.1f}" fill="{colour}" text-anchor="{anchor}">{text}</text>'

@@ -1,0 +1,213 @@
+"""The first screen, for the person who decides: each target's drawing to scale and its answer in plain sentences."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import xarray as xr
+from markupsafe import Markup
+
+from solver.names import CHOICES
+from workflow.dataset import factorial
+from workflow.design import answers
+from workflow.design.spoken import UNREACHABLE, Verdict, verdict
+from workflow.language import titles
+from workflow.language.factors import FACTORS
+from workflow.language.numbers import number, shown
+from workflow.report import device
+from workflow.report.svg import element
+from workflow.study.datum import hanging
+from workflow.study.model import Study
+from workflow.study.target import Target
+
+Case = Mapping[str, float | str]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a target comes to, each part a piece of a plain sentence.
+
+    Attributes
+    ----------
+    name
+        The target's.
+    code
+        What is asked, as the study writes it.
+    body, punch
+        Which film or body, and which punch.
+    good
+        How good it is, over what.
+    limit
+        What stops it, and what would help.
+    cost
+        What errors in building cost; empty where nothing is known to.
+    sure
+        How sure all of that is.
+    verdict
+        In words.
+    drawing
+        To scale.
+    """
+
+    name: str
+    code: str
+    body: str
+    punch: str
+    good: str
+    limit: str
+    cost: str
+    sure: str
+    verdict: Verdict
+    drawing: Markup
+
+    @property
+    def reachable(self) -> bool:
+        """Whether some design keeps every limit."""
+        return self.verdict.kind != UNREACHABLE
+
+
+def answered(study: Study, name: str, target: Target, found: xr.Dataset) -> Answer:
+    """The first screen's part on one target, from its design."""
+    kinds = {key: kind for key, kind, _ in answers.kinds(found)}
+    worst = found["worst"].isel(term=0)
+    varied = {str(key): float(worst.sel(factor=key)) for key in found["factor"].values}
+    case: Case = {**study.fixed, **kinds, **varied}
+    told = verdict(found)
+    body, punch = body_in_words(study, case), punch_in_words(case)
+    own = study.narrowed(kinds)
+    solved = factorial.exact(own, dict(varied), peaks=False)
+    reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
+    drawn = device.draw(of_case(study, case, solved), f"{body}; {punch}")
+    return Answer(
+        name=name,
+        code=str(found.attrs["goal"]),
+        body=body,
+        punch=punch,
+        good=good(target, found, hanging(own), reference),
+        limit=limit(told),
+        cost=cost(found),
+        sure=sure(found),
+        verdict=told,
+        drawing=element(drawn, f"device-{name}", f"{name.replace('_', ' ')}, drawn to scale: {body}; {punch}"),
+    )
+
+
+def of_case(study: Study, case: Case, solved: xr.Dataset) -> device.Device:
+    """What is drawn of a case, with the contact that the exact solver gives it."""
+    profile = str(case.get("profile", CHOICES["profile"][0]))
+    size = {"flat": "width", "wedge": "slope"}.get(profile, "radius")
+    return device.Device(
+        profile,
+        str(case.get("corner", CHOICES["corner"][0])),
+        float(case[size]),
+        float(solved["contact_trailing"]),
+        float(solved["contact_leading"]),
+        float(case["load"]),
+        case.get("electric", CHOICES["electric"][0]) == "conducting",
+        study.body[0].at(case)["thickness"] if study.body else float(case["thickness"]) if study.on_film else None,
+        " on ".join([*(_layer(study, layer.plain(case)) for layer in study.body[1:]), _base(case)]),
+        _grounded(study, case),
+    )
+
+
+def _grounded(study: Study, case: Case) -> bool:
+    """Whether an electrode lies below the film, or below the top one of its layers."""
+    usual = CHOICES["interface_electric"][0]
+    if study.body:
+        return (study.body[0].below.electric or (usual if len(study.body) == 1 else "bonded")) == "grounded"
+    return study.on_film and case.get("interface_electric", usual) == "grounded"
+
+
+def body_in_words(study: Study, case: Case) -> str:
+    """The body under the punch, as ``fibrous, 67 % BaTiO3, 230 µm on steel``."""
+    if study.body:
+        return " on ".join([*(_layer(study, layer.plain(case)) for layer in study.body), _base(case)])
+    return f"{_layer(study, case)} on {_base(case)}" if study.on_film else f"{_layer(study, case)}, a half-plane"
+
+
+def _layer(study: Study, case: Case) -> str:
+    """One layer, or the whole body, as ``fibrous, 67 % BaTiO3, 230 µm``."""
+    composite = str(case.get("composite", CHOICES["composite"][0]))
+    if "material" in case:
+        words = str(case["material"])
+    elif composite == "AlScN":
+        share = float(case["scandium_fraction"])
+        words = f"Al({number(1 - share, 3)})Sc({number(share, 3)})N"
+    else:
+        words = f"{composite.capitalize()}, {number(100 * float(case['volume_fraction']), 3)} % {study.phases[0]}"
+    return f"{words}, {titles.value('thickness', float(case['thickness']), 3)}" if "thickness" in case else words
+
+
+def _base(case: Case) -> str:
+    if "base" in case:
+        return "a rigid base" if case["base"] == "rigid" else str(case["base"])
+    return f"a base of {titles.value('base_modulus', float(case['base_modulus']), 3)}" if "base_modulus" in case else ""
+
+
+def punch_in_words(case: Case) -> str:
+    """The punch, as ``R = 50 mm``."""
+    profile = str(case.get("profile", CHOICES["profile"][0]))
+    if profile == "flat":
+        return f"flat punch {titles.value('width', float(case['width']), 3)} wide"
+    if profile == "wedge":
+        return f"wedge of slope {number(float(case['slope']), 3)}"
+    radius = f"R = {titles.value('radius', float(case['radius']), 3)}"
+    return f"half cylinder, {radius}" if profile == "half_cylinder" else radius
+
+
+def good(target: Target, found: xr.Dataset, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:
+    """How good a design is: every goal with its value, its datum if it hangs on one, and over what."""
+    datum = f" (ground {titles.value('datum', reference)} away)"
+    parts = [
+        f"{_joined(found.sel(term=str(goal)))} of {titles.objective(str(goal))}"
+        f"{'' if hangs.isdisjoint(goal.expression.names()) else datum}"
+        for goal in target.objectives
+    ]
+    together = ", the compromise of both" if len(parts) == 2 else ", the compromise of all" if len(parts) > 2 else ""
+    return titles.listed(parts) + together + _over(target)
+
+
+def _joined(one: xr.Dataset) -> str:
+    """The exact value of a term, in one piece of a line."""
+    return shown(float(one["exact"]), str(one["units"].values), 3).replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def _over(target: Target) -> str:
+    """Over which conditions a goal counts, and how."""
+    spans = dict(target.worst_case) | {name: list(one.support) for name, one in target.uncertain.items()}
+    if not spans:
+        return ""
+    low_to_high = [
+        f"{titles.title(name)} {titles.value(name, low)} to {titles.value(name, high)}"
+        for name, (low, high) in spans.items()
+    ]
+    deviations = target.statistic.deviations
+    how = "at worst" if deviations is None else "on average" if deviations == 0 else f"(mean less {deviations:g} std)"
+    return f" {how} over {' and '.join(low_to_high)}"
+
+
+def limit(told: Verdict) -> str:
+    """What stops a design, and what would help."""
+    return " ".join([titles.capital(told.stops), *filter(None, (told.advice, told.idle))])
+
+
+def cost(found: xr.Dataset) -> str:
+    """What an error of 1 % in each variable that matters costs."""
+    parts = []
+    for name in found["factor"].values:
+        one = found.sel(factor=name)
+        share = float(one["cost"])
+        if str(one["role"].values) == "variable" and bool(one["matters"]) and share > 0:
+            parts.append(f"1 % of {titles.title(str(name))} costs {number(100 * share, 2)} %")
+    return f"{'; '.join(parts)}." if parts else ""
+
+
+def sure(found: xr.Dataset) -> str:
+    """How sure the first goal's value is."""
+    beyond = f" Beyond what the theory holds for: {found['flags'].item()}." if found["flags"].item() else ""
+    one = found.isel(term=0)
+    exact, predicted = float(one["exact"]), float(one["predicted"])
+    if not exact:
+        return f"Solved exactly.{beyond}"
+    inside = "within" if bool(one["inside"]) else "outside"
+    off = number(100 * abs(predicted / exact - 1), 2)
+    return f"Solved exactly; the surrogate was off by {off} %, {inside} its 95 % interval.{beyond}"

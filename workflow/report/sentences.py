@@ -1,0 +1,124 @@
+"""The sentence with which a section of the page opens: what its numbers say, made from them."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import xarray as xr
+
+from solver.names import ALL_QUANTITIES
+from workflow.design.spoken import UNREACHABLE, Verdict
+from workflow.language import titles
+from workflow.language.numbers import counted, number, shown
+from workflow.language.titles import capital, listed
+from workflow.study.model import Study
+
+Row = Mapping[str, Any]
+
+
+def reached(verdicts: Mapping[str, Verdict]) -> str:
+    """Which targets are reachable: the first line of a page where some are not."""
+    missed = [name.replace("_", " ") for name, one in verdicts.items() if one.kind == UNREACHABLE]
+    if not missed:
+        return f"{'The target is' if len(verdicts) == 1 else f'All {len(verdicts)} targets are'} reachable."
+    verb = "is" if len(missed) == 1 else "are"
+    return f"{capital(listed(missed))} {verb} not reachable ({len(missed)} of {len(verdicts)} targets)."
+
+
+def study(study: Study) -> str:
+    """What was varied."""
+    where = f"{len(study.body)} layers" if len(study.body) > 1 else "a film" if study.on_film else "a half-plane"
+    if not study.factors:
+        varied = listed([titles.title(name) for name in study.effects.vary]) if study.effects else "nothing"
+        return f"On {where}, one factor at a time is varied: {varied}."
+    names = [*map(titles.title, study.factors), *map(titles.title, study.categories)]
+    return f"On {where}, {len(names)} factors are varied: {listed(names)}."
+
+
+def dataset(study: Study, rows: Sequence[Row]) -> str:
+    """How many cases, and how far the first quantity of interest goes."""
+    interesting = [name.partition("[")[0] for name in study.of_interest]
+    row = next((row for name in interesting for row in rows if row["name"] == name), rows[0])
+    ends = (shown(row[end], row["units"], 3) for end in ("low", "high"))
+    return (
+        f"{counted(study.cases)} exact cases; over them {titles.title(str(row['name']))} goes from {' to '.join(ends)}."
+    )
+
+
+def surrogate(worst: Row, tolerance: float) -> str:
+    """The largest error against what was asked."""
+    met = "met" if worst["error"] <= tolerance else "not met"
+    of = f"of range ({titles.title(str(worst['name']))})"
+    return f"Largest error {number(worst['error'], 2)} {of}: asked {number(tolerance, 2)}, {met}."
+
+
+def surface(rows: Sequence[Row]) -> str:
+    """The field with the largest error."""
+    worst = max(rows, key=lambda row: row["max_error"])
+    return f"Largest error of a field {number(worst['max_error'], 2)} of its range: {worst['name']}."
+
+
+def sensitivity(indices: xr.Dataset, of_interest: Sequence[str]) -> str:
+    """On which factor the first quantities of interest hang most."""
+    parts = []
+    for name in of_interest[:2]:
+        totals = indices["total"].sel(output=name)
+        first = str(totals["input"].values[int(totals.values.argmax())])
+        quantity = titles.title(name.partition("[")[0]) if name.partition("[")[0] in ALL_QUANTITIES else name
+        parts.append(f"{quantity} hangs most on {titles.title(first)} ({number(100 * float(totals.max()), 2)} %)")
+    text = "; ".join(parts)
+    return f"{capital(text)}: shares of the variance over the box, interactions included."
+
+
+def time(times: Mapping[str, float]) -> str:
+    """Which of solver and surrogate is the faster, and how much."""
+    ratio = times["surrogate_mean_std_per_query"] / times["exact_per_scattered_case"]
+    first, second = ("exact solver", "surrogate") if ratio > 1 else ("surrogate", "exact solver")
+    return f"On scattered cases the {first} is {number(max(ratio, 1 / ratio), 2)} times faster than the {second}."
+
+
+def readout(readouts: Sequence[Row]) -> str:
+    """How often the intervals held what they infer, and how wide they are."""
+    parts = [
+        f"{titles.title(row['name'])} is read to {number(100 * row['width'], 2)} %, and its 95 % interval held it in "
+        f"{number(100 * row['coverage'], 3)} % of {counted(one['cases'])} cases"
+        for one in readouts
+        for row in one["rows"]
+    ]
+    return f"{capital('; '.join(parts))}."
+
+
+def checks(group: Row) -> str:
+    """How many checks of a group are green, and which comes nearest to its tolerance."""
+    green = sum(one["passed"] for one in group["checks"])
+    known = [one for one in group["checks"] if one["error"] is not None]
+    text = f"{green} of {len(group['checks'])} checks are green"
+    if not known:
+        return f"{text}."
+    nearest = max(known, key=lambda one: one["error"] / one["tolerance"])
+    share = number(100 * nearest["error"] / nearest["tolerance"], 2)
+    return f"{text}; the largest error is {share} % of its tolerance ({nearest['name']})."
+
+
+def speed(timings: Sequence[Row]) -> str:
+    """How much faster than collocation the closed form is."""
+    ratios = [row["numerical"] / row["closed_form_batch"] for row in timings]
+    return f"The closed form is {number(min(ratios), 2)} to {number(max(ratios), 2)} times faster than collocation."
+
+
+def effects(study: Study) -> str:
+    """What was varied about which baseline."""
+    assert study.effects is not None
+    spans = []
+    for name, values in study.effects.vary.items():
+        said = [value if isinstance(value, str) else titles.value(name, value) for value in values]
+        named = isinstance(values[0], str)
+        spans.append(f"{titles.title(name)} {', '.join(said) if named else f'{said[0]} to {said[-1]}'}")
+    return f"Varied one at a time: {'; '.join(spans)}."
+
+
+def provenance(given: Row) -> str:
+    """What the numbers can be traced to."""
+    return (
+        f"{len(given['results_sha256'])} files of results, each with its digest, of study "
+        f"{given['study_sha256'][:8]} and sources {given['sources_sha256'][:8]}."
+    )
