@@ -16,7 +16,8 @@ MIXTURES = {"fibrous": fibrous, "laminate": laminate}
 #: Constants in the order of ``solver.material.constants.UNITS``; None where unknown: NaN never equals itself.
 Constants = tuple[float | None, ...]
 
-_SMOOTH = 4.0  # from this exponent on three derivatives exist at the surface, whatever it is
+#: From this exponent on three derivatives exist at the surface, whatever it is.
+SMOOTH = 4.0
 
 
 def material_from(constants: Constants, name: str) -> Material:
@@ -61,9 +62,9 @@ class PowerLaw:
     exponent: float
 
     def __post_init__(self) -> None:
-        if not (self.exponent >= _SMOOTH or self.exponent in (1.0, 2.0, 3.0)):
+        if not (self.exponent >= SMOOTH or self.exponent in (1.0, 2.0, 3.0)):
             raise StackError(
-                f"grading_exponent: {self.exponent:g} is not 1, 2, 3 or >= {_SMOOTH:g} [1]: "
+                f"grading_exponent: {self.exponent:g} is not 1, 2, 3 or >= {SMOOTH:g} [1]: "
                 "the material would not be a smooth function of depth at the surface"
             )
 

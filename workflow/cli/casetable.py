@@ -11,8 +11,9 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.names import CHOICES, FACTORS, MATERIALS
+from solver.names import CHOICES, MATERIALS
 from storage.files import regular
+from workflow.language.factors import FACTORS
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, number
 
@@ -139,7 +140,7 @@ def _rows(path: Path, file: TextIO) -> Iterator[tuple[int, list[str]]]:
 def _header(path: Path, row: list[str]) -> list[str]:
     header = [name.strip() for name in row[: len(_COLUMNS) + 1]]  # one of them is unknown or stands there twice
     for name in header:
-        if name not in _COLUMNS:
+        if name not in _COLUMNS and name not in FACTORS:
             shown = name[:_LONGEST_CELL]
             raise InputError(f"{path}: column {shown!r}: unknown factor; {nearest(shown, list(_COLUMNS))}")
         if header.count(name) > 1:

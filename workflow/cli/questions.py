@@ -9,12 +9,13 @@ import numpy as np
 import xarray as xr
 from pydantic import ValidationError
 
-from solver.names import CHOICES, FACTORS
+from solver.names import CHOICES
 from surrogate import GaussianProcess, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
 from workflow.dataset import factorial
 from workflow.design import answers, search
 from workflow.design.spoken import verdict
+from workflow.language.factors import FACTORS
 from workflow.study import location
 from workflow.study import model as studies
 from workflow.study.categories import output

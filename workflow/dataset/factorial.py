@@ -7,8 +7,9 @@ import numpy as np
 import xarray as xr
 
 from solver import solve
-from solver.names import ALL_QUANTITIES, FACTORS, TABLED
+from solver.names import ALL_QUANTITIES
 from surrogate import Input, chebyshev_levels
+from workflow.language.factors import FACTORS
 from workflow.study import categories
 from workflow.study.model import Study
 
@@ -64,7 +65,7 @@ def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETH
     found: dict[str, xr.DataArray] = {}
     for name, axis in study.factors.items():
         u = random.uniform(size=count)
-        if study.on_film and name in TABLED and together > 1:
+        if name in study.tabled and together > 1:
             places = -(-count // together)
             u = np.repeat((random.permutation(places) + u[:places]) / places, together)[:count]
         if axis.scale == "log":
@@ -88,11 +89,10 @@ def exact(
     With the largest stresses of the body where ``peaks``, by default where the data set has them; with the regular
     parts of the surface fields where ``regular``. Without what is no number in some cases, which no file would hold.
     """
-    solved = solve(
+    solved = study.solved(
+        solve,
         {**study.fixed, **axes, **{name: names for name, names in study.categories.items() if name not in axes}},
         positions,
-        materials=study.own_materials,
-        phases=study.phases,
         peaks=study.dataset.peaks if peaks is None else peaks,
         regular=regular,
     )

@@ -6,8 +6,8 @@ import io
 import numpy as np
 import xarray as xr
 
-from solver.names import FACTORS
 from storage.described import described
+from workflow.language.factors import FACTORS
 
 _LOCAL = ("map_x", "map_y", "slice", "step", "front", "choice", "position", "x", "y")  # what only pictures need
 

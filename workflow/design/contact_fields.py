@@ -30,7 +30,7 @@ def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
     parts = {f"field_{name}": surface[name].reset_coords(drop=True) for name in SURFACE if name in surface}
 
     def below(names: list[str]) -> xr.Dataset:
-        return solve_interior(factors, _X, _Y, fields=names, materials=study.own_materials, phases=study.phases)
+        return study.solved(solve_interior, factors, _X, _Y, fields=names)
 
     try:
         inside = below(["stress_xx", "von_mises"])

@@ -6,11 +6,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.names import FACTORS
 from workflow.design import budget
 from workflow.design.designs import Designs
 from workflow.design.question import Question
 from workflow.design.sources import Exact, Source
+from workflow.language.factors import FACTORS
 
 Array = NDArray[np.float64]
 

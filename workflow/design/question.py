@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from solver.names import ALL_QUANTITIES, FACTORS
+from solver.names import ALL_QUANTITIES
 from surrogate import Input
 from workflow.dataset import factorial
 from workflow.design import kinks, misread, scenarios
@@ -162,7 +162,7 @@ class Question:
         return known
 
     def _fixed(self, name: str) -> float:
-        value = self.study.fixed.get(name, FACTORS[name].default)
+        value = self.study.held(name)
         if isinstance(value, str) or value is None:
             raise InputError(f"{name!r} has no value in this study; it cannot stand in an expression")
         return float(value)

@@ -8,9 +8,9 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from solver.names import FACTORS
 from workflow.design.assessment import BINDS, ROUNDING
 from workflow.language import statements, titles
+from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
 from workflow.language.titles import capital, listed
 

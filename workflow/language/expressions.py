@@ -9,15 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.names import ALL_QUANTITIES, FACTORS
+from solver.names import ALL_QUANTITIES
 from workflow.language import units
+from workflow.language.factors import FACTORS
 
 Array = NDArray[np.float64]
 Partials = dict[str, Array]
 
-#: Units of all names, as the interface writes them.
-UNITS: dict[str, str] = {name: one.units for name, one in ALL_QUANTITIES.items()}
-UNITS |= {name: one.units for name, one in FACTORS.items()}
+
+def units_of(name: str) -> str:
+    """The unit of a quantity or factor, as the interface writes it."""
+    return (ALL_QUANTITIES.get(name) or FACTORS[name]).units
 
 
 class Expression(ABC):
@@ -47,8 +49,8 @@ class Expression(ABC):
         """The interface's unit where that is the expression's: a quantity, its size, sums; None otherwise."""
         unit = self.unit()
         for name in self.names():
-            if unit is not None and units.parse(UNITS[name]).fits(unit):
-                return UNITS[name]
+            if unit is not None and units.parse(units_of(name)).fits(unit):
+                return units_of(name)
         return None
 
     def walk(self) -> Iterator["Expression"]:
@@ -90,7 +92,7 @@ class Name(Expression):
 
     def unit(self) -> units.Unit | None:
         """As the interface has it."""
-        return units.parse(UNITS[self.name])
+        return units.parse(units_of(self.name))
 
     def children(self) -> tuple[Expression, ...]:
         """None."""

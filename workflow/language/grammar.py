@@ -12,8 +12,9 @@ quantity that has a formula of smoother ones is read as that.
 import re
 from math import isfinite
 
-from solver.names import ALL_QUANTITIES, FACTORS
+from solver.names import ALL_QUANTITIES
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
+from workflow.language.factors import FACTORS
 from workflow.language.spelling import nearest
 
 FUNCTIONS = {"abs": 1, "sqrt": 1, "log": 1, "exp": 1, "min": 2, "max": 2}  # number of arguments; min and max: or more
@@ -107,9 +108,8 @@ class _Parser:
         if group == "name" and self._take("("):
             return self._call(token, depth)
         if group == "name":
-            known = [*ALL_QUANTITIES, *FACTORS]
-            if token not in known:
-                raise ValueError(f"{token!r} is not a quantity; {nearest(token, known)}")
+            if token not in ALL_QUANTITIES and token not in FACTORS:
+                raise ValueError(f"{token!r} is not a quantity; {nearest(token, [*ALL_QUANTITIES, *FACTORS])}")
             formula = ALL_QUANTITIES[token].formula if token in ALL_QUANTITIES else ""
             return _Parser(formula).whole() if formula else Name(token)
         if token == "(":

@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 
-from solver.names import ALL_QUANTITIES, FACTORS
+from solver.names import ALL_QUANTITIES
 from workflow.language import statements
 from workflow.language.expressions import Call, Expression, Name, Operation
+from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 
 #: What names are called whose words alone do not say it.

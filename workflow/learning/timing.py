@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 import xarray as xr
 
-from solver.names import ALL_PEAKS, TABLED
+from solver.names import ALL_PEAKS
 from surrogate import GaussianProcess
 from workflow.dataset import factorial
 from workflow.learning import training
@@ -69,8 +69,8 @@ def _half_planes(study: Study, points: dict[str, xr.DataArray]) -> dict[str, flo
 def _films(study: Study) -> dict[str, float]:
     """The same of films, each at tables that nobody has made before: that of the factorial at one place of these."""
     new = factorial.points(study, _FILMS + 2, (study.validation.seed, 6), together=1)
-    own = {name: levels for name, levels in factorial.levels(study).items() if name not in TABLED}
-    block = {name: new[name][0] if name in TABLED else own[name] for name in study.factors}
+    own = {name: levels for name, levels in factorial.levels(study).items() if name not in study.tabled}
+    block = {name: new[name][0] if name in study.tabled else own[name] for name in study.factors}
     scattered = {name: values[1:-1] for name, values in new.items()}
     combinations = len(study.combinations)
     cases = combinations * np.prod([levels.size for levels in own.values()])

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import xarray as xr
 from markupsafe import Markup
 
-from solver.names import CHOICES, FACTORS
+from solver.names import CHOICES
 from workflow.dataset import factorial
 from workflow.design import answers
 from workflow.design.spoken import UNREACHABLE, Verdict, verdict
 from workflow.language import titles
+from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
 from workflow.report import device
 from workflow.report.svg import element
@@ -102,14 +103,29 @@ def of_case(study: Study, case: Case, solved: xr.Dataset) -> device.Device:
         float(solved["contact_leading"]),
         float(case["load"]),
         case.get("electric", CHOICES["electric"][0]) == "conducting",
-        float(case["thickness"]) if study.on_film else None,
-        _base(case),
-        study.on_film and case.get("interface_electric", CHOICES["interface_electric"][0]) == "grounded",
+        study.body[0].at(case)["thickness"] if study.body else float(case["thickness"]) if study.on_film else None,
+        " on ".join([*(_layer(study, layer.plain(case)) for layer in study.body[1:]), _base(case)]),
+        _grounded(study, case),
     )
+
+
+def _grounded(study: Study, case: Case) -> bool:
+    """Whether an electrode lies below the film, or below the top one of its layers."""
+    usual = CHOICES["interface_electric"][0]
+    if study.body:
+        return (study.body[0].below.electric or (usual if len(study.body) == 1 else "bonded")) == "grounded"
+    return study.on_film and case.get("interface_electric", usual) == "grounded"
 
 
 def body_in_words(study: Study, case: Case) -> str:
     """The body under the punch, as ``fibrous, 67 % BaTiO3, 230 µm on steel``."""
+    if study.body:
+        return " on ".join([*(_layer(study, layer.plain(case)) for layer in study.body), _base(case)])
+    return f"{_layer(study, case)} on {_base(case)}" if study.on_film else f"{_layer(study, case)}, a half-plane"
+
+
+def _layer(study: Study, case: Case) -> str:
+    """One layer, or the whole body, as ``fibrous, 67 % BaTiO3, 230 µm``."""
     composite = str(case.get("composite", CHOICES["composite"][0]))
     if "material" in case:
         words = str(case["material"])
@@ -118,9 +134,7 @@ def body_in_words(study: Study, case: Case) -> str:
         words = f"Al({number(1 - share, 3)})Sc({number(share, 3)})N"
     else:
         words = f"{composite.capitalize()}, {number(100 * float(case['volume_fraction']), 3)} % {study.phases[0]}"
-    if not study.on_film:
-        return f"{words}, a half-plane"
-    return f"{words}, {titles.value('thickness', float(case['thickness']), 3)} on {_base(case)}"
+    return f"{words}, {titles.value('thickness', float(case['thickness']), 3)}" if "thickness" in case else words
 
 
 def _base(case: Case) -> str:

@@ -10,13 +10,14 @@ import xarray as xr
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from solver.names import ALL_QUANTITIES, CHOICES, FACTORS, TABLED
+from solver.names import ALL_QUANTITIES, CHOICES
 from storage.netcdf import read_whole
 from surrogate import load
 from workflow.dataset import factorial
 from workflow.dataset.slabs import CARD
 from workflow.design import answers, assessment
 from workflow.language import titles
+from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, raised, shown
 from workflow.language.statements import limit
 from workflow.learning.timing import by_quantity
@@ -44,6 +45,7 @@ _MEANINGS = {
 }
 
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
+_MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -96,7 +98,7 @@ def page(
         "datum": length(study),
         "on_film": study.on_film,
         "together": factorial.TOGETHER,
-        "tabled": [name for name in study.factors if name in TABLED],
+        "tabled": study.tabled,
         "film_beside": study.effects.film if study.effects else {},
         "costly": study.costly.issuperset(study.quantities),
         "datum_changes": [],
@@ -175,13 +177,24 @@ def _problem(study: Study) -> Markup:
     of_films = study.on_film or (effects is not None and "thickness" in effects.baseline)
     beside = effects is not None and bool(effects.film)
     drawings = [] if of_films else [element(problem.draw(), "problem", problem.TITLE)]
-    drawings += [element(problem.one_film(), "film", problem.ON_FILM)] if of_films or beside else []
+    drawings += [_film(study)] if of_films or beside else []
     return Markup("\n").join(drawings)
+
+
+def _film(study: Study) -> Markup:
+    """The drawing of a film, or of a body's layers while there is room for their names."""
+    names = [str(layer.material or layer.composite) for layer in study.body]
+    if len(names) > _MOST_DRAWN:
+        names = [names[0], f"{len(names) - 2} layers", names[-1]]
+    title = problem.ON_LAYERS if len(names) > 1 else problem.ON_FILM
+    return element(problem.one_film(names or ["film"]), "film", title)
 
 
 def _composites(study: Study) -> list[str]:
     """How the phases are arranged in the cases of the study, the default where it does not say."""
     usual = CHOICES["composite"][0]
+    if study.body:
+        return list(dict.fromkeys(layer.composite for layer in study.body if layer.composite))
     if study.factors or study.effects is None:
         return study.categories.get("composite") or [str(study.fixed.get("composite", usual))]
     return list(dict.fromkeys(map(str, [study.effects.baseline.get("composite", usual),

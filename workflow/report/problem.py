@@ -3,10 +3,14 @@
 Not to scale: the contact is some hundredths of the radius wide in truth.
 """
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 from workflow.report.svg import ACCENT, BAD, BODY, GOOD, INK, PAPER, PUNCH, SOFT
 
 TITLE = "A conducting punch slides on a magneto-electro-elastic half-plane"
 ON_FILM = "A conducting punch slides on a film on its base"
+ON_LAYERS = "A conducting punch slides on layers on their base"
 _WIDTH, _HEIGHT, _SURFACE = 760, 430, 250  # the surface y = 0 lies at this height of the picture
 _RADIUS, _LEADING, _TRAILING, _LOW = 150, 300, 440, 380  # contact from x to x; x of the punch's lowest point
 _DATUM = 690
@@ -147,17 +151,19 @@ def _axes_on_film() -> list[str]:
     ]
 
 
-def one_film() -> str:
-    """A punch on a film and its base, as SVG."""
+def one_film(layers: Sequence[str] = ("film",)) -> str:
+    """A punch on a film, or layers from the top down, and their base, as SVG."""
+    edges = [round(_TOP + (_BOTTOM - _TOP) * number / len(layers)) for number in range(len(layers) + 1)]
+    bands = list(pairwise(edges))
     parts = [
-        *_opened(ON_FILM),
-        _band(_TOP, _BOTTOM, BODY),
+        *_opened(ON_FILM if len(layers) == 1 else ON_LAYERS),
+        *(_band(*band, (BODY, _SECOND)[number % 2]) for number, band in enumerate(bands)),
         _band(_BOTTOM, _HEIGHT - 12, PUNCH),
-        *_punch_on_film(),
+        *_punch_on_film(*edges[1:-1]),
         *_loads_on_film(),
-        _arrow(600, _TOP, 600, _BOTTOM, both=True),
-        _words(610, (_TOP + _BOTTOM) // 2 + 5, "thickness", "start"),
-        _words(130, _TOP + 80, "film", "start"),
+        _arrow(600, _TOP, 600, edges[1], both=True),
+        _words(610, (_TOP + edges[1]) // 2 + 5, "thickness", "start"),
+        *(_words(130, (top + low) // 2 + 6, name, "start") for (top, low), name in zip(bands, layers, strict=True)),
         _words(130, _BOTTOM + 98, "base: rigid, or a half-plane", "start"),
         *_ground(),
         _words(624, _BOTTOM + 32, "interface: grounded (\u03c6 = 0, an electrode),", "end"),

@@ -8,13 +8,14 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
-from solver.names import ALL_QUANTITIES, FACTORS
+from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.gp.export import exported
 from workflow.dataset import factorial
 from workflow.design import answers, assessment, scenarios
 from workflow.design.sources import Predicted
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
+from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.titles import title
 from workflow.study.categories import Kinds, output

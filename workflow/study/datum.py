@@ -43,7 +43,7 @@ def hanging(study: Study) -> frozenset[str]:
     datum = (here.pop("datum", None) or length(study) or 1.0) * np.array([1.0, 10.0])
     fixed = {name: value for name, value in study.fixed.items() if name != "datum"}
     cases = {**fixed, **study.categories, **here, "datum": datum}
-    solved = solve(cases, materials=study.own_materials, phases=study.phases)
+    solved = study.solved(solve, cases)
     found = {name: solved[name].transpose("datum", ...).values for name in HANGING if name in solved}
     return frozenset(
         name for name, values in found.items() if np.any(np.abs(np.diff(values, axis=0)) > _SAME * np.abs(values[0]))

@@ -3,16 +3,20 @@
 import hashlib
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
 from typing import Annotated, Any, Self
 
+import xarray as xr
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from solver import Material, solve
+from solver.film.powerlaw import SMOOTH
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, FILM_PEAKS, PEAKS, TABLED
+from workflow.language.factors import FACTORS
+from workflow.study import layered
 from workflow.study.categories import Kinds, combinations, output
 from workflow.study.location import location
 from workflow.study.messages import first_problem
@@ -40,7 +44,7 @@ CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "f
 #: Those with convergence curves.
 CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements")
 #: Sections that decide what a case is and what the solver answers.
-PHYSICS = ("phases", "materials", "fixed", "factors", "categories")
+PHYSICS = ("phases", "materials", "fixed", "factors", "categories", "body")
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,9 @@ class Study(Strict):
     categories: dict[CategoryName, Annotated[list[str], Field(min_length=2, max_length=8)]] = Field(
         default_factory=dict, description="factors that take one of a few names; every case is solved for each"
     )
+    body: list[layered.BodyLayer] = Field(
+        default_factory=list, description="layers from the top down, in place of one material and a film's factors"
+    )
     dataset: DataSet = Field(default_factory=DataSet, description="what is stored of the factorial")
     surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
     validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
@@ -94,7 +101,13 @@ class Study(Strict):
     @property
     def on_film(self) -> bool:
         """Whether the cases are films on a base."""
-        return "thickness" in self.factors or "thickness" in self.fixed
+        return bool(self.body) or "thickness" in self.factors or "thickness" in self.fixed
+
+    @property
+    def tabled(self) -> list[str]:
+        """The axes for whose every value the solver makes tables of films."""
+        names = (*TABLED, *layered.named(self.body))
+        return [name for name in self.factors if self.on_film and name in names]
 
     @property
     def axes(self) -> dict[str, Axis]:
@@ -102,13 +115,12 @@ class Study(Strict):
 
         Of films those come first for which the solver makes tables, so that a block of cases needs few of these.
         """
-        first = [name for name in self.factors if self.on_film and name in TABLED]
-        return {name: self.factors[name] for name in dict.fromkeys([*first, *self.factors])}
+        return {name: self.factors[name] for name in dict.fromkeys([*self.tabled, *self.factors])}
 
     @property
     def costly(self) -> frozenset[str]:
         """Quantities of which a case costs milliseconds: searched for, or read from tables of the case's own."""
-        return frozenset(ALL_QUANTITIES if self.on_film and not self.factors.keys().isdisjoint(TABLED) else ALL_PEAKS)
+        return frozenset(ALL_QUANTITIES if self.tabled else ALL_PEAKS)
 
     @property
     def cases(self) -> int:
@@ -153,6 +165,28 @@ class Study(Strict):
         asked = [name for target in self.design.values() for name in target.names() if name in self.outputs]
         return [output(name, kinds) for name in dict.fromkeys(asked) for kinds in self.combinations] or self.learned
 
+    def solved(
+        self, entrance: Callable[..., xr.Dataset], factors: Mapping[str, Any], *axes: Any, **options: Any
+    ) -> xr.Dataset:
+        """Exact cases by an entrance of the solver: factors of this study's body, materials and phases.
+
+        Parameters
+        ----------
+        entrance
+            `solver.solve` or `solver.solve_interior`; ``axes`` and ``options`` are its own.
+        factors
+            All factors of the cases; of a body those that its layers name, and its base.
+        """
+        options |= {"materials": self.own_materials, "phases": self.phases}
+        if not self.body:
+            return entrance(factors, *axes, **options)
+        return layered.solved(self.body, entrance, factors, *axes, **options)
+
+    def held(self, name: str) -> float | str | None:
+        """What a factor is fixed at, or a number of the top layer, or its default."""
+        top = self.body[0].numbers.get(name) if self.body else None
+        return self.fixed.get(name, FACTORS[name].default if top is None else top)
+
     def narrowed(self, kinds: Mapping[str, str]) -> Self:
         """The study with some of its categories held at a name."""
         rest = {name: names for name, names in self.categories.items() if name not in kinds}
@@ -171,6 +205,17 @@ class Study(Strict):
             if name in self.factors or name in self.categories:
                 part = "factors" if name in self.factors else "categories"
                 raise ValueError(f"fixed: {name}: is one of the {part} already")
+        if self.dataset.peaks and "base_volume_fraction" in {*self.factors, *self.fixed}:
+            raise ValueError("dataset: peaks: are not given of a film that is graded; must be false")
+        exponent = self.factors.get("grading_exponent")
+        if exponent and exponent.low < SMOOTH:
+            raise ValueError(
+                f"factors: grading_exponent: {exponent.low:g} to {exponent.high:g} holds values that are not 1, 2, 3 "
+                f"or >= {SMOOTH:g} [1]; an axis must be >= {SMOOTH:g}"
+            )
+        if self.body and not self.factors:
+            raise ValueError("body: a study without factors has none")
+        layered.check(self.body, self.fixed, {name: (axis.low, axis.high) for name, axis in self.factors.items()})
         for name, names in self.categories.items():
             if len(set(names)) < len(names):
                 raise ValueError(f"categories: {name}: {', '.join(names)}: a name is given twice")
@@ -192,10 +237,12 @@ class Study(Strict):
             return frozenset()
         ends = {name: [axis.low, axis.high] for name, axis in self.factors.items()}
         corners = {**self.fixed, **self.categories, **ends}
-        found = solve(corners, materials=self.own_materials, phases=self.phases)
+        found = self.solved(solve, corners)
         peaks = set(FILM_PEAKS if self.on_film else PEAKS)
         if "rigid" in self.categories.get("base", [self.fixed.get("base")]):
             peaks -= {name for name in peaks if name.startswith("base_")}
+        if len(self.body) > 1:
+            peaks -= {name for name in peaks if name.startswith("film_")}
         return frozenset(set(ALL_QUANTITIES) - set(found.data_vars) - peaks)
 
     def _solve_effects(self) -> None:
@@ -295,6 +342,8 @@ class Study(Strict):
     def digest(self, *sections: str) -> str:
         """Hash of some sections, and of own materials where the physics is among them."""
         content = self.model_dump(mode="json", include=set(sections))
+        if not self.body:  # which studies had before there were any
+            content.pop("body", None)
         text = json.dumps(content, sort_keys=True)
         if "phases" in sections:
             text += json.dumps(self._plain_materials(), sort_keys=True)

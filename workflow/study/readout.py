@@ -6,7 +6,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from workflow.language import units
-from workflow.language.expressions import UNITS
+from workflow.language.expressions import units_of
 from workflow.study.categories import Kinds
 from workflow.study.types import FactorName, InputName, Number, QuantityName, Strict
 
@@ -57,6 +57,6 @@ def error(quantity: str, text: str) -> tuple[float, float]:
         raise ValueError(f"measured: {quantity}: {problem}") from None
     if match["unit"] == "%":
         return 0.0, float(match["value"]) * unit.scale
-    if match["unit"] and not unit.fits(units.parse(UNITS[quantity])):
-        raise ValueError(f"measured: {quantity}: unit mismatch: {text!r} for a quantity in {UNITS[quantity]}")
+    if match["unit"] and not unit.fits(units.parse(units_of(quantity))):
+        raise ValueError(f"measured: {quantity}: unit mismatch: {text!r} for a quantity in {units_of(quantity)}")
     return float(match["value"]) * unit.scale, 0.0

@@ -45,7 +45,7 @@ def _documented(model: type[BaseModel], indent: str) -> Iterator[str]:
             continue
         yield f"{indent}{name}: {_value(field)}"
         if inner is not None:  # named entries, or an optional part: what it would hold
-            yield f"{indent}#   {'each entry' if get_origin(field.annotation) is dict else 'its keys'}:"
+            yield f"{indent}#   {'each entry' if get_origin(field.annotation) in (dict, list) else 'its keys'}:"
             yield from (
                 f"{indent}#     {key}: {_value(one)} - {one.description}" for key, one in inner.model_fields.items()
             )

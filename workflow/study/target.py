@@ -9,8 +9,8 @@ import scipy  # scipy.stats, slow to import, when a distribution is asked for
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from solver.names import FACTORS
 from workflow.language import statements
+from workflow.language.factors import FACTORS
 from workflow.study.types import FactorName, InputName, Interval, Number, Strict
 
 CUT = 3.0  # a normal distribution ends this many standard deviations from its mean

@@ -5,7 +5,8 @@ from typing import Annotated
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from solver.names import ALL_QUANTITIES, CHOICES, FACTORS, INTERIOR, INTERIOR_ON_REQUEST, MATERIALS
+from solver.names import ALL_QUANTITIES, CHOICES, INTERIOR, INTERIOR_ON_REQUEST, MATERIALS
+from workflow.language.factors import FACTORS, own_kind
 from workflow.language.spelling import nearest
 
 
@@ -17,7 +18,7 @@ class Strict(BaseModel):
 
 def _one_of(names: list[str], what: str) -> AfterValidator:
     def check(name: str) -> str:
-        if name not in names:
+        if name not in names and not (names[-1] in FACTORS and own_kind(name)):
             raise ValueError(f"{name!r} is not a {what}; {nearest(name, names)}")
         return name
 

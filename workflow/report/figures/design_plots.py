@@ -8,8 +8,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from solver.names import FACTORS
 from workflow.design.contact_fields import SURFACE
+from workflow.language.factors import FACTORS
 from workflow.language.numbers import label, number, prefixed
 from workflow.report.figures.contours import below
 from workflow.report.figures.design_kinds import kinds

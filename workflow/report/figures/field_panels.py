@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
-from solver.names import FACTORS
 from workflow.dataset.effects import HALF_PLANE
 from workflow.language import numbers
+from workflow.language.factors import FACTORS
 from workflow.report.figures.contours import below
 from workflow.report.figures.style import GREY, NEAR_EDGE, Array, field_label, styled
 from workflow.report.svg import INK

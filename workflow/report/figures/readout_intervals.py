@@ -5,7 +5,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from solver.names import FACTORS
+from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, prefixed, raised
 from workflow.report.figures.style import BLUE, GREY, styled
 

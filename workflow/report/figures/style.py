@@ -15,9 +15,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from solver.names import FACTORS
 from storage.files import write_bytes
 from workflow.language import numbers
+from workflow.language.factors import FACTORS
 from workflow.report.figures import hover
 from workflow.report.svg import INK, PAPER
 

@@ -1,0 +1,48 @@
+"""Numeric factors by name: the solver's, and a study's own, which are numbers of the lower layers of its body.
+
+An own name is a word, ``_`` and what the number is, as ``copper_thickness``: its ending says its unit and what it may
+be.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+
+from solver import names
+from solver.names import Factor
+
+#: The numbers of a layer, by the factor of a single film that each is.
+OF_A_LAYER = ("thickness", "volume_fraction", "scandium_fraction")
+
+_OWN = re.compile(rf"[A-Za-z][A-Za-z0-9_]{{0,39}}_(?P<kind>{'|'.join(OF_A_LAYER)})")
+
+
+class _Factors(Mapping[str, Factor]):
+    """The solver's factors, which alone are counted out, and every own name."""
+
+    def __getitem__(self, name: str) -> Factor:
+        if (kind := own_kind(name)) is None:
+            return names.FACTORS[name]
+        one = names.FACTORS[kind]
+        return Factor(one.units, name.replace("_", " "), None, one.low, one.low_allowed, one.high, one.high_allowed)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(names.FACTORS)
+
+    def __len__(self) -> int:
+        return len(names.FACTORS)
+
+
+#: Unit, meaning and bounds of every factor; own names are found in it too.
+FACTORS: Mapping[str, Factor] = _Factors()
+
+
+def own_kind(name: object) -> str | None:
+    """What number of a layer an own name says that it is; None for any other name.
+
+    Examples
+    --------
+    >>> own_kind("copper_thickness"), own_kind("base_volume_fraction"), own_kind("load")
+    ('thickness', None, None)
+    """
+    match = None if name in names.FACTORS or not isinstance(name, str) else _OWN.fullmatch(name)
+    return match["kind"] if match else None

@@ -1,0 +1,228 @@
+"""A study's body of several layers, made into the solver's stacks for all values of the factors that it names."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal, Self
+
+import numpy as np
+import xarray as xr
+from pydantic import Field, model_validator
+
+from solver import Layer, Material, MaterialError, Stack, aluminium_scandium_nitride, fibrous, find, laminate
+from solver.film.stack import RIGID
+from solver.names import BODY, COMPOSITES, Factor
+from workflow.language.factors import FACTORS, OF_A_LAYER, own_kind
+from workflow.study.types import Number, Strict
+
+#: Factors that say what is below the layers.
+OF_THE_BASE = ("base", "base_modulus", "base_poisson")
+_BASES = ({OF_THE_BASE[0]}, set(OF_THE_BASE[1:]))
+#: Most layers of a body.
+_MOST_LAYERS = 20
+
+
+class Below(Strict):
+    """What the interface below a layer is to each field."""
+
+    electric: Literal["grounded", "bonded"] | None = Field(None, description="null: grounded above the base")
+    magnetic: Literal["grounded", "bonded", "insulated"] | None = Field(
+        None, description="null: grounded above a rigid base; insulated only there"
+    )
+
+
+class BodyLayer(Strict):
+    """A layer; its numbers may be names of factors: in the top layer its own, in others ``<word>_<its own>``."""
+
+    material: str | None = Field(None, description="name of a material; or else a composite")
+    composite: Literal["fibrous", "laminate", "AlScN"] | None = Field(None, description="of the study's phases")
+    volume_fraction: Number | str | None = Field(None, description="of a composite: a number, or a factor's name")
+    scandium_fraction: Number | str | None = Field(None, description="of AlScN: a number, or a factor's name")
+    thickness: Number | str = Field(description="a number [m], or a factor's name")
+    below: Below = Field(default_factory=Below, description="the interface below: electric, magnetic")
+
+    @property
+    def numbers(self) -> dict[str, float | str]:
+        """The numbers that the layer is given, or names of factors in their place."""
+        given = {kind: getattr(self, kind) for kind in OF_A_LAYER}
+        return {kind: value for kind, value in given.items() if value is not None}
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if (self.material is None) == (self.composite is None):
+            raise ValueError("material: give either a material or a composite")
+        needed = COMPOSITES[self.composite] if self.composite else None
+        for kind in OF_A_LAYER[1:]:
+            if kind in self.numbers and kind != needed:
+                raise ValueError(f"{kind}: {self.material or self.composite} has none")
+        if needed and needed not in self.numbers:
+            raise ValueError(f"{needed}: missing; must be {FACTORS[needed].allowed} (composite {self.composite})")
+        for kind, value in self.numbers.items():
+            if isinstance(value, str):
+                if kind not in (value, own_kind(value)):
+                    raise ValueError(
+                        f"{kind}: {value!r} is no name of such a factor; must be {kind} in the top layer, "
+                        f"<word>_{kind} in another"
+                    )
+            elif not _within(value, FACTORS[kind]):
+                raise ValueError(f"{kind}: {value:g} is not {FACTORS[kind].allowed}")
+        return self
+
+    def at(self, values: Mapping[str, Any]) -> dict[str, float]:
+        """The layer's numbers, with factors at values."""
+        return {kind: float(values[one] if isinstance(one, str) else one) for kind, one in self.numbers.items()}
+
+    def plain(self, values: Mapping[str, Any]) -> dict[str, float | str]:
+        """The layer by the factors of a single film."""
+        kind = {"material": self.material} if self.material else {"composite": str(self.composite)}
+        return {**kind, **self.at(values)}
+
+    def made(self, values: Mapping[str, Any], found: Callable[[str], Material], phases: Sequence[str]) -> Layer:
+        """The solver's layer, with factors at values."""
+        at = self.at(values)
+        if self.material is not None:
+            material = found(self.material)
+        elif self.composite == "AlScN":
+            material = aluminium_scandium_nitride(at["scandium_fraction"])
+        else:
+            mixed = fibrous if self.composite == "fibrous" else laminate
+            material = mixed(found(phases[0]), found(phases[1]), at["volume_fraction"])
+        return Layer(material, at["thickness"], self.below.electric, self.below.magnetic)
+
+    def words(self) -> str:
+        """The layer in words."""
+        given = {kind: one if isinstance(one, str) else f"{one:g}" for kind, one in self.numbers.items()}
+        given |= {f"{field} interface": one for field, one in self.below if one is not None}
+        return ", ".join([str(self.material or self.composite), *(f"{kind} = {one}" for kind, one in given.items())])
+
+
+Layers = list[BodyLayer]
+
+
+def named(layers: Layers) -> list[str]:
+    """Names of the factors that layers have in the place of numbers."""
+    return list(dict.fromkeys(one for layer in layers for one in layer.numbers.values() if isinstance(one, str)))
+
+
+def check(layers: Layers, fixed: Mapping[str, float | str], ranges: Mapping[str, tuple[float, float]]) -> None:
+    """Raise ValueError unless every factor that is named is there, within bounds, and every own factor is named.
+
+    Parameters
+    ----------
+    layers
+        From the top down; none: the study has no body.
+    fixed
+        Values of fixed factors.
+    ranges
+        Low and high of the axes.
+    """
+    if len(layers) > _MOST_LAYERS:
+        raise ValueError(f"body: {len(layers)} layers are more than {_MOST_LAYERS}")
+    for number, layer in enumerate(layers):
+        for kind, one in layer.numbers.items():
+            if not isinstance(one, str):
+                continue
+            if (one == kind) != (number == 0):
+                allowed = kind if number == 0 else f"<word>_{kind}"
+                raise ValueError(f"body.{number}: {kind}: {one!r} must be {allowed}, or a number")
+            if one not in fixed and one not in ranges:
+                raise ValueError(f"body.{number}: {kind}: {one!r} is neither in factors nor in fixed")
+    parts: list[tuple[str, Mapping[str, Sequence[float | str]]]]
+    parts = [("fixed", {name: [value] for name, value in fixed.items()}), ("factors", ranges)]
+    for part, given in parts:
+        for name, values in given.items():
+            if own_kind(name) and name not in named(layers):
+                raise ValueError(f"{part}: {name}: no layer of the body names it")
+            if name not in (*named(layers), *OF_THE_BASE[1:]):
+                continue
+            for value in values:
+                if isinstance(value, str) or not _within(value, FACTORS[name]):
+                    shown = f"{value!r}" if isinstance(value, str) else f"{value:g}"
+                    raise ValueError(f"{part}: {name}: {shown} is not {FACTORS[name].allowed}")
+
+
+def solved(
+    layers: Layers,
+    entrance: Callable[..., xr.Dataset],
+    factors: Mapping[str, Any],
+    *axes: Any,
+    materials: Mapping[str, Material],
+    phases: Sequence[str],
+    **options: Any,
+) -> xr.Dataset:
+    """Exact cases of a body, by an entrance of the solver (``solve``, ``solve_interior``).
+
+    Parameters
+    ----------
+    layers
+        From the top down.
+    entrance
+        The solver's, which is given factors, ``axes``, ``materials``, ``phases`` and ``options``.
+    factors
+        As those of `solver.solve`; those that say what the body is are names in ``layers``, or of the base.
+
+    Raises
+    ------
+    FactorError, MaterialError, ValueError
+        As the solver does; a body without a base.
+    """
+    own = {name: _array(name, factors[name]) for name in factors if name in (*named(layers), *OF_THE_BASE)}
+    if not any(own.keys() & set(OF_THE_BASE) == names for names in _BASES):
+        given = ", ".join(name for name in OF_THE_BASE if name in own) or "base"
+        raise ValueError(f"{given}: a body needs a base, or else base_modulus and base_poisson, not both")
+    whole = xr.broadcast(*own.values())
+    rows = list(zip(*(one.values.ravel().tolist() for one in whole), strict=True))
+    made = {row: _stack(layers, dict(zip(own, row, strict=True)), materials, phases) for row in dict.fromkeys(rows)}
+    stacks = np.empty(len(rows), dtype=object)
+    stacks[:] = [made[row] for row in rows]
+    # the solver keeps a factor's name from the dimensions of others
+    apart = {str(dim): f"{dim} of the body" for dim in whole[0].dims if dim in own}
+    body = xr.DataArray(stacks.reshape(whole[0].shape), dims=[apart.get(str(dim), dim) for dim in whole[0].dims])
+    rest = {name: value for name, value in factors.items() if name not in own}
+    out = entrance({**rest, BODY: body}, *axes, materials=materials, phases=phases, **options)
+    back = {kept: dim for dim, kept in apart.items()}
+    out = out.drop_vars(BODY).rename({kept: dim for kept, dim in back.items() if kept in out.dims})
+    out = out.assign_coords({name: xr.Variable(one.dims, one.values, _attrs(name)) for name, one in own.items()})
+    dims = dict.fromkeys(dim for name, value in factors.items() for dim in _array(name, value).dims)
+    words = " | ".join([*(layer.words() for layer in layers), "base"])
+    return out.transpose(*(dim for dim in dims if dim in out.dims), ...).assign_attrs(body=words)
+
+
+def _stack(layers: Layers, at: dict[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Stack:
+    """The stack of one combination of factors."""
+
+    def found(name: str) -> Material:
+        return find(name, materials)
+
+    made = []
+    for number, layer in enumerate(layers):
+        try:
+            made.append(layer.made(at, found, phases))
+        except MaterialError as error:
+            raise MaterialError(f"body.{number}: {error}") from None
+    if "base" not in at:
+        return Stack(made, Material.isotropic(at["base_modulus"], at["base_poisson"], name="base"))
+    if at["base"] == RIGID:
+        return Stack(made, RIGID)
+    try:
+        base = found(str(at["base"]))
+    except MaterialError as error:
+        raise MaterialError(f"base: {str(error).removeprefix('material: ')} and {RIGID}") from None
+    return Stack(made, base)
+
+
+def _array(name: str, value: Any) -> xr.DataArray:
+    """A factor's values with dimensions: its own where a list has none."""
+    if isinstance(value, xr.DataArray):
+        return value.drop_vars(value.coords)
+    values = np.asarray(value)
+    return xr.DataArray(values, dims=(name,) * values.ndim)
+
+
+def _attrs(name: str) -> dict[str, str]:
+    if name not in FACTORS:
+        return {"units": "1", "long_name": f"{name} of the case"}
+    return {"units": FACTORS[name].units, "long_name": FACTORS[name].long_name}
+
+
+def _within(value: float, one: Factor) -> bool:
+    above = value >= one.low if one.low_allowed else value > one.low
+    return above and (value <= one.high if one.high_allowed else value < one.high)
