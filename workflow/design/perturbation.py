@@ -36,7 +36,7 @@ def sensitivities(design: Designs, exact: Array, factors: list[str]) -> xr.Datas
         "margin_left": np.nan,
     }
     effects = {
-        name: _effects(question, values[1 + 4 * k : 5 + 4 * k], counts[0], around[k], largest)
+        name: _effects(question, values[0], values[1 + 4 * k : 5 + 4 * k], counts[0], around[k], largest)
         for k, (name, values) in enumerate(varied.items())
         if values[0] != 0  # which has no 1 % of it
     }
@@ -60,11 +60,13 @@ def _varied(design: Designs, source: Source) -> dict[str, Array]:
     return varied
 
 
-def _effects(question: Question, moved: Array, here: Array, around: Array, largest: Array) -> dict[str, Any]:
-    """Of one variable at four values: what the terms count as at the design, (terms,), and there, (4, terms)."""
+def _effects(
+    question: Question, nominal: float, moved: Array, here: Array, around: Array, largest: Array
+) -> dict[str, Any]:
+    """Of one variable about its own value: what the terms count as there, (terms,), and moved, (4, terms)."""
     # a share of what is next to zero says nothing
     whole = np.where(np.abs(here) > _NOTHING * largest, here, np.nan)
-    change = moved[1] / moved[0] - 1
+    change = (moved[1] - moved[0]) / nominal
     with np.errstate(divide="ignore", invalid="ignore"):
         elasticity = (around[1] - around[0]) / whole / change if change else np.full(len(here), np.nan)
     wanted, erred = question.objectives, around[2:]

@@ -59,14 +59,13 @@ def verdict(answer: xr.Dataset) -> Verdict:
     limits = [_Limit.of(answer, str(name)) for name in answer["term"].values if _limited(answer, str(name))]
     idle = [str(name) for name in answer["factor"].values if not bool(answer["matters"].sel(factor=name))]
     edges = {
-        str(name): str(edge)
-        for name, edge in zip(answer["factor"].values, answer["edge"].values, strict=True)
-        if edge and name not in idle
+        str(name): str(edge) for name, edge in zip(answer["factor"].values, answer["edge"].values, strict=True) if edge
     }
     unmoved = f"{capital(listed(idle))} {'do' if len(idle) > 1 else 'does'} not matter to the goal." if idle else ""
     broken = [limit for limit in limits if limit.margin < -ROUNDING]
     if broken:
-        return Verdict(UNREACHABLE, _missed(broken), _way_out(answer, broken, edges), unmoved)
+        return Verdict(UNREACHABLE, _missed(broken), _way_out(answer, broken, edges))
+    edges = {name: edge for name, edge in edges.items() if name not in idle}
     binding = [limit for limit in limits if limit.margin < BINDS]
     stops = [f"{titles.title(name)} at {_end(edge)} ({_value(answer, name)})" for name, edge in edges.items()]
     stops += [limit.words for limit in binding]

@@ -64,8 +64,10 @@ def test_a_gradient_that_nothing_explains_promises_nothing() -> None:
     assert spoken.verdict(answer).advice == "A better design may lie beyond."
 
 
-def test_a_miss_says_by_how_much_and_what_would_help() -> None:
-    answer = design([1e-9, 91.751e6], [50e6], [[1.0, -0.5], [1.0, 1.0]], ("upper end of the studied range", ""))
+@pytest.mark.parametrize("matters", [True, False])  # to the goal, which is not what is missed
+def test_a_miss_says_by_how_much_and_what_would_help(matters: bool) -> None:
+    answer = design([1e-9, 91.751e6], [50e6], [[1.0, -0.5], [1.0, 1.0]], ("upper end of the studied range", ""),
+                    matters=[matters, True])  # fmt: skip
     told = spoken.verdict(answer)
     assert told.kind == spoken.UNREACHABLE
     assert told.stops == (
