@@ -10,6 +10,7 @@ from scipy.stats import qmc
 from surrogate.data.arrays import Array
 
 _FEASIBLE = 1e-9  # largest excess, in units of the limits, that counts as none: SLSQP's own accuracy
+_NEARLY = 1e-6  # an excess that next to nothing of the objective takes away
 _TIE = 1e-9  # share of the objective's range over the box that counts as none
 
 
@@ -99,6 +100,8 @@ def improve(problem: Problem, x: Array, scale: float) -> Optimum:
     """
     local = _Local(problem, scale)
     best = _best(problem, [x, local.climb(x)])
+    if 0 < _violation(best) < _NEARLY:
+        best = _best(problem, [best.x, local.widen_margins(best)])
     if not best.feasible:
         # the least excess may be far from the best design, and a climb from there may fail: not the first thing to try
         start = local.relax(best.x)
