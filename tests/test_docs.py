@@ -17,6 +17,7 @@ import yaml
 from docs import picture, rooms
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
+from workflow.study.model import load
 
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 SHOWN = [ROOT / "README.md", *PAGES]  # the README's Python is run by tests/test_documents.py
@@ -73,11 +74,18 @@ def test_every_block_of_python_runs(page: str, text: str, project: Project) -> N
     assert done.stdout.strip()
 
 
+@pytest.mark.parametrize(("page", "text"), [*blocks("yaml")], ids=lambda part: part if part.endswith(".md") else "")
+def test_every_study_in_the_documents_is_one(page: str, text: str, tmp_path: Path) -> None:
+    study = tmp_path / "shown.yaml"
+    study.write_text(text, encoding="utf-8")
+    assert load(study).cases > 0
+
+
 def test_there_are_commands_and_python_to_run() -> None:
     assert len(blocks("sh")) >= 4
     assert len(blocks("python")) >= 1
     other = {kind for page in PAGES for kind, _ in BLOCK.findall(page.read_text(encoding="utf-8"))}
-    assert other <= {"sh", "python"}
+    assert other <= {"sh", "python", "yaml"}
 
 
 def test_the_picture_of_the_pipeline_is_the_code_s() -> None:

@@ -63,6 +63,8 @@ def _newton(A: Array, y: Array, level: float, width: float, b: Array) -> Array:
     value = cost(b)
     for _ in range(30):
         z = (y - A @ b) / width
+        if _density(z).sum() < 1e-9:  # no case is near: two clusters, with the quantile between them
+            break
         slope = penalty * b - A.T @ (level - ndtr(-z))
         curvature = (A * (_density(z) / width)[:, None]).T @ A + np.diag(penalty)
         curvature[np.diag_indices_from(curvature)] += 1e-6 * np.trace(curvature) / len(b)

@@ -10,6 +10,7 @@ import xarray as xr
 from scipy.optimize import linprog
 
 from surrogate import GridGP, ScatterGP, load, save
+from surrogate.gp.conformal import calibrate, sharing
 from surrogate.gp.quantile import quantile_regression
 from surrogate.use.validation import validate
 from tests.surrogate import functions
@@ -197,3 +198,15 @@ def test_quantile_regression_agrees_with_linear_programming() -> None:
         assert best.fun is not None
         assert reached <= best.fun * 1.005
         assert np.mean(residual <= 0) == pytest.approx(level, abs=0.012)
+
+
+def test_two_clusters_of_errors_have_a_quantile() -> None:
+    """Cases at two places, one of which the model knows a million times better."""
+    random = np.random.default_rng(0)
+    size = np.repeat([1e-9, 1e-3], 30)
+    t = np.stack([np.repeat([-0.3, 0.6], 30), random.uniform(-1, 1, 60)])
+    error = size * random.standard_normal(60)
+    found = calibrate(error[None], [np.full((1, 60), 1e-6)], t, sharing(t))
+    ends = found.distribution.ends(0.9) * found.std(np.full((1, 60), 1e-6), t)[0, 0]
+    assert np.all(np.isfinite(ends))
+    assert np.mean((ends[0] <= error) & (error <= ends[1])) >= 0.85
