@@ -14,7 +14,8 @@ from solver.face.refusal import FactorError
 from solver.film.along import fields
 from solver.film.inside import inside
 from solver.film.quantities import peaks, quantities
-from solver.film.similar import Films, Kind, critical
+from solver.film.similar import Films
+from solver.film.windows import Kind, critical
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.material.constants import MaterialError

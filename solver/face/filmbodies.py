@@ -11,8 +11,8 @@ from solver.face.filmfactors import absent
 from solver.face.materials import base_of, material_of, phases_of
 from solver.face.refusal import FactorError
 from solver.film.powerlaw import MIXTURES, Constants, PowerLaw, constants_of
-from solver.film.similar import Coat
 from solver.film.stack import Stack
+from solver.film.windows import Coat
 from solver.material.constants import UNITS, Material
 from solver.names import CHOICES
 

@@ -5,8 +5,9 @@ from functools import lru_cache
 import numpy as np
 
 from solver.arrays import Array
-from solver.film.similar import Films, Kind, window
+from solver.film.similar import Films
 from solver.film.surface import SurfaceTable
+from solver.film.windows import Kind, window
 from solver.names import FIELDS
 
 _POSITIONS = 512  # at a time

@@ -6,8 +6,9 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.interior import fields_of
-from solver.film.similar import Films, Kind, window
+from solver.film.similar import Films
 from solver.film.tractions import TractionTable
+from solver.film.windows import Kind, window
 from solver.halfplane.potentials import POTENTIALS
 
 _ALONG, _POINTS = 256, 4096  # positions along x, and points, at a time

@@ -8,9 +8,10 @@ from solver.arrays import Array
 from solver.film.contact import FilmContact
 from solver.film.crest import peak_pressure
 from solver.film.peaks import DEPTH
-from solver.film.similar import Films, Kind, peak_window
+from solver.film.similar import Films
 from solver.film.stack import StackError
 from solver.film.table import RangeError
+from solver.film.windows import Kind, peak_window
 
 _STEPS = 20
 _CLOSE = 1e-9  # of a charge: the next step is of its square

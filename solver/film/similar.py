@@ -7,170 +7,24 @@ the cases that are solved beside it.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray
 from solver.film.causes import Loading
 from solver.film.contact import FilmContact
-from solver.film.grading import Graded
-from solver.film.peaks import DEPTH, PeakTable
-from solver.film.powerlaw import Constants, constants_of, material_from
 from solver.film.press import LengthsError, load_at_nodes
-from solver.film.speed import critical_speed
-from solver.film.stack import RIGID, Layer, Stack
-from solver.film.table import LEAST, MOST, RangeError, Table, table
+from solver.film.table import LEAST, MOST, RangeError, Table
+from solver.film.windows import FIRST, LAST, Indices, Kind, number_of, rough_window, window
 from solver.halfplane.contact import Contact
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
-from solver.material.constants import Material
 
-_A_DECADE = 2  # windows
-_OVERLAP = 1.3  # of a window with its neighbours
-_NODES = 20  # half-lengths of a window
-_FIRST = int(np.floor(_A_DECADE * np.log10(LEAST)))
-_LAST = int(np.ceil(_A_DECADE * np.log10(MOST))) - 1
-_ACCURACY = 1.25  # factor on the number of terms: 1e-9 of tractions that are next to zero, too
 _BELOW, _ABOVE = 2, 1  # windows searched for other lengths of charged contacts
-_ROUGH_NODES, _ROUGH_ACCURACY = 8, 0.5  # of their tables: 1e-3 of the load, for a fifth of the time
 _APART = 1.05  # from the window of a contact, within which they say nothing
-_TABLES, _PEAK_TABLES = 256, 32  # kept: 0.4 MB and some MB each
-_STACKS = 256
-
-Indices = NDArray[np.intp]
-
-
-@dataclass(frozen=True)
-class Coat:
-    """One layer, as what tables are told apart by.
-
-    Attributes
-    ----------
-    of
-        Constants of a homogeneous layer, or the profile of a graded one.
-    thickness
-        Over that of the top layer.
-    electric, magnetic
-        What the interface below is to each field; None for the default.
-    """
-
-    of: Constants | Callable[[Array], Material]
-    thickness: float = 1.0
-    electric: str | None = None
-    magnetic: str | None = None
-
-    @classmethod
-    def like(cls, layer: Layer, unit: float) -> Self:
-        """Of a layer, with lengths over ``unit`` [m]."""
-        of = layer.profile if isinstance(layer, Graded) else constants_of(layer.material)
-        return cls(of, layer.thickness / unit, layer.electric, layer.magnetic)
-
-    def layer(self) -> Layer:
-        """The layer."""
-        if callable(self.of):
-            return Graded(self.of, self.thickness, self.electric, self.magnetic)
-        return Layer(material_from(self.of, "film"), self.thickness, self.electric, self.magnetic)
-
-
-@dataclass(frozen=True)
-class Kind:
-    """What cases share that one set of tables answers.
-
-    Attributes
-    ----------
-    layers
-        From the top down.
-    base
-        Constants of the base; none: rigid.
-    friction
-        Coulomb coefficient.
-    conducts
-        Whether the punch conducts (electric, magnetic).
-    smooth
-        Whether the trailing and the leading edge of the contact are smooth.
-    degree
-        Largest power of x in the slope of the punch.
-    speed
-        Steady sliding speed [m/s].
-    """
-
-    layers: tuple[Coat, ...]
-    base: Constants | None
-    friction: float
-    conducts: tuple[bool, bool]
-    smooth: tuple[bool, bool]
-    degree: int
-    speed: float = 0.0
-
-    def stack(self) -> Stack:
-        """The film, its top layer of unit thickness, on its base.
-
-        Raises
-        ------
-        MaterialError
-            Inadmissible materials, an interface that the base does not have.
-        """
-        return _stack(self.layers, self.base, self.speed)
-
-    @property
-    def uniform(self) -> bool:
-        """Whether the film is one homogeneous layer."""
-        return len(self.layers) == 1 and not callable(self.layers[0].of)
-
-    @property
-    def above_ground(self) -> float:
-        """Thickness above the first grounded electrode, or of all layers, over that of the top layer."""
-        stack, total = self.stack(), 0.0
-        for layer, held in zip(stack.layers, stack.grounded, strict=True):
-            total += layer.thickness
-            if 2 in held:
-                break
-        return total
-
-
-@lru_cache(_STACKS)
-def _stack(layers: tuple[Coat, ...], base: Constants | None, speed: float) -> Stack:
-    """One stack for all tables of it: what is found once for a stack, is found once."""
-    made = tuple(coat.layer() for coat in layers)
-    return Stack(made, RIGID if base is None else material_from(base, "base"), speed)
-
-
-@lru_cache(_STACKS)
-def critical(kind: Kind) -> float:
-    """First critical speed [m/s] of films of a kind, whatever their thickness."""
-    return critical_speed(kind.stack(), kind.conducts)
-
-
-@lru_cache(_TABLES)
-def window(kind: Kind, number: int) -> Table:
-    """Table of a film of unit thickness over one window of half-lengths, counted in half decades from 1."""
-    return _table(kind, number, _NODES, _ACCURACY)
-
-
-@lru_cache(_TABLES)
-def _rough_window(kind: Kind, number: int) -> Table:
-    """The same, good enough to tell whether its half-lengths carry a load."""
-    return _table(kind, number, _ROUGH_NODES, _ROUGH_ACCURACY)
-
-
-def _table(kind: Kind, number: int, nodes: int, accuracy: float) -> Table:
-    ends = 10.0 ** (np.array([number, number + 1]) / _A_DECADE) * np.array([1 / _OVERLAP, _OVERLAP])
-    least, most = np.clip(ends, LEAST, MOST)
-    return table(
-        kind.stack(), kind.friction, kind.conducts,
-        smooth=kind.smooth, degree=kind.degree, least=float(least), most=float(most), nodes=nodes, accuracy=accuracy,
-    )  # fmt: skip
-
-
-@lru_cache(_PEAK_TABLES)
-def peak_window(kind: Kind, number: int) -> PeakTable:
-    """Stresses over one window; of a film no wider than it has a depth below 0.1 h."""
-    whole = window(kind, number)
-    return PeakTable(replace(whole, upper=min(whole.upper, 0.99 / DEPTH * kind.stack().thickness)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,10 +111,10 @@ class Films:
     def _windows(self) -> Indices:
         """Window of every case; (case,)."""
         if self.profile.width is not None:
-            return _number(np.broadcast_to(self.profile.width / (2 * self.thickness), self.load.shape))
-        number = _number(self._guess)
+            return number_of(np.broadcast_to(self.profile.width / (2 * self.thickness), self.load.shape))
+        number = number_of(self._guess)
         asked = np.arange(self.load.size)
-        for _ in range(_LAST - _FIRST + 2):
+        for _ in range(LAST - FIRST + 2):
             beside = np.zeros(asked.size, dtype=np.intp)
             for one in np.unique(number[asked]).tolist():
                 here = number[asked] == one
@@ -269,9 +123,9 @@ class Films:
             if not asked.size:
                 return number
             number[asked] += beside
-            if np.any((number < _FIRST) | (number > _LAST)):
+            if np.any((number < FIRST) | (number > LAST)):
                 raise RangeError(
-                    f"contact: {'narrower' if np.any(number < _FIRST) else 'wider'} than the resolved range, "
+                    f"contact: {'narrower' if np.any(number < FIRST) else 'wider'} than the resolved range, "
                     f"{LEAST:g} to {MOST:g} of half-length over thickness"
                 )
         raise LengthsError("contact: no contact of one length carries the load (charges too large for it)")
@@ -303,8 +157,8 @@ class Films:
             places = np.flatnonzero(charged & (self._windows == number))
             own = window(self.kind, number)
             lengths, enough = [own.half_lengths], [self._enough(places, own)]
-            for other in {*range(max(number - _BELOW, _FIRST), min(number + _ABOVE, _LAST) + 1)} - {number}:
-                rough = _rough_window(self.kind, other)
+            for other in {*range(max(number - _BELOW, FIRST), min(number + _ABOVE, LAST) + 1)} - {number}:
+                rough = rough_window(self.kind, other)
                 apart = (rough.half_lengths * _APART < own.lower) | (rough.half_lengths > own.upper * _APART)
                 lengths.append(rough.half_lengths[apart])
                 enough.append(self._enough(places, rough)[:, apart])
@@ -327,8 +181,3 @@ class Films:
 def _require_one(enough: BoolArray) -> None:
     if np.any(np.sum(enough[:, 1:] != enough[:, :-1], -1) > 1):
         raise LengthsError("contact: contacts of more than one length carry the load (charges too large for it)")
-
-
-def _number(ratio: Array) -> Indices:
-    found = np.floor(_A_DECADE * np.log10(ratio))
-    return np.asarray(np.clip(found, _FIRST, _LAST), dtype=np.intp)

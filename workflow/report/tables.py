@@ -1,0 +1,195 @@
+"""What the page's tables hold, from the files of a run."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from solver.names import ALL_QUANTITIES
+from storage.netcdf import read_whole
+from workflow.dataset.slabs import CARD
+from workflow.design import answers, assessment
+from workflow.language import titles
+from workflow.language.factors import FACTORS
+from workflow.language.statements import limit
+from workflow.report import sentences
+from workflow.report.verdict import findings
+from workflow.study.datum import meaning
+from workflow.study.model import CHECK_GROUPS
+
+_JUDGED = ("coverage", "worst_decile_coverage", "worst_corner_coverage", "pit_distance", "crps")
+_INTERVALS = (*_JUDGED, *(f"raw_{key}" for key in _JUDGED), "raw_max_error")
+
+
+def verification(folder: Path) -> dict[str, Any]:
+    """The checks of every group."""
+    groups = findings([folder / "verification" / f"{name}.json" for name in CHECK_GROUPS])
+    checks = [check for group in groups for check in group["checks"]]
+    return {
+        "groups": {
+            name: group | {"says": sentences.checks(group)} for name, group in zip(CHECK_GROUPS, groups, strict=True)
+        },
+        "checks": len(checks),
+        "green": sum(check["passed"] for check in checks),
+        "timings": [timing for group in groups for timing in group["timings"]],
+    }
+
+
+def dataset(folder: Path, hangs: frozenset[str]) -> dict[str, Any]:
+    """Range of every quantity, and size of the data set."""
+    data = read_whole(folder / "quantities.nc")
+    card = json.loads((folder / CARD).read_text(encoding="utf-8"))
+    rows = [
+        {
+            "name": str(name),
+            "units": ALL_QUANTITIES[str(name)].units,
+            "long_name": meaning(str(name), hangs),
+            "low": float(array.min()),
+            "high": float(array.max()),
+        }
+        for name, array in data.data_vars.items()
+    ]
+    return {"rows": rows, "slabs": len(card["files"]), "bytes": card["bytes"]}
+
+
+def surface(path: Path) -> list[dict[str, Any]]:
+    """Errors and intervals of the fields under the punch."""
+    data = read_whole(path)
+    keys = ("max_error", "rmse", *_INTERVALS)
+    return [
+        {"name": str(name), **{key: float(one[key]) for key in keys}}
+        for name in data["output"].values
+        for one in [data.sel(output=name)]
+    ]
+
+
+def levels(path: Path) -> dict[str, Any]:
+    """Why the factorial has the levels that it has: the pilots' evidence."""
+    data = read_whole(path)
+    errors = data["predicted_error"]
+    rows = [
+        {
+            "name": str(name),
+            **{key: int(one[key]) for key in ("levels", "pilot_levels", "given", "affine", "extrapolated")},
+            "rate": float(one["rate"].max()),
+            "error": float(one["interpolation_error"].max()),
+            "decider": str(one["output"].values[int(one["interpolation_error"].values.argmax())]),
+        }
+        for name in data["input"].values
+        for one in [data.sel(input=name)]
+    ]
+    return {"rows": rows, "predicted": float(errors.max()), **data.attrs}
+
+
+def validation(folder: Path) -> dict[str, Any]:
+    """Errors and intervals of every quantity on fresh cases."""
+    data = read_whole(folder / "validation.nc")
+    tolerance = float(data.attrs["tolerance"])
+    rows: list[dict[str, Any]] = [
+        {
+            "name": str(name),
+            "error": float(one["max_error"]),
+            "rmse": float(one["rmse"]),
+            "baseline": float(one["baseline_max_error"]),
+            "r2": float(one["r2"]),
+            **{key: float(one[key]) for key in _INTERVALS},
+        }
+        for name in data["output"].values
+        for one in [data.sel(output=name)]
+    ]
+    worst = max(rows, key=lambda row: row["error"])
+    kinked = [
+        {"name": str(name), "along": [str(factor) for factor in data["input"].values[one.values > 0]]}
+        for name, one in zip(data["output"].values, data["kinked"], strict=True)
+        if (one.values > 0).any()
+    ]
+    levels = [
+        {
+            "level": float(level),
+            **{
+                f"{prefix}{end}": float(getattr(data[f"{prefix}level_coverage"].sel(level=level), of)())
+                for prefix in ("", "raw_")
+                for end, of in (("low", "min"), ("high", "max"))
+            },
+        }
+        for level in data["level"].values
+    ]
+    before = max(row["raw_max_error"] for row in rows)
+    return {
+        "kinked": kinked,
+        "rows": rows,
+        "levels": levels,
+        "tolerance": tolerance,
+        "worst": worst,
+        "uncorrected": before if any(row["raw_max_error"] != row["error"] for row in rows) else None,
+        "crps_over_raw": float((data["crps"] / data["raw_crps"]).median()),
+        "cases": data.sizes["case"],
+    }
+
+
+def readout(name: str, path: Path) -> dict[str, Any]:
+    """How often the intervals of a read-out hold, and how wide they are."""
+    data = read_whole(path)
+    rows = [
+        {"name": str(factor), "coverage": float(one["coverage"]), "width": float(one["width"])}
+        for factor in data["factor"].values
+        for one in [data.sel(factor=factor)]
+    ]
+    return {"name": name, "rows": rows, "cases": data.sizes["case"]}
+
+
+def design(data: xr.Dataset) -> dict[str, Any]:
+    """The card of a design."""
+    terms = [
+        {
+            "name": str(name),
+            "title": titles.objective(str(name)) if np.isnan(one["limit"]) else titles.limited(limit(str(name))),
+            "inside": bool(one["inside"]),
+            "broken": float(one["margin"]) < -assessment.ROUNDING,
+            **{key: float(one[key]) for key in ("predicted", "half", "exact", "limit", "margin")},
+            "units": str(one["units"].values),
+            "error": abs(float(one["predicted"]) / float(one["exact"]) - 1) if float(one["exact"]) else np.nan,
+        }
+        for name in data["term"].values
+        for one in [data.sel(term=name)]
+    ]
+    variables = [
+        {
+            "name": str(name),
+            "role": str(one["role"].values),
+            "units": FACTORS[name].units,
+            "edge": str(one["edge"].values) if one["matters"] else "",
+            "matters": bool(one["matters"]),
+            **{key: float(one[key]) for key in ("value", "cost", "loss", "margin_left")},
+        }
+        for name in data["factor"].values
+        for one in [data.sel(factor=name)]
+    ]
+    return {
+        "target": str(data["target"].values),
+        "goal": str(data.attrs["goal"]),
+        "polish": str(data.attrs["polish"]),
+        "statistic": str(data.attrs["statistic"]),
+        "flags": str(data["flags"].values),
+        "status": str(data["status"].values),
+        "feasible": bool(data["feasible"].values),
+        "at_edge": any(one["edge"] for one in variables),
+        "objective": terms[0],
+        "several": int(np.isnan(data["limit"]).sum()) > 1,
+        "limits": terms[1:],
+        "variables": variables,
+        "kinds": answers.kinds(data),
+        "choices": answers.choices(data),
+        "compromise": "objective" in data.dims,
+        "ranges": _ranges(data),
+    }
+
+
+def _ranges(data: xr.Dataset) -> list[dict[str, Any]]:
+    return [
+        {"name": str(name), "low": float(one["exact_low"]), "high": float(one["exact_high"])}
+        for name in data["quantity"].values
+        for one in [data.sel(quantity=name)]
+    ]
