@@ -75,13 +75,13 @@ def test_intervals_hold_the_truth_as_often_as_they_say(error: float) -> None:
     inversion = Inversion(model("folded"), ["a", "b"], ["u", "v"], {"c": 0.0})
     random = np.random.default_rng(3)
     held = []
-    for _ in range(400):
+    for _ in range(250):
         t = random.uniform(-1, 1, 2)
         a, b = (float(one.from_unit(x)) for one, x in zip(INPUTS, t, strict=False))
         measured = np.array([a, (np.log(b) + a / 2) ** 2]) + error * random.standard_normal(2)
         found = inversion.estimate(measured, np.full(2, error))
         held.append((found.low <= [a, b]) & ([a, b] <= found.high))
-    assert np.mean(held, axis=0) == pytest.approx(0.95, abs=0.035)  # 3.2 standard deviations of 400 trials
+    assert np.mean(held, axis=0) == pytest.approx(0.95, abs=0.044)  # 3.2 standard deviations of 250 trials
 
 
 def test_refuses_what_it_cannot_infer() -> None:
