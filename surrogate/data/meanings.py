@@ -42,6 +42,12 @@ MEANINGS = {
     "correction_coefficient": "correction of the mean: coefficients of every term, over their units in output_units",
     "point": "inputs of the training cases, over their units in input_units",
     "value": "values of the training cases or of the inputs, over their units",
+    "feature_degree": "Chebyshev degrees of every feature of a process of finite rank",
+    "feature_coefficient": "posterior mean of every feature's weight, of standardised outputs",
+    "feature_direction": "combinations of features whose weights are independent",
+    "direction_spectrum": "sum over the cases of every such combination's squares",
+    "signal_variance": "variance of every standardised output's process",
+    "noise_variance": "variance of the noise of every standardised output",
     "theta": "logarithms of the kernel's hyperparameters for every output",
     # validation
     "range": "range of the truth, over its unit in units",
