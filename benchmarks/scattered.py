@@ -133,6 +133,7 @@ def measure(cases: tuple[int, ...] = CASES) -> dict[str, float]:
             continue
         for count in cases:
             for name in FUNCTIONS if count <= method.most else ():
+                print(f"  {method.name}, {name}, {count} cases ...", flush=True)
                 for key, value in _row(method, name, count).items():
                     found[f"{method.name}, {name}, {count} cases: {key}"] = value
     return found
