@@ -58,7 +58,7 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
             "probe_upper": (("probe", "output"), upper),
         },
         coords={"input": [one.name for one in inputs], "output": list(outputs)},
-        attrs={"Conventions": "CF-1.11", "format": FORMAT, "format_version": VERSION, "engine": model.engine},
+        attrs={"format": FORMAT, "format_version": VERSION, "engine": model.engine},
     )
     if model.made_from_:
         common.attrs["made_from"] = model.made_from_
