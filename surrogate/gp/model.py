@@ -85,6 +85,18 @@ class GaussianProcess(Predictive):
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
         """Return the model of a stored state; ValueError names what is inconsistent."""
 
+    def stored(self) -> xr.Dataset:
+        """Return the state with what `calibrate` has learnt."""
+        state = self.state()
+        return state if self.calibration_ is None else state.assign(self.calibration_.state())
+
+    @classmethod
+    def restored(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
+        """Return the model of what `stored` gave, calibration and all; ValueError names what is inconsistent."""
+        model = cls.restore(stored, inputs, outputs)
+        model.calibration_ = Calibration.restore(stored, model.parts, len(inputs), len(outputs))
+        return model
+
     def only(self, outputs: Sequence[str]) -> Self:
         """Return a model that gives these outputs, and as few others as it can, for less."""
         return self
