@@ -17,7 +17,7 @@ from solver.names import ALL_QUANTITIES, FILM_QUANTITIES, QUANTITIES
 from storage.files import output
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import materials
+from workflow.cli import materials, serving
 from workflow.cli.casetable import read_cases
 from workflow.cli.launch import launch
 from workflow.cli.query import query
@@ -119,6 +119,8 @@ def _parser() -> _Parser:
         "--exact", metavar="STUDY", help="also the exact answers, by the formula: the study that it came from"
     )
     command.set_defaults(run=query)
+
+    serving.add(commands)
 
     command = commands.add_parser(
         "material", help="check a material, print roots and compliance; or list what is built in"
