@@ -15,6 +15,7 @@ from surrogate.gp.correction import Correction, correct
 from surrogate.gp.factors import ChebyshevFactor, Factor, Features, StationaryFactor, cosine_basis, polynomial_basis
 from surrogate.gp.hyperparameters import amplitudes, length_bounds, most_predictive, rho_bounds
 from surrogate.gp.model import GaussianProcess
+from surrogate.gp.single import Process, SinglePoint
 from surrogate.gp.tensortrain import TensorTrain, compress
 
 Kernel = Literal["chebyshev", "rbf", "matern32", "matern52"]
@@ -64,6 +65,8 @@ class GridGP(GaussianProcess):
     order_: tuple[int, ...]
     train_: TensorTrain
     correction_: Correction | None
+    # what a query alone needs, and what it was laid out from
+    _laid_out: tuple[tuple[object, object, object], SinglePoint | None] = ((None, None, None), None)
 
     def __init__(
         self,
@@ -264,6 +267,20 @@ class GridGP(GaussianProcess):
         if weights is None:
             return mean, None
         return mean, self._unit_variance(features, weights) * (self.variance_ * self.scale_**2)[:, None]
+
+    def _single(self) -> SinglePoint | None:
+        if self.kernel != "chebyshev":
+            return None
+        made_of = self.train_, self.correction_, self.calibration_
+        if not all(now is then for now, then in zip(made_of, self._laid_out[0], strict=True)):
+            factors = tuple(factor for factor in self.factors_ if isinstance(factor, ChebyshevFactor))
+            size = self.variance_ * self.scale_**2
+            process = Process(
+                self.inputs_, factors, self.order_, self.train_, self.offset_, self.scale_, self.amplitude_, size,
+                self.correction_, self.calibration_,
+            )  # fmt: skip
+            self._laid_out = made_of, SinglePoint(process)
+        return self._laid_out[1]
 
     def _slopes(self, t: Array) -> Array:
         features, slopes = self._features(t), self._features(t, slopes=True)

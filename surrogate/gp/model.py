@@ -15,10 +15,14 @@ from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.points import Points, Queries, named_points, outside, require_inside
 from surrogate.gp.conformal import MINIMUM, Calibration, calibrate, sharing
 from surrogate.gp.distribution import NOMINAL
-from surrogate.gp.predictive import Predictive
+from surrogate.gp.labels import Attrs
+from surrogate.gp.predictive import EXTRAPOLATED, Predictive
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048
+# From the physical coordinates of one point, and whether standard deviations are wanted, to means and them, (p,) each;
+# None for a point outside of the box.
+Single = Callable[[Sequence[float], bool], tuple[Array, Array | None] | None]
 
 
 class GaussianProcess(Predictive):
@@ -81,6 +85,18 @@ class GaussianProcess(Predictive):
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
         """Return the model of a stored state; ValueError names what is inconsistent."""
 
+    def stored(self) -> xr.Dataset:
+        """Return the state with what `calibrate` has learnt."""
+        state = self.state()
+        return state if self.calibration_ is None else state.assign(self.calibration_.state())
+
+    @classmethod
+    def restored(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
+        """Return the model of what `stored` gave, calibration and all; ValueError names what is inconsistent."""
+        model = cls.restore(stored, inputs, outputs)
+        model.calibration_ = Calibration.restore(stored, model.parts, len(inputs), len(outputs))
+        return model
+
     def only(self, outputs: Sequence[str]) -> Self:
         """Return a model that gives these outputs, and as few others as it can, for less."""
         return self
@@ -123,20 +139,20 @@ class GaussianProcess(Predictive):
         ValueError
             Missing or unknown inputs, NaN, shapes, dimensions or coordinates that do not fit or span over 1e7 points.
         """
-        self._require_fitted()
-        named = named_points(points, self.inputs_)
-        outer = self._checked(named, extrapolate)
-        mean, std = self._blocks(named.X, return_std)
-        answer: dict[str, tuple[NDArray[Any], dict[str, str]]] = {}
-        for k, name in enumerate(self.outputs_):
-            attrs = self.attrs_[name]
-            answer[name] = mean[k], attrs
-            if std is not None:
-                long_name = f"standard deviation of {attrs.get('long_name', name)}"
-                answer[f"{name}_std"] = std[k], {**attrs, "long_name": long_name}
-        if outer is not None:
-            answer["extrapolated"] = outer, {"long_name": "outside the trained box"}
-        return named.dataset(answer)
+        named, parts, flags = self._asked(points, return_std, extrapolate)
+        values = {
+            f"{name}{suffix}": part[k]
+            for k, name in enumerate(self.outputs_)
+            for suffix, part in zip(("", "_std"), parts, strict=False)
+        }
+
+        def attrs() -> Attrs:
+            own = self.attrs_
+            told = {name: f"standard deviation of {own[name].get('long_name', name)}" for name in self.outputs_}
+            stds = {f"{name}_std": {**own[name], "long_name": told[name]} for name in self.outputs_}
+            return {**own, **stds, **EXTRAPOLATED}
+
+        return self._labels().dataset(("predict", return_std, extrapolate), named, {**values, **flags}, attrs)
 
     @overload
     def predict_array(
@@ -158,9 +174,7 @@ class GaussianProcess(Predictive):
         points = np.asarray(X, dtype=np.float64)
         if points.ndim != 2 or points.shape[1] != len(self.inputs_):
             raise ValueError(f"points must have shape (n, {len(self.inputs_)}), got {points.shape}")
-        if not extrapolate:
-            require_inside(points, self.inputs_)
-        mean, std = self._blocks(points, return_std)
+        mean, std = self._answers(points, return_std, extrapolate)
         return (mean.T, std.T) if std is not None else mean.T
 
     def gradient(
@@ -177,7 +191,8 @@ class GaussianProcess(Predictive):
         self._require_fitted()
         self.check_level(level)
         named = named_points(points, self.inputs_)
-        outer = self._checked(named, extrapolate)
+        if not extrapolate:
+            require_inside(named.X, self.inputs_)
         slopes = self._physical_slopes(named.X, self._slopes)
         parts = {("", "derivative"): slopes}
         if return_std:
@@ -199,7 +214,7 @@ class GaussianProcess(Predictive):
                 derivative |= {"units": f"({attrs['units']}) / input_units"} if "units" in attrs else {}
                 each = values[:, k].reshape(-1, *named.shape)
                 answer[f"{name}{suffix}"] = xr.Variable(("input", *named.dims), each, derivative)
-        flags = {} if outer is None else {"extrapolated": (outer, {"long_name": "outside the trained box"})}
+        flags = {name: (flag, EXTRAPOLATED[name]) for name, flag in self._flags(named, extrapolate).items()}
         return named.dataset(flags).assign_coords(coords).assign(answer)
 
     def gradient_array(self, X: NDArray[np.floating[Any]]) -> Array:
@@ -315,11 +330,32 @@ class GaussianProcess(Predictive):
         if not hasattr(self, "inputs_"):
             raise NotFittedError(f"this {type(self).__name__} is not fitted yet; call fit first")
 
-    def _checked(self, named: Points, extrapolate: bool) -> Flags | None:
+    def _asked(
+        self, points: Queries, with_std: bool, extrapolate: bool
+    ) -> tuple[Points, list[Array], dict[str, Flags]]:
+        self._require_fitted()
+        named = named_points(points, self.inputs_)
+        parts = self._answers(named.X, with_std, extrapolate)
+        return named, [part for part in parts if part is not None], self._flags(named, extrapolate)
+
+    def _flags(self, named: Points, extrapolate: bool) -> dict[str, Flags]:
+        """Which points lie outside, with `extrapolate`, under the name that answers give it."""
+        return {"extrapolated": np.asarray(outside(named.X, self.inputs_).any(axis=1))} if extrapolate else {}
+
+    def _single(self) -> Single | None:
+        """Return the short way of one query alone, None where there is none."""
+        return None
+
+    def _answers(self, X: Array, return_std: bool, extrapolate: bool) -> tuple[Array, Array | None]:
+        """Means and standard deviations at points (n, d), (p, n) each; OutOfBoxError unless `extrapolate`."""
+        single = self._single() if len(X) == 1 else None
+        found = single(X[0].tolist(), return_std) if single else None
+        if found is not None:
+            mean, std = found
+            return mean[:, None], None if std is None else std[:, None]
         if not extrapolate:
-            require_inside(named.X, self.inputs_)
-            return None
-        return np.asarray(outside(named.X, self.inputs_).any(axis=1))
+            require_inside(X, self.inputs_)
+        return self._blocks(X, return_std)
 
     def _blocks(self, X: Array, return_std: bool) -> tuple[Array, Array | None]:
         mean = np.empty((len(self.outputs_), len(X)))

@@ -13,8 +13,8 @@ from storage.sealed import FormatError
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.data.meanings import MEANINGS, SOURCE
-from surrogate.gp.conformal import Calibration
 from surrogate.gp.gridgp import GridGP
+from surrogate.gp.groupedgp import GroupedGP
 from surrogate.gp.model import GaussianProcess
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 FORMAT = "surrogate"
 VERSION = 2
 MAX_BYTES = 2**28  # unpacked; a model is a few MB at most, and a hostile file must not fill the memory
-ENGINES = ("grid", "scatter")
+ENGINES = ("grid", "grouped", "scatter")
 PROBES = 8
 PROBE_TOLERANCE = 1e-7
 
@@ -58,17 +58,15 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
             "probe_upper": (("probe", "output"), upper),
         },
         coords={"input": [one.name for one in inputs], "output": list(outputs)},
-        attrs={"Conventions": "CF-1.11", "format": FORMAT, "format_version": VERSION, "engine": model.engine},
+        attrs={"format": FORMAT, "format_version": VERSION, "engine": model.engine},
     )
     if model.made_from_:
         common.attrs["made_from"] = model.made_from_
-    if model.calibration_ is not None:
-        common = common.assign(model.calibration_.state())
-    whole = common.merge(model.state(), combine_attrs="no_conflicts")
+    whole = common.merge(model.stored(), combine_attrs="no_conflicts")
     write_whole(described(whole, f"surrogate of {', '.join(outputs)}"[:200], SOURCE, MEANINGS), path)
 
 
-def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
+def load(path: str | PathLike[str]) -> "GridGP | GroupedGP | ScatterGP":
     """Read a model, which may come from anywhere, and verify it.
 
     Raises
@@ -95,8 +93,7 @@ def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
     engine = _engine(attrs["engine"])
     try:
         _check_numbers(stored)
-        model = engine.restore(stored, _inputs(stored), _outputs(stored))
-        model.calibration_ = Calibration.restore(stored, model.parts, len(model.inputs_), len(model.outputs_))
+        model = engine.restored(stored, _inputs(stored), _outputs(stored))
         model.made_from_ = str(attrs.get("made_from", ""))
         points = stored["probe_point"].transpose("probe", "input").values
         mean, std = model.predict_array(points, return_std=True)
@@ -112,10 +109,10 @@ def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
     return model
 
 
-def _engine(name: str) -> "type[GridGP | ScatterGP]":
+def _engine(name: str) -> "type[GridGP | GroupedGP | ScatterGP]":
     """The class of one of `ENGINES`."""
-    if name == GridGP.engine:
-        return GridGP
+    if name in (GridGP.engine, GroupedGP.engine):
+        return GridGP if name == GridGP.engine else GroupedGP
     from surrogate.gp.scattergp import ScatterGP  # scikit-learn's engine, slow to import and seldom stored
 
     return ScatterGP

@@ -10,7 +10,7 @@ from scipy.stats import qmc
 
 from solver.names import ALL_QUANTITIES, CHOICES, PROFILES
 from workflow.dataset import factorial
-from workflow.design import budget, perturbation
+from workflow.design import budget, linearity, perturbation
 from workflow.design.designs import Designs
 from workflow.design.question import Question
 from workflow.design.scenarios import Scenarios
@@ -26,7 +26,6 @@ ROUNDING = 1e-12
 BINDS = 1e-3
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
 _PLAIN = 10.0  # times a limit, from which an excess is written without digits behind the point
-_LINEAR_FIELD = 3e5  # V/m: beyond it, ferroelectric ceramics are not linear
 _SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
 _PILOT = 512
 
@@ -112,8 +111,10 @@ def judge(design: Designs) -> xr.Dataset:
         changes any objective), ``margin_left`` (least margin of all limits after it) and ``edge`` (in words, the end
         of the range at which it stands). Over ``term``, the objective first:
         ``predicted``, ``predicted_std``, ``half`` (reach of the 95 % interval, tolerance included), ``exact``,
-        ``inside``, ``limit``, ``margin``, ``units``. Over both: ``elasticity`` and ``worst`` (the scenario that
-        decides). Over ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``flags``.
+        ``inside``, ``limit``, ``margin``, ``units``, and of a limit that names what a material bears ``bound`` (whose)
+        and ``source``. Over both: ``elasticity`` and ``worst`` (the scenario that
+        decides). Over ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``beyond``
+        (where the material is beyond what linear theory holds for), ``flags`` (that, and what else is to be known).
     """
     question, terms = design.question, design.question.terms
     guessed = predict(design, question.judged)
@@ -128,6 +129,9 @@ def judge(design: Designs) -> xr.Dataset:
     sensitivity = perturbation.sensitivities(design, exact, list(worst[0]))
     idle = [name for name, matters in zip(worst[0], sensitivity["matters"].values, strict=True) if not matters]
     edges = _edges(design)
+    beyond = linearity.beyond(question.study, corner)
+    bounds = [linearity.bound(question.study, limit) for limit in question.target.limits]
+    bounds = [("", "")] * question.objectives + bounds
     out = xr.Dataset(
         {
             "value": ("factor", list(worst[0].values())),
@@ -140,13 +144,16 @@ def judge(design: Designs) -> xr.Dataset:
             "limit": ("term", limits),
             "margin": ("term", margin),
             "units": ("term", [term.units for term in terms]),
+            "bound": ("term", [words for words, _ in bounds]),
+            "source": ("term", [source for _, source in bounds]),
             "worst": (("term", "factor"), np.array([list(case.values()) for case in worst])),
             "exact_low": ("quantity", [float(values.min()) for values in corner.values()]),
             "exact_high": ("quantity", [float(values.max()) for values in corner.values()]),
             "feasible": bool(np.all(margin[~np.isnan(margin)] >= -ROUNDING)),
             "edge": ("factor", [edges.get(name, "") for name in worst[0]]),
             "status": _status(question, margin, edges, idle),
-            "flags": "; ".join([*_flags(corner, _radius(design)), *question.notes]),
+            "beyond": "; ".join(f"{words} ({reason})" for words, reason in beyond),
+            "flags": "; ".join([*(words for words, _ in beyond), *_flags(corner, _radius(design)), *question.notes]),
         },
         coords={
             "factor": list(worst[0]),
@@ -248,17 +255,7 @@ def _radius(design: Designs) -> Array | None:
 
 
 def _flags(corner: Mapping[str, Array], radius: Array | None) -> list[str]:
-    """Where a design leaves what the theory holds for."""
-    flags = []
+    """Where a design leaves what the theory of the contact holds for."""
     width = corner["contact_trailing"] + corner["contact_leading"]
-    field, over = 0.0, ""  # an insulating punch has no one voltage
-    if "nominal_field" in corner:
-        field, over = float(corner["nominal_field"].max()), "thickness"
-    elif "voltage" in corner:
-        field, over = float((np.abs(corner["voltage"]) / width).max()), "contact width"
-    if field > _LINEAR_FIELD:
-        flags.append(f"nominal field |voltage| / {over} = {field / 1e6:.3g} kV/mm is beyond 0.3 kV/mm")
     share = float((width / radius).max()) if radius is not None else 0.0
-    if share > _SLENDER:
-        flags.append(f"the contact is {share:.2g} of the radius wide: no longer a parabola")
-    return flags
+    return [f"the contact is {share:.2g} of the radius wide: no longer a parabola"] if share > _SLENDER else []

@@ -17,6 +17,7 @@ from workflow.design.risk import WorstCase
 from workflow.design.scenarios import Scenarios
 from workflow.design.sources import Factors, Source, shape
 from workflow.design.terms import Term, limited, wanted
+from workflow.language.constants import CONSTANTS
 from workflow.language.expressions import Call, Expression, Operation, Power
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -76,7 +77,8 @@ class Question:
         """Objectives first, then the limits in the study's order."""
         deviations = self.target.statistic.deviations
         return [wanted(objective, deviations) for objective in self.target.objectives] + [
-            limited(limit, self.scales.get(str(limit), 1.0)) for limit in self.target.limits
+            limited(limit, self.scales.get(str(limit), 1.0), self.study.constant(limit.borne) if limit.borne else 1.0)
+            for limit in self.target.limits
         ]
 
     @cached_property
@@ -162,6 +164,8 @@ class Question:
         return known
 
     def _fixed(self, name: str) -> float:
+        if name in CONSTANTS:
+            return self.study.constant(name)
         value = self.study.held(name)
         if isinstance(value, str) or value is None:
             raise InputError(f"{name!r} has no value in this study; it cannot stand in an expression")

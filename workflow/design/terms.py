@@ -103,12 +103,12 @@ def wanted(objective: Objective, deviations: float | None) -> Term:
     return Term(str(objective), objective.expression, sign, measure, deviations is not None)
 
 
-def limited(limit: Limit, scale: float) -> Term:
-    """The term of a limit, with a scale for a bound of zero."""
+def limited(limit: Limit, scale: float, borne: float = 1.0) -> Term:
+    """The term of a limit, with a scale for a bound of zero, and what the material bears that bounds it."""
     measure: risk.RiskMeasure = risk.WorstCase()
     if limit.deviation:
         measure = risk.RelativeDeviation()
     elif limit.probability is not None:
         measure = risk.Quantile(limit.probability if limit.upper else 1 - limit.probability)
-    size, drawn = abs(limit.value) or scale, limit.probability is not None
-    return Term(str(limit), limit.expression, limit.sign, measure, drawn, limit.value, size, limit.unitless)
+    bound, drawn = limit.value * borne, limit.probability is not None
+    return Term(str(limit), limit.expression, limit.sign, measure, drawn, bound, abs(bound) or scale, limit.unitless)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from solver.names import ALL_QUANTITIES
 from workflow.language import statements
+from workflow.language.constants import FIGURES
 from workflow.language.expressions import Call, Expression, Name, Operation
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
@@ -27,6 +28,8 @@ TITLES = {
     "film_peak_principal_tension": "tension in the film",
     "interface_shear": "shear of the interface",
     "interface_tension": "tension of the interface",
+    "smallest_force": "smallest detectable force",
+    "drive_field": "driving field",
 }
 
 
@@ -72,6 +75,9 @@ def spoken(expression: Expression, text: str) -> str:
     >>> [spoken(grammar.parse(text), text) for text in ("abs(voltage) / load", "load^2 + 1")]
     ['voltage over load', 'load^2 + 1']
     """
+    figure = text.strip().removeprefix("abs(").removesuffix(")").strip()
+    if figure in FIGURES:
+        return title(figure)
     if isinstance(expression, Name):
         return title(expression.name)
     if isinstance(expression, Call) and expression.function == "abs":

@@ -1,7 +1,7 @@
 """What the what-if panel (whatif.html.j2) needs: the surrogate as plain data, ranges, and the designs with limits."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -64,7 +64,7 @@ def content(
         "fixed": {name: factor.default for name, factor in FACTORS.items() if factor.default is not None}
         | {name: value for name, value in study.fixed.items() if not isinstance(value, str)},
         "cases": [
-            {"values": case, "kind": kind, **_target(name, target, one)}
+            {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, one)}
             for (name, target), one, case, kind in zip(study.design.items(), designs, values, kinds, strict=True)
         ],
         "kind": kinds[0] if kinds else 0,
@@ -91,21 +91,22 @@ def as_json(data: dict[str, Any] | None) -> Markup:
     return Markup(text.replace("<", "\\u003c").replace("&", "\\u0026"))
 
 
-def _target(name: str, target: Target, answer: xr.Dataset) -> dict[str, Any]:
+def _target(study: Study, name: str, target: Target, answer: xr.Dataset) -> dict[str, Any]:
     """A target's limits with the verdict on its design, and the scenarios that they must stand anywhere else.
 
     What a limit counts as over distributions, and a deviation, are not judged elsewhere: no one point tells them.
     """
     corners = scenarios.corners(target, scenarios.SEARCHED)
     limits = []
+    constants = {constant: study.constant(constant) for constant in target.constants()}
     for limit in target.limits:
         one = answer.sel(term=str(limit))
         exact = float(one["exact"])
         limits.append(
             {
                 "text": str(limit),
-                "tree": _tree(limit.expression),
-                "value": limit.value,
+                "tree": _tree(limit.expression, constants),
+                "value": float(one["limit"]),
                 "upper": limit.upper,
                 "units": str(one["units"].values),
                 "judged": limit.probability is None and not limit.deviation,
@@ -127,16 +128,16 @@ def _target(name: str, target: Target, answer: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _tree(node: Expression) -> Any:
+def _tree(node: Expression, constants: Mapping[str, float]) -> Any:
     """An expression as nested lists."""
     if isinstance(node, Number):
         return node.value
     if isinstance(node, Name):
-        return node.name
+        return constants.get(node.name, node.name)
     if isinstance(node, Operation):
-        return [node.symbol, _tree(node.left), _tree(node.right)]
+        return [node.symbol, _tree(node.left, constants), _tree(node.right, constants)]
     if isinstance(node, Power):
-        return ["^", _tree(node.base), node.exponent]
+        return ["^", _tree(node.base, constants), node.exponent]
     if isinstance(node, Call):
-        return [node.function, *map(_tree, node.arguments)]
+        return [node.function, *(_tree(argument, constants) for argument in node.arguments)]
     raise TypeError(f"unknown node {node!r}")

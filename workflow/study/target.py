@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from workflow.language import statements
+from workflow.language.constants import CONSTANTS
 from workflow.language.factors import FACTORS
 from workflow.study.types import FactorName, InputName, Interval, Number, Strict
 
@@ -167,6 +168,11 @@ class Target(Strict):
             return list(self.uncertain[name].support)
         variable = self.variables.get(name, Variable())
         return [*variable.choices, *(end for end in (variable.low, variable.high) if end is not None)]
+
+    def constants(self) -> list[str]:
+        """Names of constants in objectives and limits, and of what bounds limits."""
+        bounds = [limit.borne for limit in self.limits if limit.borne]
+        return list(dict.fromkeys([*(name for name in self.names() if name in CONSTANTS), *bounds]))
 
     def names(self) -> list[str]:
         """Names in objectives and limits."""

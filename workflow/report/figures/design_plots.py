@@ -51,7 +51,7 @@ def _map(answer: xr.Dataset) -> Figure:
     objective, excess = answer["map_objective"].values.T, answer["map_excess"].values.T
     size, words = _objective(answer)
     filled = ax.contourf(x, y, objective / size, 24, cmap="viridis")
-    filled.set_edgecolor("face")
+    filled.set_rasterized(True)
     if excess.max() > 0:
         ax.contourf(x, y, excess, [0.0, float(excess.max())], colors="none", hatches=["////"])
         if excess.min() < 0:
