@@ -101,6 +101,10 @@ class GaussianProcess(Predictive):
         """Return a model that gives these outputs, and as few others as it can, for less."""
         return self
 
+    def thinned(self, errors: Mapping[str, float]) -> Self:
+        """Return a model that costs less to ask for, with root-mean-square errors of some outputs, in their units."""
+        return self
+
     @property
     def box(self) -> Mapping[str, Input]:
         """The trained box: name -> Input, in order."""
@@ -291,7 +295,7 @@ class GaussianProcess(Predictive):
             np.concatenate([self._variance(t[:, block], weights) for block in blocks], axis=1) for weights in single
         ]
         groups = sharing(t)
-        self.calibration_ = calibrate(self._corrected(true - mean, t, groups), parts, t, groups)
+        self.calibration_ = calibrate(self._corrected(dataset, true - mean, t, groups), parts, t, groups)
         return self
 
     def uncalibrated(self) -> Self:
@@ -300,8 +304,11 @@ class GaussianProcess(Predictive):
         plain.calibration_ = None
         return plain
 
-    def _corrected(self, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
-        """Learn to correct the mean from errors, true minus predicted (p, n); return what is left of each left out."""
+    def _corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
+        """Learn to correct the mean from errors, true minus predicted (p, n); return what is left of each left out.
+
+        The data set of the cases may hold more than the outputs.
+        """
         return errors
 
     def _physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
