@@ -42,6 +42,7 @@ class GaussianProcess(Predictive):
     """
 
     engine: ClassVar[str]
+    MEMBERS: ClassVar[tuple[str, ...]] = ()
     inputs_: tuple[Input, ...]
     outputs_: tuple[str, ...]
     attrs_: dict[str, dict[str, str]]
@@ -80,6 +81,20 @@ class GaussianProcess(Predictive):
     @abstractmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
         """Return the model of a stored state; ValueError names what is inconsistent."""
+
+    @property
+    def members(self) -> Mapping[str, "GaussianProcess"]:
+        """Models that it is made of, by the names of `MEMBERS`: a file holds them too."""
+        return {}
+
+    def with_members(self, members: Mapping[str, "GaussianProcess"]) -> Self:
+        """Return the restored model with the models that it is made of; ValueError unless they fit."""
+        return self
+
+    @property
+    def calibrated(self) -> bool:
+        """Whether its intervals rest on held-out cases."""
+        return self.calibration_ is not None
 
     def only(self, outputs: Sequence[str]) -> Self:
         """Return a model that gives these outputs, and as few others as it can, for less."""

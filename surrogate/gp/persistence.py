@@ -18,12 +18,13 @@ from surrogate.gp.gridgp import GridGP
 from surrogate.gp.model import GaussianProcess
 
 if TYPE_CHECKING:
+    from surrogate.gp.corrected import CorrectedGP
     from surrogate.gp.scattergp import ScatterGP
 
 FORMAT = "surrogate"
 VERSION = 2
 MAX_BYTES = 2**28  # unpacked; a model is a few MB at most, and a hostile file must not fill the memory
-ENGINES = ("grid", "scatter")
+ENGINES = ("grid", "scatter", "corrected")
 PROBES = 8
 PROBE_TOLERANCE = 1e-7
 
@@ -38,6 +39,12 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
     OSError
         No room or no permission, in the system's words, with the file.
     """
+    title = f"surrogate of {', '.join(model.outputs_)}"[:200]
+    write_whole(described(_stored(model), title, SOURCE, MEANINGS), path)
+
+
+def _stored(model: GaussianProcess) -> xr.Dataset:
+    """A model and the models that it is made of as one data set."""
     inputs, outputs = model.inputs_, model.outputs_
     points = probe_points(inputs)
     mean, std = model.predict_array(points, return_std=True)
@@ -65,10 +72,31 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
     if model.calibration_ is not None:
         common = common.assign(model.calibration_.state())
     whole = common.merge(model.state(), combine_attrs="no_conflicts")
-    write_whole(described(whole, f"surrogate of {', '.join(outputs)}"[:200], SOURCE, MEANINGS), path)
+    for name, member in model.members.items():
+        whole = whole.merge(_prefixed(name, _stored(member)), combine_attrs="no_conflicts")
+    return whole
 
 
-def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
+def _prefixed(name: str, member: xr.Dataset) -> xr.Dataset:
+    """A member's data set under names that begin with its own, as do their meanings."""
+    told = described(member, "", "", MEANINGS)
+    for variable in told.variables.values():
+        variable.attrs["long_name"] = f"{name} model: {variable.attrs.get('long_name', '')}"
+    renamed = told.rename({one: f"{name}_{one}" for one in {*told.variables, *told.dims}})
+    renamed.attrs = {f"{name}_{key}": value for key, value in member.attrs.items()}
+    return renamed
+
+
+def _member(name: str, stored: xr.Dataset) -> xr.Dataset:
+    """What `_prefixed` was made from."""
+    prefix = f"{name}_"
+    own = stored.drop_vars([one for one in stored.variables if not str(one).startswith(prefix)])
+    plain = own.rename({one: str(one).removeprefix(prefix) for one in {*own.variables, *own.dims}})
+    attrs = {str(key): value for key, value in stored.attrs.items()}
+    return plain.assign_attrs({key.removeprefix(prefix): one for key, one in attrs.items() if key.startswith(prefix)})
+
+
+def load(path: str | PathLike[str]) -> "GridGP | ScatterGP | CorrectedGP":
     """Read a model, which may come from anywhere, and verify it.
 
     Raises
@@ -82,6 +110,13 @@ def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
     """
     try_to_read(path, MAX_BYTES)
     stored = read_whole(path, max_bytes=MAX_BYTES)
+    return _restored(path, stored, ENGINES)
+
+
+def _restored(
+    path: str | PathLike[str], stored: xr.Dataset, engines: tuple[str, ...]
+) -> "GridGP | ScatterGP | CorrectedGP":
+    """The verified model of a data set; FormatError as for `load`."""
     attrs = stored.attrs
     if attrs.get("format") != FORMAT:
         raise FormatError(path, "not a surrogate model")
@@ -90,17 +125,21 @@ def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
             path,
             f"format version {attrs.get('format_version')} is not {VERSION}, the one known here: make the model anew",
         )
-    if attrs.get("engine") not in ENGINES:
-        raise FormatError(path, f"unknown engine {attrs.get('engine')!r}; known are {', '.join(ENGINES)}")
+    if attrs.get("engine") not in engines:
+        raise FormatError(path, f"unknown engine {attrs.get('engine')!r}; known are {', '.join(engines)}")
     engine = _engine(attrs["engine"])
     try:
         _check_numbers(stored)
-        model = engine.restore(stored, _inputs(stored), _outputs(stored))
+        # what a model is made of is not made of others in turn
+        members = {name: _restored(path, _member(name, stored), ENGINES[:2]) for name in engine.MEMBERS}
+        model = engine.restore(stored, _inputs(stored), _outputs(stored)).with_members(members)
         model.calibration_ = Calibration.restore(stored, model.parts, len(model.inputs_), len(model.outputs_))
         model.made_from_ = str(attrs.get("made_from", ""))
         points = stored["probe_point"].transpose("probe", "input").values
         mean, std = model.predict_array(points, return_std=True)
         ends = model.interval_array(points)
+    except FormatError:
+        raise
     except FAILURES as error:
         raise FormatError(path, f"inconsistent: {error}") from error
     for part, found in zip(("mean", "std", "lower", "upper"), (mean, std, *ends), strict=True):
@@ -112,10 +151,14 @@ def load(path: str | PathLike[str]) -> "GridGP | ScatterGP":
     return model
 
 
-def _engine(name: str) -> "type[GridGP | ScatterGP]":
+def _engine(name: str) -> "type[GridGP | ScatterGP | CorrectedGP]":
     """The class of one of `ENGINES`."""
     if name == GridGP.engine:
         return GridGP
+    if name == ENGINES[2]:
+        from surrogate.gp.corrected import CorrectedGP
+
+        return CorrectedGP
     from surrogate.gp.scattergp import ScatterGP  # scikit-learn's engine, slow to import and seldom stored
 
     return ScatterGP
