@@ -10,7 +10,7 @@ from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.measurements import Measurements
 from surrogate.gp.discrepancy import Discrepancy
-from surrogate.gp.distribution import NOMINAL, Normal, central
+from surrogate.gp.distribution import NOMINAL, Normal
 from surrogate.gp.draws import Draw, mixture, moments
 from surrogate.gp.model import GaussianProcess
 
@@ -114,7 +114,7 @@ class CorrectedGP(GaussianProcess):
         mean += base.T
         if weights is None:
             return mean, None
-        reach = np.abs(self.nominal_.distribution.ends(NOMINAL)).max(axis=0) / Normal().quantile(central(NOMINAL))[1]
+        reach = np.abs(self.nominal_.distribution.ends(NOMINAL)).max(axis=0) / Normal().ends(NOMINAL)[1]
         variance += (std * reach).T ** 2 + self.effect_std_[:, None] ** 2
         return mean, weights[0][:, None] * variance
 
