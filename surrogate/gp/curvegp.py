@@ -21,7 +21,6 @@ from surrogate.gp.following import followed, following
 from surrogate.gp.landscape import Landscape
 from surrogate.gp.measure import Measure
 from surrogate.gp.model import GaussianProcess
-from surrogate.gp.panels import Panels
 
 # Curves whose largest values are looked for at a time: their fields stay in cache.
 _BLOCK = 64

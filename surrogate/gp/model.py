@@ -46,6 +46,7 @@ class GaussianProcess(Predictive):
     """
 
     engine: ClassVar[str]
+    MEMBERS: ClassVar[tuple[str, ...]] = ()
     inputs_: tuple[Input, ...]
     outputs_: tuple[str, ...]
     attrs_: dict[str, dict[str, str]]
@@ -96,6 +97,19 @@ class GaussianProcess(Predictive):
         model = cls.restore(stored, inputs, outputs)
         model.calibration_ = Calibration.restore(stored, model.parts, len(inputs), len(outputs))
         return model
+    @property
+    def members(self) -> Mapping[str, "GaussianProcess"]:
+        """Models that it is made of, by the names of `MEMBERS`: a file holds them too."""
+        return {}
+
+    def with_members(self, members: Mapping[str, "GaussianProcess"]) -> Self:
+        """Return the restored model with the models that it is made of; ValueError unless they fit."""
+        return self
+
+    @property
+    def calibrated(self) -> bool:
+        """Whether its intervals rest on held-out cases."""
+        return self.calibration_ is not None
 
     def only(self, outputs: Sequence[str]) -> Self:
         """Return a model that gives these outputs, and as few others as it can, for less."""

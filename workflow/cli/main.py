@@ -17,7 +17,7 @@ from solver.names import ALL_QUANTITIES, FILM_QUANTITIES, QUANTITIES
 from storage.files import output
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import materials, serving
+from workflow.cli import learn, materials, serving
 from workflow.cli.casetable import read_cases
 from workflow.cli.launch import launch
 from workflow.cli.query import query
@@ -152,6 +152,8 @@ def _parser() -> _Parser:
     command.add_argument("--infer", action="append", required=True, metavar="NAME,...", help="one to three factors")
     command.add_argument("--at", action="append", metavar="NAME=VALUE,...", help="all the others")
     command.set_defaults(run=_invert)
+
+    learn.add(commands)
 
     command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
     command.add_argument("study", help="name of a study in config/, or path of a study's file (.yaml)")

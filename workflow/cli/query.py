@@ -51,7 +51,7 @@ def query(options: argparse.Namespace) -> None:
         table = read_cases(options.table)
     level = _level(model, options.level)
     answer = predicted(model, table, level, extrapolate=options.extrapolate)
-    if model.calibration_ is None:
+    if not model.calibrated:
         say(f"not calibrated: this surrogate's intervals may hold far less than {100 * level:g} %")
     if options.exact is not None:
         answer = _with_exact(answer, model, table, study_of(model, options.exact))

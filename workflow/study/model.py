@@ -4,7 +4,7 @@ import hashlib
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -225,6 +225,12 @@ class Study(Strict):
         """The study with some of its categories held at a name."""
         rest = {name: names for name, names in self.categories.items() if name not in kinds}
         return self.model_copy(update={"fixed": {**self.fixed, **kinds}, "categories": rest})
+
+    def with_materials(self, materials: Mapping[str, Material]) -> Self:
+        """The study with other constants under the names of some materials; its quantities stay those that it has."""
+        copy = self.model_copy()
+        copy._origin = replace(self._origin, materials={**self.own_materials, **materials})
+        return copy
 
     def model_post_init(self, origin: Any, /) -> None:
         """Take what stands beside the file, before anything is checked: the context of the validation."""
