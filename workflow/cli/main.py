@@ -141,6 +141,7 @@ def _parser() -> _Parser:
     command.add_argument("--at", action="append", metavar="NAME=VALUE,...", help="what is not named takes its default")
     command.add_argument("--worst-case", action="append", metavar="NAME=LOW:HIGH,...")
     command.add_argument("--uncertain", action="append", metavar="NAME=normal(MEAN,STD),...")
+    command.add_argument("--tolerance", action="append", metavar="NAME=5%|10um,...", help="how far off as built")
     command.add_argument("--robust", nargs=1, metavar="'mean - 2 std'", help="default: 'worst case'")
     command.add_argument("--limit", action="append", metavar="'trailing_tension <= 50 MPa'")
     command.add_argument("--json", action="store_true", help="print JSON instead of a table")

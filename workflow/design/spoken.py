@@ -8,6 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from workflow.design import tolerances
 from workflow.design.assessment import BINDS, ROUNDING
 from workflow.language import statements, titles
 from workflow.language.factors import FACTORS
@@ -40,6 +41,8 @@ class Verdict:
         What would make it better, or reachable; empty where nothing is known to.
     idle
         Which variables do not matter; empty where all do.
+    tolerance
+        What the tolerances cost, and the nominal optimum; empty where there is none.
     beyond
         What is beyond what the materials bear, with sources; empty where nothing is.
     sources
@@ -50,11 +53,12 @@ class Verdict:
     stops: str
     advice: str = ""
     idle: str = ""
+    tolerance: str = ""
     beyond: str = ""
     sources: str = ""
 
     def __str__(self) -> str:
-        more = (self.advice, self.idle, self.beyond, self.sources)
+        more = (self.advice, self.idle, self.tolerance, self.beyond, self.sources)
         return " ".join([f"{capital(self.kind)}: {self.stops}", *filter(None, more)])
 
 
@@ -67,10 +71,29 @@ def verdict(answer: xr.Dataset) -> Verdict:
         As :func:`workflow.design.search.answer` gives it, with its attributes.
     """
     told, beyond = _verdict(answer), answer["beyond"].item()
-    told = replace(told, sources=_sources(answer))
+    told = replace(told, sources=_sources(answer), tolerance=_tolerated(answer))
     if told.kind == UNREACHABLE or not beyond:
         return told
     return replace(told, kind=f"{BEYOND}; otherwise {told.kind}", beyond=f"{capital(beyond)}.")
+
+
+def _tolerated(answer: xr.Dataset) -> str:
+    """That the limits are kept within the tolerances, what these cost, and the optimum without them."""
+    given = [str(name) for name in answer["factor"].values if str(answer["tolerance"].sel(factor=name).item())]
+    if not given or "nominal_exact" not in answer:
+        return ""
+    sizes = [f"{answer['tolerance'].sel(factor=name).item()} of {titles.title(name)}" for name in given]
+    exact, best = float(answer["exact"][0]), float(answer["nominal_exact"])
+    nominal = answer["nominal_value"].sel(factor=given)
+    at = [f"{titles.title(name)} {titles.value(name, float(nominal.sel(factor=name)))}" for name in given]
+    at += filter(None, [str(answer["nominal_choice"].item())])
+    share = number(100 * abs(exact - best) / abs(best), 2) if best else "–"
+    return (
+        f"Within {listed(sizes)} every limit is kept as it is asked for. "
+        f"{capital('; '.join(tolerances.in_words(answer)))}. "
+        f"Nominal optimum: {shown(best, str(answer['units'].values[0]), 4)} at {listed(at)}, "
+        f"from which all tolerances together take {share} %."
+    )
 
 
 def _sources(answer: xr.Dataset) -> str:

@@ -48,7 +48,7 @@ def content(
     stored = exported(model)
     if stored is None:
         return None
-    values = [{name: float(one["worst"].sel(factor=name)[0]) for name in model.box} for one in designs]
+    values = [answers.case(one) for one in designs]
     kinds = [study.combinations.index({name: kind for name, kind, _ in answers.kinds(one)}) for one in designs]
     start = values[0] if values else {}
     learned = factorial.learned(study, quantities)

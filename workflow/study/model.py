@@ -363,12 +363,30 @@ class Study(Strict):
                 searched = name in ALL_PEAKS and name not in self._absent and not self.dataset.peaks
                 needs = "needs dataset: peaks: true" if searched else self._lack(name)
                 raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
+        for name in target.tolerance:
+            self._check_tolerance(f"{where}: tolerance: {name}", name, target)
         for name in target.constants():
             for own in self.chosen(target):
                 try:
                     own.constant(name)
                 except ValueError as error:
                     raise ValueError(f"{where}: {error}") from None
+
+    def _check_tolerance(self, where: str, name: str, target: Target) -> None:
+        """Whether a tolerance leaves values of its variable whose whole tolerance is within the study's range."""
+        if name not in self.factors:
+            raise ValueError(f"{where}: a category has none")
+        axis, given = self.factors[name], target.tolerance[name]
+        if target.tolerances[name][1] and axis.low <= 0:
+            raise ValueError(f"{where}: {given} of what may be 0 is none; must have a unit [{FACTORS[name].units}]")
+        low, high = target.room(name, axis.low, axis.high)
+        if name in target.continuous:
+            low, high = target.range(name, low, high)
+        if not low < high:
+            raise ValueError(f"{where}: {given} is larger than the range {axis.low:g} to {axis.high:g} leaves room for")
+        for value in target.variables[name].choices:
+            if isinstance(value, str) or not low <= value <= high:
+                raise ValueError(f"{where}: {given} of {value} is not within {axis.low:g} to {axis.high:g}")
 
     def _lack(self, name: str) -> str:
         """Why no case has a quantity or factor, where the body is why."""
