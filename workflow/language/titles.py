@@ -27,6 +27,9 @@ TITLES = {
     "film_peak_principal_tension": "tension in the film",
     "interface_shear": "shear of the interface",
     "interface_tension": "tension of the interface",
+    "electric_displacement_y": "normal electric displacement",
+    "magnetic_induction_y": "normal magnetic induction",
+    "stress_xx": "stress along the surface",
 }
 
 
@@ -104,6 +107,18 @@ def limited(limit: statements.Limit) -> str:
     text = limit.text.partition("<" if limit.upper else ">")[0].strip()
     words = spoken(limit.expression, text)
     return f"deviation of {words}" if limit.deviation and words != text else words
+
+
+def bound(limit: statements.Limit, units: str) -> str:
+    """A limit in words; its number is in SI units.
+
+    Examples
+    --------
+    >>> bound(statements.limit("trailing_tension <= 50 MPa with probability 0.9"), "Pa")
+    'tension behind the contact at most 50 MPa with probability 0.9'
+    """
+    chance = "" if limit.probability is None else f" with probability {limit.probability:g}"
+    return f"{limited(limit)} at {'most' if limit.upper else 'least'} {shown(limit.value, units, 4)}{chance}"
 
 
 def value(name: str, number: float, digits: int = 4) -> str:
