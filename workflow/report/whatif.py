@@ -14,17 +14,15 @@ from surrogate.gp.export import exported
 from workflow.dataset import factorial
 from workflow.design import answers, assessment, scenarios
 from workflow.design.sources import Predicted
+from workflow.language import titles
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
-from workflow.language.titles import title
+from workflow.report import live
 from workflow.study.categories import Kinds, output
 from workflow.study.datum import HANGING, meaning
 from workflow.study.model import Study
 from workflow.study.target import Target
-
-#: Quantities that give the contact pressure of a circular punch in closed form.
-_PRESSURE = {"contact_trailing", "contact_leading", "pressure_exponent", "peak_pressure"}
 
 
 def content(
@@ -33,6 +31,7 @@ def content(
     quantities: xr.Dataset,
     designs: Sequence[xr.Dataset],
     hangs: frozenset[str] = HANGING,
+    fields: GaussianProcess | None = None,
 ) -> dict[str, Any] | None:
     """The panel's data; None where the browser cannot evaluate the surrogate.
 
@@ -44,6 +43,8 @@ def content(
         Answers of the study's targets, in its order, offered as starting points.
     hangs
         Quantities that hang on the datum.
+    fields
+        The surrogate of the surface fields, where the study has one.
     """
     stored = exported(model)
     if stored is None:
@@ -55,7 +56,7 @@ def content(
     return {
         "surrogate": stored,
         "quantities": [
-            {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs), "title": title(name)}
+            {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs), "title": titles.title(name)}
             for name in study.outputs
         ],
         "categories": study.categories,
@@ -67,6 +68,8 @@ def content(
             {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, one)}
             for (name, target), one, case, kind in zip(study.design.items(), designs, values, kinds, strict=True)
         ],
+        "stack": live.drawable(study),
+        **live.fields(study, fields),
         "kind": kinds[0] if kinds else 0,
         "start": [
             float(np.clip(one.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, one in model.box.items()
@@ -76,12 +79,12 @@ def content(
 
 def _kind(study: Study, model: GaussianProcess, kinds: Kinds) -> dict[str, Any]:
     """One combination of the categories: the surrogate's columns for it, and whether it shows a pressure."""
-    profile = {**study.fixed, **kinds}.get("profile", "cylinder")
     return {
         "names": kinds,
         "allowances": assessment.allowances(study, Predicted(model, kinds), study.outputs),
         "columns": [model.outputs_.index(output(name, kinds)) for name in study.outputs],
-        "pressure": set(study.outputs) >= _PRESSURE and profile == "cylinder" and not study.on_film,
+        "pressure": live.closed_pressure(study, kinds),
+        "body": live.body(study, kinds) if live.drawable(study) else None,
     }
 
 
@@ -105,6 +108,7 @@ def _target(study: Study, name: str, target: Target, answer: xr.Dataset) -> dict
         limits.append(
             {
                 "text": str(limit),
+                "words": titles.bound(limit, float(one["limit"]), str(one["units"].values)),
                 "tree": _tree(limit.expression, constants),
                 "value": float(one["limit"]),
                 "upper": limit.upper,
@@ -122,9 +126,24 @@ def _target(study: Study, name: str, target: Target, answer: xr.Dataset) -> dict
     return {
         "name": name,
         "limits": limits,
+        "goal": _goal(target, answer, " and ".join(over), constants),
+        "variables": target.continuous,
         "over": " and ".join(over),
         "scenarios": {factor: values.tolist() for factor, values in corners.values.items()},
         "count": corners.count,
+    }
+
+
+def _goal(target: Target, answer: xr.Dataset, over: str, constants: Mapping[str, float]) -> dict[str, Any]:
+    """The first goal: over the scenarios where it counts at worst, else at one point."""
+    first = target.objectives[0]
+    worst = target.statistic.deviations is None and bool(over)
+    return {
+        "title": titles.objective(str(first)) + (f" at worst over {over}" if worst else ""),
+        "tree": _tree(first.expression, constants),
+        "units": str(answer["units"].values[0]),
+        "maximise": first.maximise,
+        "worst": worst,
     }
 
 
