@@ -2,12 +2,16 @@
 
 import doctest
 import importlib
+import inspect
 import re
 import runpy
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+import solver
+import surrogate
 from workflow.run.provenance import ROOT
 
 SHOWING = [
@@ -16,6 +20,32 @@ SHOWING = [
     for file in sorted((ROOT / room).rglob("*.py"))
     if ">>> " in file.read_text(encoding="utf-8")
 ]
+
+PUBLIC = [getattr(room, name) for room in (solver, surrogate) for name in room.__all__]
+STORED = {"state", "restore", "make_factor"}  # what `surrogate.save` and `surrogate.load` call
+
+
+def shown(*objects: object) -> str:
+    """The lines of examples in docstrings."""
+    return "\n".join(
+        re.findall(r"^\s*(?:>>>|\.\.\.) (.*)", "\n".join(map(str, map(inspect.getdoc, objects))), re.MULTILINE)
+    )
+
+
+@pytest.mark.parametrize("thing", PUBLIC, ids=lambda thing: getattr(thing, "__name__", ""))
+def test_everything_public_is_shown_in_an_example(thing: Any) -> None:
+    """A function and a class by its own docstring, a method or a property by that of one of its classes or its own."""
+    if inspect.isclass(thing) and issubclass(thing, Exception):
+        return
+    own = shown(thing)
+    assert thing.__name__ in own
+    if inspect.isclass(thing):
+        family = [one for one in thing.__mro__ if one.__module__.startswith(("solver", "surrogate"))]
+        for name in {name for one in family for name in vars(one) if not name.startswith("_")} - STORED:
+            member = inspect.getattr_static(thing, name)
+            if callable(member) or isinstance(member, property | classmethod):
+                assert re.search(rf"\b{name}\b", shown(*family, getattr(thing, name, None), member)), name
+
 
 #: One line of what each script prints, a number in it.
 SAID = {

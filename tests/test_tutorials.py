@@ -20,6 +20,7 @@ def test_a_tutorial_says_what_is_printed(path: Path, tmp_path: Path) -> None:
 
 
 def test_a_wrong_page_is_told(tmp_path: Path) -> None:
-    page = "Into `a.csv`:\n\n```csv\nload\n```\n\n```python\nfrom pathlib import Path\nprint(Path('a.csv').read_text())\n```\n\n```text\nloads\n```\n"
+    code = "from pathlib import Path\nprint(Path('a.csv').read_text())"
+    page = f"Into `a.csv`:\n\n```csv\nload\n```\n\n```python\n{code}\n```\n\n```text\nloads\n```\n"
     assert tutorial.told(page, tmp_path) == page.replace("loads\n", "load\n\n")
     assert [part.kind for part in notebook.parts(page)] == ["markdown", "csv", "python", "text"]
