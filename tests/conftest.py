@@ -50,6 +50,7 @@ FILES = {
 LONGEST = (
     "tests/faults/test_hostile.py",  # first: it bounds the memory of its process, which no other test may have taken
     *FILES,
+    "tests/test_tutorials.py",
     "tests/workflow/design/test_budget.py",
     "tests/surrogate/use/test_inversion.py",
     "tests/workflow/design/test_question.py",

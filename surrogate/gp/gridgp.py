@@ -58,6 +58,14 @@ class GridGP(GaussianProcess):
         Variance of the process of every output, in units of its squared standard deviation `scale_`.
     correction_ : Correction or None
         What `calibrate` has learnt of the error of the mean, with the "chebyshev" kernel; None before.
+
+    Examples
+    --------
+    >>> x = Input("x", 0, 1)
+    >>> data = xr.Dataset({"f": ("x", np.exp(x.levels(9)))}, coords={"x": x.levels(9)})
+    >>> model = GridGP(inputs=[x]).fit(data)
+    >>> bool(abs(model.predict({"x": 0.3})["f"] - np.exp(0.3)) < 1e-9)
+    True
     """
 
     engine: ClassVar[str] = "grid"

@@ -43,6 +43,41 @@ class GaussianProcess(Predictive):
         What `calibrate` has learnt; None before.
     made_from_ : str
         A word of the caller's that tells what the model was made from, kept in its file; empty by default.
+
+    Examples
+    --------
+    >>> from surrogate import GridGP
+    >>> x, y = Input("x", 0, 1), Input("y", 1, 2)
+    >>> grid = xr.Dataset(coords={"x": x.levels(7), "y": y.levels(7)})
+    >>> model = GridGP(inputs=[x, y]).fit(grid.assign(f=np.exp(grid.x) * grid.y, g=grid.x + grid.y))
+    >>> isinstance(model, GaussianProcess), list(model.box), model.parts
+    (True, ['x', 'y'], 2)
+    >>> found = model.predict({"x": [0.2, 0.4], "y": 1.5})
+    >>> found["g"].values.round(6).tolist(), list(found.data_vars)
+    ([1.7, 1.9], ['f', 'f_std', 'g', 'g_std'])
+    >>> model.gradient({"x": 0.2, "y": 1.5})["g"].values.round(6).tolist()
+    [1.0, 1.0]
+    >>> model.predict_array(np.array([[0.2, 1.5]])).shape, model.gradient_array(np.array([[0.2, 1.5]])).shape
+    ((1, 2), (1, 2, 2))
+
+    Held-out cases make means and intervals right:
+
+    >>> rng = np.random.default_rng(0)
+    >>> cases = xr.Dataset({"x": ("case", rng.uniform(0, 1, 300)), "y": ("case", rng.uniform(1, 2, 300))})
+    >>> cases = cases.assign(f=np.exp(cases.x) * cases.y, g=cases.x + cases.y)
+    >>> model.score(cases) > 0.999999, sorted(model.cases(cases)[1])
+    (True, ['f', 'g'])
+    >>> median = model.calibrate(cases).quantile({"x": 0.2, "y": 1.5}, 0.5)
+    >>> bool(abs(median["f"] - 1.5 * np.exp(0.2)) < 1e-6)
+    True
+    >>> model.sample({"x": 0.2, "y": 1.5}, n=5, seed=0)["f"].shape
+    (5,)
+    >>> lower, upper = model.interval_array(np.array([[0.2, 1.5]]))
+    >>> bool((lower < upper).all()), model.distribution.cases
+    (True, 300)
+    >>> model.check_level(0.9)
+    >>> model.only(["g"]).outputs_, model.uncalibrated().calibration_
+    (('g',), None)
     """
 
     engine: ClassVar[str]

@@ -32,6 +32,16 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
         The folder does not exist.
     OSError
         No room or no permission, in the system's words, with the file.
+
+    Examples
+    --------
+    >>> import tempfile, surrogate
+    >>> from pathlib import Path
+    >>> made = surrogate.FactorialRegressor().fit([[0.0], [0.5], [1.0]], [1.0, 1.5, 3.0]).model_
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save(made, Path(folder) / "y.nc")
+    ...     [file.name for file in Path(folder).iterdir()]
+    ['y.nc']
     """
     title = f"surrogate of {', '.join(model.outputs_)}"[:200]
     write_whole(described(_stored(model), title, SOURCE, MEANINGS), path)
@@ -99,6 +109,17 @@ def load(path: str | PathLike[str]) -> GaussianProcess:
         One line with the file and the reason: truncated, altered, too large, more than plain numbers and texts, not a
         model, of an unknown version, engine or kernel, inconsistent in its shapes, or its probe predictions do not come
         out as stored.
+
+    Examples
+    --------
+    >>> import tempfile, surrogate
+    >>> from pathlib import Path
+    >>> made = surrogate.FactorialRegressor().fit([[0.0], [0.5], [1.0]], [1.0, 1.5, 3.0]).model_
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     surrogate.save(made, Path(folder) / "y.nc")
+    ...     again = load(Path(folder) / "y.nc")
+    >>> bool(again.predict({"x0": 0.3})["y0"] == made.predict({"x0": 0.3})["y0"])
+    True
     """
     try_to_read(path, MAX_BYTES)
     stored = read_whole(path, max_bytes=MAX_BYTES)
