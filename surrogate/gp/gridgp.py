@@ -58,6 +58,14 @@ class GridGP(GaussianProcess):
         Variance of the process of every output, in units of its squared standard deviation `scale_`.
     correction_ : Correction or None
         What `calibrate` has learnt of the error of the mean, with the "chebyshev" kernel; None before.
+
+    Examples
+    --------
+    >>> x = Input("x", 0, 1)
+    >>> data = xr.Dataset({"f": ("x", np.exp(x.levels(9)))}, coords={"x": x.levels(9)})
+    >>> model = GridGP(inputs=[x]).fit(data)
+    >>> bool(abs(model.predict({"x": 0.3})["f"] - np.exp(0.3)) < 1e-9)
+    True
     """
 
     engine: ClassVar[str] = "grid"
@@ -232,11 +240,25 @@ class GridGP(GaussianProcess):
         part.amplitude_, part.variance_ = self.amplitude_[:, columns], self.variance_[columns]
         part.calibration_ = None if self.calibration_ is None else self.calibration_.only(columns)
         part.correction_ = None if self.correction_ is None else self.correction_.only(columns)
+        part._thin(columns, np.full(len(columns), self.compression))
+        return part
+
+    def thinned(self, errors: Mapping[str, float]) -> Self:
+        """Return the model with root-mean-square errors over the training cases of some outputs, in their units."""
+        own = zip(self.outputs_, self.scale_, strict=True)
+        allowed = np.array([max(self.compression, errors.get(name, 0.0) / scale) for name, scale in own])
+        part = copy(self)
+        part._thin(range(len(allowed)), allowed)
+        return part
+
+    def _thin(self, columns: Sequence[int], errors: Array) -> None:
+        """Cut the ranks of the train of some outputs, each to its error in standard deviations."""
         weights = [self.factors_[k].weights[:size] for k, size in zip(self.order_, self.train_.modes, strict=True)]
         plain = self.train_.scaled([1 / scale for scale in weights])
-        error = self.compression * float(np.sqrt(self._cases()))
-        part.train_ = plain.only(columns, error).scaled(weights)
-        return part
+        least = np.maximum(errors, 1e-15)
+        eased = TensorTrain((*plain.cores[:-1], plain.cores[-1][..., list(columns)] / least))
+        cut = eased.only(range(len(least)), float(np.sqrt(self._cases())))
+        self.train_ = TensorTrain((*cut.cores[:-1], cut.cores[-1] * least)).scaled(weights)
 
     @property
     def parts(self) -> int:
@@ -280,7 +302,7 @@ class GridGP(GaussianProcess):
         plain.correction_ = None
         return plain
 
-    def _corrected(self, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
+    def _corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
         if self.kernel != "chebyshev":
             return errors
         counts = tuple(map(len, self.levels_))

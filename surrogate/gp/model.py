@@ -44,9 +44,45 @@ class GaussianProcess(Predictive):
         What `calibrate` has learnt; None before.
     made_from_ : str
         A word of the caller's that tells what the model was made from, kept in its file; empty by default.
+
+    Examples
+    --------
+    >>> from surrogate import GridGP
+    >>> x, y = Input("x", 0, 1), Input("y", 1, 2)
+    >>> grid = xr.Dataset(coords={"x": x.levels(7), "y": y.levels(7)})
+    >>> model = GridGP(inputs=[x, y]).fit(grid.assign(f=np.exp(grid.x) * grid.y, g=grid.x + grid.y))
+    >>> isinstance(model, GaussianProcess), list(model.box), model.parts
+    (True, ['x', 'y'], 2)
+    >>> found = model.predict({"x": [0.2, 0.4], "y": 1.5})
+    >>> found["g"].values.round(6).tolist(), list(found.data_vars)
+    ([1.7, 1.9], ['f', 'f_std', 'g', 'g_std'])
+    >>> model.gradient({"x": 0.2, "y": 1.5})["g"].values.round(6).tolist()
+    [1.0, 1.0]
+    >>> model.predict_array(np.array([[0.2, 1.5]])).shape, model.gradient_array(np.array([[0.2, 1.5]])).shape
+    ((1, 2), (1, 2, 2))
+
+    Held-out cases make means and intervals right:
+
+    >>> rng = np.random.default_rng(0)
+    >>> cases = xr.Dataset({"x": ("case", rng.uniform(0, 1, 300)), "y": ("case", rng.uniform(1, 2, 300))})
+    >>> cases = cases.assign(f=np.exp(cases.x) * cases.y, g=cases.x + cases.y)
+    >>> model.score(cases) > 0.999999, sorted(model.cases(cases)[1])
+    (True, ['f', 'g'])
+    >>> median = model.calibrate(cases).quantile({"x": 0.2, "y": 1.5}, 0.5)
+    >>> bool(abs(median["f"] - 1.5 * np.exp(0.2)) < 1e-6)
+    True
+    >>> model.sample({"x": 0.2, "y": 1.5}, n=5, seed=0)["f"].shape
+    (5,)
+    >>> lower, upper = model.interval_array(np.array([[0.2, 1.5]]))
+    >>> bool((lower < upper).all()), model.distribution.cases
+    (True, 300)
+    >>> model.check_level(0.9)
+    >>> model.only(["g"]).outputs_, model.uncalibrated().calibration_
+    (('g',), None)
     """
 
     engine: ClassVar[str]
+    MEMBERS: ClassVar[tuple[str, ...]] = ()
     inputs_: tuple[Input, ...]
     outputs_: tuple[str, ...]
     attrs_: dict[str, dict[str, str]]
@@ -86,8 +122,37 @@ class GaussianProcess(Predictive):
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
         """Return the model of a stored state; ValueError names what is inconsistent."""
 
+    def stored(self) -> xr.Dataset:
+        """Return the state with what `calibrate` has learnt."""
+        state = self.state()
+        return state if self.calibration_ is None else state.assign(self.calibration_.state())
+
+    @classmethod
+    def restored(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
+        """Return the model of what `stored` gave, calibration and all; ValueError names what is inconsistent."""
+        model = cls.restore(stored, inputs, outputs)
+        model.calibration_ = Calibration.restore(stored, model.parts, len(inputs), len(outputs))
+        return model
+    @property
+    def members(self) -> Mapping[str, "GaussianProcess"]:
+        """Models that it is made of, by the names of `MEMBERS`: a file holds them too."""
+        return {}
+
+    def with_members(self, members: Mapping[str, "GaussianProcess"]) -> Self:
+        """Return the restored model with the models that it is made of; ValueError unless they fit."""
+        return self
+
+    @property
+    def calibrated(self) -> bool:
+        """Whether its intervals rest on held-out cases."""
+        return self.calibration_ is not None
+
     def only(self, outputs: Sequence[str]) -> Self:
         """Return a model that gives these outputs, and as few others as it can, for less."""
+        return self
+
+    def thinned(self, errors: Mapping[str, float]) -> Self:
+        """Return a model that costs less to ask for, with root-mean-square errors of some outputs, in their units."""
         return self
 
     @property
@@ -280,7 +345,7 @@ class GaussianProcess(Predictive):
             np.concatenate([self._variance(t[:, block], weights) for block in blocks], axis=1) for weights in single
         ]
         groups = sharing(t)
-        self.calibration_ = calibrate(self._corrected(true - mean, t, groups), parts, t, groups)
+        self.calibration_ = calibrate(self._corrected(dataset, true - mean, t, groups), parts, t, groups)
         return self
 
     def uncalibrated(self) -> Self:
@@ -289,8 +354,11 @@ class GaussianProcess(Predictive):
         plain.calibration_ = None
         return plain
 
-    def _corrected(self, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
-        """Learn to correct the mean from errors, true minus predicted (p, n); return what is left of each left out."""
+    def _corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
+        """Learn to correct the mean from errors, true minus predicted (p, n); return what is left of each left out.
+
+        The data set of the cases may hold more than the outputs.
+        """
         return errors
 
     def _physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
