@@ -15,9 +15,7 @@ _DRAWS = 256  # points of the box at which states are measured
 _LOW = 7  # bits of a byte that hold digits; the highest says that another byte follows
 
 
-def packed(
-    cores: Sequence[Array], factors: Sequence[ChebyshevFactor], order: Sequence[int], step: float = STEP
-) -> list[dict[str, Any]]:
+def packed(cores: Sequence[Array], factors: Sequence[ChebyshevFactor], order: Sequence[int]) -> list[dict[str, Any]]:
     """Every core as whole numbers of a few bytes each, times a number for its row and one for its column.
 
     An entry from row i to column j reaches the outputs times what comes in at i and what goes out at j. Their
@@ -31,8 +29,6 @@ def packed(
         By input.
     order : sequence of int
         Input of each core.
-    step : float
-        What the rounding of one entry may change of an output.
 
     Returns
     -------
@@ -45,7 +41,7 @@ def packed(
     coming, going = _coming(cores, features), _going(cores, features)
     out = []
     for core, rows, columns in zip(cores, coming[:-1], going[1:], strict=True):
-        low, high = 1 / rows, step / columns
+        low, high = 1 / rows, STEP / columns
         whole = np.rint(core / (low[:, None, None] * high)).astype(np.int64)
         data = base64.b64encode(_bytes(whole.ravel())).decode("ascii")
         out.append({"shape": list(core.shape), "rows": array(low), "columns": array(high), "data": data})
