@@ -6,8 +6,25 @@ function readArray(stored) {
   return { shape: stored.shape, data: new Float64Array(bytes.buffer) };
 }
 
+// Whole numbers by groups of seven bits, times a number for the row and one for the column (surrogate/gp/packing.py).
+function readCore(stored) {
+  const [r, modes, s] = stored.shape, text = atob(stored.data), data = new Float64Array(r * modes * s);
+  const rows = readArray(stored.rows).data, columns = readArray(stored.columns).data;
+  let place = 0;
+  for (let n = 0; n < data.length; n++) {
+    let whole = 0, size = 1, byte;
+    do {
+      byte = text.charCodeAt(place++);
+      whole += (byte & 127) * size;
+      size *= 128;
+    } while (byte > 127);
+    data[n] = (whole % 2 ? -(whole + 1) / 2 : whole / 2) * rows[Math.floor(n / (modes * s))] * columns[n % s];
+  }
+  return { shape: stored.shape, data };
+}
+
 function loadSurrogate(plain) {
-  const model = { ...plain, cores: plain.cores.map(readArray) };
+  const model = { ...plain, cores: plain.cores.map(readCore) };
   for (const name of ["offset", "scale", "amplitude", "variance"]) if (plain[name]) model[name] = readArray(plain[name]);
   if (plain.calibration) {
     model.calibration = {};
