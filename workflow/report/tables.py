@@ -133,7 +133,12 @@ def readout(name: str, path: Path) -> dict[str, Any]:
     """How often the intervals of a read-out hold, and how wide they are."""
     data = read_whole(path)
     rows = [
-        {"name": str(factor), "coverage": float(one["coverage"]), "width": float(one["width"])}
+        {
+            "name": str(factor),
+            "coverage": float(one["coverage"]),
+            "width": float(one["width"]),
+            "left": float(one["left"]),
+        }
         for factor in data["factor"].values
         for one in [data.sel(factor=factor)]
     ]

@@ -419,7 +419,9 @@ class Study(Strict):
             if isinstance(value, str):
                 raise ValueError(f"{where}: {name}: {value!r} is not a number")
             if not axis.low <= value <= axis.high:
-                raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
+                end = "low" if value < axis.low else "high"
+                told = f"{name} = {value:g} is not within {axis.low:g} to {axis.high:g}"
+                raise ValueError(f"{where}: {told}; factors: {name}: {end} says so")
 
     def digest(self, *sections: str) -> str:
         """Hash of some sections, and of own materials where the physics is among them."""
@@ -480,6 +482,18 @@ def thawed(frozen: Mapping[str, Any]) -> Study:
     """The study as it was when it was `frozen`; no file is read."""
     materials = {name: Material.from_mapping(entries) for name, entries in frozen["materials"].items()}
     return _made(frozen["study"], Origin(Path(frozen["path"]), materials, frozenset(frozen["absent"])))
+
+
+def remade(study: Study, **sections: Any) -> Study:
+    """A study with other sections, checked as one that is read from a file.
+
+    Raises
+    ------
+    InputError
+        As `load` does.
+    """
+    origin = Origin(study.path, study.own_materials)
+    return _made(study.model_dump(mode="json") | sections, origin)
 
 
 def _made(content: dict[str, Any], origin: Origin) -> Study:
