@@ -77,7 +77,9 @@ def write_slab(study: Study, index: int, path: Path) -> None:
 def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision: str) -> xr.Dataset:
     """The slab without its values: coordinates, attributes, dimensions and types."""
     coords = {axis: xr.Variable(axis, levels, case[axis].attrs) for axis, levels in axes.items()}
-    frame = xr.Dataset(coords=case.coords).drop_vars(list(axes)).assign_coords(coords)
+    # along the first level of every axis, factors of groups stand there as arrays of one
+    kept = {name: one for name, one in case.coords.items() if not one.ndim or name == "position"}
+    frame = xr.Dataset(coords=kept).assign_coords(coords)
     empty = {}
     for name, array in case.data_vars.items():
         nothing = np.zeros((), precision if name in FIELDS else array.dtype)

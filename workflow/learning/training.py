@@ -3,7 +3,7 @@
 import xarray as xr
 
 from storage.described import described
-from surrogate import GaussianProcess, GridGP
+from surrogate import GaussianProcess, GridGP, GroupedGP
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.levels import counts
 from surrogate.use import validation
@@ -20,8 +20,13 @@ def compression(study: Study) -> float:
     return allowed if study.on_film else min(1e-9, allowed)
 
 
-def fit(study: Study, quantities: xr.Dataset) -> GridGP:
+def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     """Gaussian process of the study's outputs on its factorial."""
+    if study.groups:
+        grouping, data = factorial.grouping(study), factorial.with_factors(study, factorial.learned(study, quantities))
+        grouped = GroupedGP(grouping, study.surrogate.kernel, compression=compression(study))
+        grouped.made_from_ = study.physics
+        return grouped.fit(data)
     model = GridGP(study.surrogate.kernel, factorial.inputs(study), study.learned, compression=compression(study))
     model.made_from_ = study.physics
     return model.fit(factorial.learned(study, quantities))
@@ -44,7 +49,10 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
         ``case``, the decay of the factorial's coefficients, and the tolerance that the study asks for.
     """
     points = {name: cases[name] for name in study.factors}
+    decays = counts.decays(factorial.trained(study, quantities), factorial.axis_inputs(study), study.learned)
     cases, quantities = factorial.learned(study, cases), factorial.learned(study, quantities)
+    if study.groups:
+        quantities = factorial.with_factors(study, quantities)
     predicted = model.predict(points)
     table = validation.validate(model, cases, quantities)
     names = study.learned
@@ -55,8 +63,8 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     }
     out = table.assign({name: (("output", "case"), array.values) for name, array in stacked.items()})
     out = out.assign_coords({name: ("case", array.values, array.attrs) for name, array in points.items()})
-    decays = counts.decays(quantities, factorial.inputs(study), names)
-    out = out.assign(counts.evidence(decays, {name: axis.levels or 0 for name, axis in study.factors.items()}))
+    evidence = counts.evidence(decays, {name: axis.levels or 0 for name, axis in study.axes.items()})
+    out = out.assign(evidence.rename(input="axis") if study.groups else evidence)
     out = out.assign_coords(units=("output", [cases[name].attrs["units"] for name in names]))
     table = described(out, "errors of the surrogate on exact cases", SOURCE, MEANINGS)
     return table.assign_attrs(tolerance=study.validation.tolerance)

@@ -100,8 +100,9 @@ def validation(folder: Path) -> dict[str, Any]:
         for one in [data.sel(output=name)]
     ]
     worst = max(rows, key=lambda row: row["error"])
+    along = data["axis" if "axis" in data.dims else "input"].values
     kinked = [
-        {"name": str(name), "along": [str(factor) for factor in data["input"].values[one.values > 0]]}
+        {"name": str(name), "along": [str(factor) for factor in along[one.values > 0]]}
         for name, one in zip(data["output"].values, data["kinked"], strict=True)
         if (one.values > 0).any()
     ]
