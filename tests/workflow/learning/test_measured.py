@@ -82,7 +82,7 @@ def test_intervals_hold_exact_answers_with_other_constants(half_plane: tuple[Stu
     # 5 truths x 100 cases x 4 outputs, of which two were never measured
     assert 0.92 <= np.mean(held) <= 0.99
     assert np.median(better, axis=0)[:2].max() < 0.3
-    assert np.mean(np.abs(moved) < 1.96) > 0.9
+    assert np.mean(np.abs(moved) < 1.96) > 0.85  # 40 constants
 
 
 def test_a_perturbed_base_is_found(film: tuple[Study, GridGP]) -> None:
