@@ -46,26 +46,26 @@ def write_slab(study: Study, path_of_places: Path, index: int, path: Path) -> No
     """
     batch = read_whole(path_of_places)
     part = np.array_split(np.arange(batch.sizes[PLACE]), slabs(study, path_of_places))[index]
-    places = batch.isel({PLACE: part})
-    levels = {name: some for name, some in factorial.axes(study).items() if name not in study.crossed}
-
-    def solved(some: slice) -> xr.Dataset:
-        crossed = {name: places[name].isel({PLACE: some}).variable for name in study.crossed}
-        found = factorial.exact(study, {**{name: xr.DataArray(one) for name, one in crossed.items()}, **levels})
-        whole = xr.broadcast(found[study.quantities])[0].transpose(PLACE, *levels)
-        return whole.reset_coords(drop=True).assign_coords({name: found[name] for name in (*study.crossed, *levels)})
-
     count = part.size
     with tqdm(total=count, desc=f"slab {index + 1}", unit=" places", disable=None, leave=False) as bar:
         parts = []
         for start in range(0, count, _AT_A_TIME):
-            parts.append(solved(slice(start, start + _AT_A_TIME)))
+            parts.append(exact(study, batch.isel({PLACE: part[start : start + _AT_A_TIME]})))
             bar.update(parts[-1].sizes[PLACE])
     whole = joined(parts)
     values = {str(name): array.values for name, array in whole.data_vars.items()}
-    region = tuple(slice(0, size) for size in (count, *(len(one) for one in levels.values())))
+    region = tuple(slice(0, size) for size in next(iter(values.values())).shape)
     write_blocks(path, whole, [(region, values)], {PLACE: _AT_A_TIME})
     log.info("slab %d: %d places, %d cases", index + 1, count, count * study.block)
+
+
+def exact(study: Study, places: xr.Dataset) -> xr.Dataset:
+    """Exact quantities over places of the crossed axes and all levels of the others."""
+    levels = {name: some for name, some in factorial.axes(study).items() if name not in study.crossed}
+    crossed = {name: xr.DataArray(places[name].variable) for name in study.crossed}
+    found = factorial.exact(study, {**crossed, **levels})
+    whole = xr.broadcast(found[study.quantities])[0].transpose(PLACE, *levels)
+    return whole.reset_coords(drop=True).assign_coords({name: found[name] for name in (*study.crossed, *levels)})
 
 
 def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
