@@ -53,7 +53,7 @@ def test_the_sparse_grid_learns_blocks_and_keeps_to_its_points() -> None:
     assert 120 <= len(asked) < 126
     assert len(np.unique(np.round(asked, 12), axis=0)) == len(asked)
     at = np.random.default_rng(0).uniform(-1, 1, (100, 3))
-    assert np.abs(predict(at) - np.stack([smooth(at), 2 * smooth(at)], axis=1)).max() < 2e-3
+    assert np.abs(predict(at) - np.stack([smooth(at), 2 * smooth(at)], axis=1)).max() < 4e-3
     np.testing.assert_allclose(predict(np.array(asked[:20])), blocks(np.array(asked[:20])), atol=1e-12)
 
 

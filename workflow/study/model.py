@@ -377,6 +377,8 @@ class Study(Strict):
         content = self.model_dump(mode="json", include=set(sections))
         if not self.body:  # which studies had before there were any
             content.pop("body", None)
+        if self.surrogate.method == "factorial" and "surrogate" in content:  # the same
+            content["surrogate"].pop("method")
         text = json.dumps(content, sort_keys=True)
         if "phases" in sections:
             text += json.dumps(self._plain_materials(), sort_keys=True)
