@@ -49,6 +49,14 @@ class ScatterGP(GaussianProcess):
     ----------
     regressors_ : list of GaussianProcessRegressor
         One fitted regressor an output.
+
+    Examples
+    --------
+    >>> x = np.linspace(0, 1, 9)
+    >>> cases = xr.Dataset({"x": ("case", x), "f": ("case", np.exp(x))})
+    >>> model = ScatterGP(inputs=[Input("x", 0, 1)]).fit(cases)
+    >>> bool(abs(model.predict({"x": 0.3})["f"] - np.exp(0.3)) < 1e-3)
+    True
     """
 
     engine: ClassVar[str] = "scatter"
