@@ -119,7 +119,7 @@ class Study(Strict):
     @property
     def tabled(self) -> list[str]:
         """The axes for whose every value the solver makes tables of films."""
-        names = (*TABLED, *layered.named(self.body))
+        names = (*TABLED, *layered.tabled(self.body))
         return [name for name in self.factors if self.on_film and name in names]
 
     @property
@@ -144,6 +144,16 @@ class Study(Strict):
         return usual | {name: value for name, value in self.fixed.items() if not isinstance(value, str)}
 
     @property
+    def crossed(self) -> list[str]:
+        """The axes in which a cross approximation asks for places; none where the whole factorial is solved.
+
+        Those of the most levels come first, where ranks are small.
+        """
+        if self.surrogate.method == "factorial":
+            return []
+        return sorted(self.tabled, key=lambda name: -(self.factors[name].levels or 0))
+
+    @property
     def costly(self) -> frozenset[str]:
         """Quantities of which a case costs milliseconds: searched for, or read from tables of the case's own."""
         return frozenset(ALL_QUANTITIES if self.tabled else ALL_PEAKS)
@@ -153,6 +163,11 @@ class Study(Strict):
         """Number of cases of the factorial; 0 while some of its levels are open."""
         levels = prod(axis.levels or 0 for axis in self.axes.values()) if self.factors else 0
         return levels * len(self.combinations)
+
+    @property
+    def block(self) -> int:
+        """Number of cases at a place of the crossed axes."""
+        return self.cases // prod(self.factors[name].levels or 1 for name in self.crossed)
 
     @property
     def combinations(self) -> list[Kinds]:
@@ -370,7 +385,9 @@ class Study(Strict):
 
     def _check_size(self) -> None:
         """Whether what the study asks for can be computed and stored at all."""
-        if self.cases > MOST_CASES:
+        if self.surrogate.method == "cross":
+            self._check_crossed()
+        elif self.cases > MOST_CASES:
             raise ValueError(f"factors: {self.cases} cases are more than {MOST_CASES}")
         corners = 2 ** len(self.factors) * len(self.combinations)
         if corners > MOST_CORNERS:
@@ -378,6 +395,8 @@ class Study(Strict):
         if not self.factors:
             return
         cases, positions = self.cases or self.dataset.budget, self.dataset.positions.count
+        if self.crossed:
+            cases, positions = self.dataset.budget, 1  # without surface fields
         if cases * positions > MOST_VALUES:
             raise ValueError(
                 f"dataset: {cases} cases x {positions} positions are more than {MOST_VALUES} values of each field"
@@ -385,6 +404,22 @@ class Study(Strict):
         if cases * self.surrogate.fields > MOST_LEARNED:
             raise ValueError(
                 f"surrogate: fields: {cases} cases x {self.surrogate.fields} angles are more than {MOST_LEARNED}"
+            )
+
+    def _check_crossed(self) -> None:
+        """Whether a cross approximation has places to ask for, and a block of cases at each."""
+        if not self.tabled:
+            raise ValueError("surrogate: method: cross is for films with factors that need tables of their own")
+        for name, axis in self.factors.items():
+            if axis.levels is None:
+                raise ValueError(f"factors: {name}: levels are missing; surrogate: method: cross needs them")
+        if self.surrogate.fields or self.surrogate.kernel != "chebyshev":
+            raise ValueError("surrogate: method: cross learns no fields, and its kernel is chebyshev")
+        if self.groups:
+            raise ValueError("groups: surrogate: method: cross stands on the factors themselves, not on groups")
+        if self.block > self.dataset.budget:
+            raise ValueError(
+                f"factors: {self.block} cases at a place are more than dataset: budget: {self.dataset.budget}"
             )
 
     def _check_quantities(self) -> None:
@@ -506,6 +541,8 @@ class Study(Strict):
         for name in ("body", "groups"):  # which studies had before there were any
             if not content.get(name):
                 content.pop(name, None)
+        if self.surrogate.method == "factorial" and "surrogate" in content:  # the same
+            content["surrogate"].pop("method")
         text = json.dumps(content, sort_keys=True)
         if "phases" in sections:
             text += json.dumps(self._plain_materials(), sort_keys=True)

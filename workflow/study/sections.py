@@ -89,6 +89,10 @@ class DataSet(Strict):
 class Surrogate(Strict):
     """The Gaussian process on the factorial."""
 
+    method: Literal["factorial", "cross"] = Field(
+        "factorial",
+        description="cases: all of the factorial; or of films those places in it that a cross approximation asks for",
+    )
     kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
     outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
     fields: int = Field(0, ge=0, le=200, description="angles at which the fields under a cylinder are learned; 0: none")
