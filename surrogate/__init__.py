@@ -9,6 +9,8 @@ from surrogate.data.points import OutOfBoxError
 
 if TYPE_CHECKING:
     from surrogate.gp.gridgp import GridGP
+    from surrogate.gp.groupedgp import GroupedGP
+    from surrogate.gp.grouping import Group, Grouping, Scaling
     from surrogate.gp.model import GaussianProcess
     from surrogate.gp.persistence import load, save
     from surrogate.gp.scattergp import ScatterGP
@@ -19,8 +21,12 @@ __all__ = [
     "FormatError",
     "GaussianProcess",
     "GridGP",
+    "Group",
+    "GroupedGP",
+    "Grouping",
     "Input",
     "OutOfBoxError",
+    "Scaling",
     "ScatterGP",
     "chebyshev_levels",
     "load",
@@ -32,6 +38,10 @@ _MODELS = {
     "FactorialRegressor": "use.estimator",
     "GaussianProcess": "gp.model",
     "GridGP": "gp.gridgp",
+    "Group": "gp.grouping",
+    "GroupedGP": "gp.groupedgp",
+    "Grouping": "gp.grouping",
+    "Scaling": "gp.grouping",
     "ScatterGP": "gp.scattergp",
     "load": "gp.persistence",
     "save": "gp.persistence",

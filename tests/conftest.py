@@ -28,6 +28,7 @@ FILES = {
         "tests/workflow/test_pipeline.py",
         "tests/workflow/cli/test_main.py",
         "tests/workflow/cli/test_questions.py",
+        "tests/workflow/cli/test_serving.py",
         "tests/workflow/design/test_unreached.py",
         "tests/workflow/report/test_datum_effect.py",
         "tests/workflow/report/test_figures.py",

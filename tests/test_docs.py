@@ -153,7 +153,8 @@ def stands(name: str) -> bool:
 
 
 def test_every_module_that_a_text_names_is_there() -> None:
-    pages = [*WRITTEN, ROOT / "Makefile", ROOT / "mkdocs.yml", ROOT / ".pre-commit-config.yaml"]
+    root = [ROOT / name for name in ("CONTRIBUTING.md", "Makefile", "mkdocs.yml", ".pre-commit-config.yaml")]
+    pages = [*WRITTEN, *root]
     modules = [path for room in rooms.COLUMNS for path in (ROOT / room).rglob("*.py")]
     astray = {
         (str(path.relative_to(ROOT)), name)

@@ -78,10 +78,14 @@ class Calibration:
         inside = np.clip(t, -1, 1)
         pairs = pairwise(inside)
         count = len(self.trend) - pairs.shape[1]
-        scale = additive(inside, (count - 1) // len(t)) @ self.trend[:count]
+        scale = additive(inside, self.trend_degree(len(t))) @ self.trend[:count]
         scale += pairs @ self.trend[count:]
         scale += self.guard.at(inside)
         return np.exp(scale, out=scale).T
+
+    def trend_degree(self, inputs: int) -> int:
+        """Return the highest degree of a single one of so many inputs in the trend."""
+        return (len(self.trend) - 1 - inputs * (inputs - 1) // 2) // inputs
 
     def only(self, columns: Sequence[int]) -> Self:
         """Return that of some outputs."""

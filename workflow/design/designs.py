@@ -1,5 +1,6 @@
 """Designs of a question, with the sources that tell what they come to: what search, front and verdict hand on."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from workflow.design.question import Question
 from workflow.design.scenarios import Scenarios
 from workflow.design.sources import Exact, Factors, Predicted, Source
-from workflow.design.terms import Term
+from workflow.design.terms import Key, Term
 
 Array = NDArray[np.float64]
 
@@ -50,6 +51,6 @@ class Designs:
         """A term over some scenarios, (designs, groups, draws)."""
         return self.question.values(source, self.variables, chosen, [term])[0]
 
-    def count(self, source: Source, sets: dict[bool, Scenarios]) -> Array:
+    def count(self, source: Source, sets: Mapping[Key, Scenarios]) -> Array:
         """What every term counts as, (designs, terms)."""
         return self.question.count(source, self.variables, sets)

@@ -12,8 +12,7 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem, maximise
 from surrogate.search.pareto import Front
-from workflow.design import assessment, contact_fields, front, landscape, polish
-from workflow.design.answers import SOURCE, SOURCE_OF_FILMS
+from workflow.design import answers, assessment, contact_fields, front, landscape, polish, tolerances
 from workflow.design.candidate import Candidate
 from workflow.design.designs import Designs
 from workflow.design.question import Question, ask
@@ -54,14 +53,14 @@ def solve_target(study: Study, name: str, model: GaussianProcess) -> xr.Dataset:
 
 def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> xr.Dataset:
     """Answer any target on the study's factors; see `solve_target`."""
-    asked = [_asked(study, name, target, model, choice) for choice in combinations(study, target)]
-    found = _search(asked)
+    found = _found(study, name, target, model)
     best = polish.first_feasible(sorted(found, key=lambda candidate: _rank(candidate.best), reverse=True))
     parts = [assessment.judge(best.design), landscape.landscape(best.design)]
+    if target.tolerance and best.best.feasible and len(target.objectives) == 1:
+        parts.append(_costs(study, name, target, model, best))
     if any(candidate.front is not None for candidate in found):
         parts.append(_front(found).reindex(factor=parts[0]["factor"]))
-    case = {str(name): float(parts[0]["worst"].sel(factor=name)[0]) for name in parts[0]["factor"].values}
-    parts.append(contact_fields.fields(best.question.study, case))
+    parts.append(contact_fields.fields(best.question.study, answers.case(parts[0])))
     parts.append(_chosen(target, best, found))
     out = xr.merge(parts, compat="no_conflicts", join="outer")
     if not bool(out["inside"].all()) and not target.allow_outside_interval:
@@ -73,9 +72,25 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> x
         "objective": str(target.objectives[0]),
         "statistic": str(target.statistic),
         "polish": best.polish,
-        "source": SOURCE_OF_FILMS if study.on_film else SOURCE,
+        "source": answers.SOURCE_OF_FILMS if study.on_film else answers.SOURCE,
     }
     return out.assign_coords(target=name)
+
+
+def _found(study: Study, name: str, target: Target, model: GaussianProcess) -> list[Candidate]:
+    """The best design of every choice."""
+    return _search([_asked(study, name, target, model, choice) for choice in combinations(study, target)])
+
+
+def _costs(study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate) -> xr.Dataset:
+    """What the tolerances of the best design cost."""
+    others = _found(study, name, tolerances.nominal(target), model)
+    without = polish.first_feasible(sorted(others, key=lambda candidate: _rank(candidate.best), reverse=True))
+
+    def asked(other: Target) -> Question:
+        return _asked(study, name, other, model, best.choice).question
+
+    return tolerances.costs(best, without, asked, list(best.question.study.factors))
 
 
 def combinations(study: Study, target: Target) -> list[dict[str, float | str]]:

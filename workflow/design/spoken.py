@@ -1,6 +1,6 @@
 """The verdict on a design in words: recommended, at the edge of the studied range, or not reachable."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 
 import numpy as np
@@ -8,6 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from workflow.design import tolerances
 from workflow.design.assessment import BINDS, ROUNDING
 from workflow.language import statements, titles
 from workflow.language.factors import FACTORS
@@ -17,6 +18,8 @@ from workflow.language.titles import capital, listed
 Array = NDArray[np.float64]
 
 RECOMMENDED, AT_EDGE, UNREACHABLE = "recommended", "at the edge of the studied range", "not reachable"
+#: What comes first of a design that is beyond what its materials bear.
+BEYOND = "beyond linear theory"
 
 _FARTHER = 0.1  # share by which an end of a range is moved in words
 _UNEXPLAINED = 0.1  # share of a gradient that limits and ends may leave, and yet explain the optimum
@@ -30,22 +33,33 @@ class Verdict:
     Attributes
     ----------
     kind
-        ``RECOMMENDED``, ``AT_EDGE`` or ``UNREACHABLE``.
+        ``RECOMMENDED``, ``AT_EDGE`` or ``UNREACHABLE``; of a design beyond what its materials bear ``BEYOND`` and
+        what it would be otherwise.
     stops
         What stops the design from being better, in words.
     advice
         What would make it better, or reachable; empty where nothing is known to.
     idle
         Which variables do not matter; empty where all do.
+    tolerance
+        What the tolerances cost, and the nominal optimum; empty where there is none.
+    beyond
+        What is beyond what the materials bear, with sources; empty where nothing is.
+    sources
+        Where the figures of the materials come from that the limits name.
     """
 
     kind: str
     stops: str
     advice: str = ""
     idle: str = ""
+    tolerance: str = ""
+    beyond: str = ""
+    sources: str = ""
 
     def __str__(self) -> str:
-        return " ".join([f"{capital(self.kind)}: {self.stops}", *filter(None, (self.advice, self.idle))])
+        more = (self.advice, self.idle, self.tolerance, self.beyond, self.sources)
+        return " ".join([f"{capital(self.kind)}: {self.stops}", *filter(None, more)])
 
 
 def verdict(answer: xr.Dataset) -> Verdict:
@@ -56,6 +70,40 @@ def verdict(answer: xr.Dataset) -> Verdict:
     answer
         As :func:`workflow.design.search.answer` gives it, with its attributes.
     """
+    told, beyond = _verdict(answer), answer["beyond"].item()
+    told = replace(told, sources=_sources(answer), tolerance=_tolerated(answer))
+    if told.kind == UNREACHABLE or not beyond:
+        return told
+    return replace(told, kind=f"{BEYOND}; otherwise {told.kind}", beyond=f"{capital(beyond)}.")
+
+
+def _tolerated(answer: xr.Dataset) -> str:
+    """That the limits are kept within the tolerances, what these cost, and the optimum without them."""
+    given = [str(name) for name in answer["factor"].values if str(answer["tolerance"].sel(factor=name).item())]
+    if not given or "nominal_exact" not in answer:
+        return ""
+    sizes = [f"{answer['tolerance'].sel(factor=name).item()} of {titles.title(name)}" for name in given]
+    exact, best = float(answer["exact"][0]), float(answer["nominal_exact"])
+    nominal = answer["nominal_value"].sel(factor=given)
+    at = [f"{titles.title(name)} {titles.value(name, float(nominal.sel(factor=name)))}" for name in given]
+    at += filter(None, [str(answer["nominal_choice"].item())])
+    share = number(100 * abs(exact - best) / abs(best), 2) if best else "–"
+    return (
+        f"Within {listed(sizes)} every limit is kept as it is asked for. "
+        f"{capital('; '.join(tolerances.in_words(answer)))}. "
+        f"Nominal optimum: {shown(best, str(answer['units'].values[0]), 4)} at {listed(at)}, "
+        f"from which all tolerances together take {share} %."
+    )
+
+
+def _sources(answer: xr.Dataset) -> str:
+    """Where what the materials bear comes from, for every limit that names it."""
+    found = dict(zip(answer["bound"].values.tolist(), answer["source"].values.tolist(), strict=True))
+    return " ".join(f"{capital(words)}: {source}." for words, source in found.items() if words)
+
+
+def _verdict(answer: xr.Dataset) -> Verdict:
+    """The same, within linear theory."""
     limits = [_Limit.of(answer, str(name)) for name in answer["term"].values if _limited(answer, str(name))]
     idle = [str(name) for name in answer["factor"].values if not bool(answer["matters"].sel(factor=name))]
     edges = {
@@ -81,6 +129,8 @@ class _Limit:
 
     label: str
     parsed: statements.Limit
+    bound: str
+    value: float
     exact: float
     margin: float
     units: str
@@ -91,6 +141,8 @@ class _Limit:
         return cls(
             label,
             statements.limit(label),
+            str(one["bound"].values),
+            float(one["limit"]),
             float(one["exact"]),
             float(one["margin"]),
             str(one["units"].values),
@@ -104,7 +156,13 @@ class _Limit:
     def words(self) -> str:
         chance = self.parsed.probability
         promised = f" with probability {chance:g}" if chance is not None else ""
-        return f"{self.name} of {shown(self.parsed.value, self.units, 4)}{promised}"
+        return f"{self.name} of {self.at}{promised}"
+
+    @property
+    def at(self) -> str:
+        """The bound, and whose it is."""
+        share = f"{number(100 * self.parsed.value, 3)} % of " if self.parsed.value != 1 else ""
+        return f"{shown(self.value, self.units, 4)}{f' ({share}the {self.bound})' if self.bound else ''}"
 
 
 def _limited(answer: xr.Dataset, term: str) -> bool:
@@ -124,7 +182,7 @@ def _missed(broken: list[_Limit]) -> str:
     """By how much which limits are missed."""
     parts = [
         f"{one.name} must be {'at most' if one.parsed.upper else 'at least'} "
-        f"{shown(one.parsed.value, one.units, 4)} and comes to {shown(one.exact, one.units, 4)}, "
+        f"{one.at} and comes to {shown(one.exact, one.units, 4)}, "
         f"{number(-100 * one.margin, 4)} % beyond"
         for one in broken
     ]

@@ -7,7 +7,7 @@ import sys
 from functools import cache
 
 from workflow.design import unreached
-from workflow.run import lock, provenance
+from workflow.run import crate, lock, provenance
 from workflow.study import location, partition, planned
 from workflow.study import model as studies
 from workflow.study.model import CHECK_GROUPS, CONVERGING, PHYSICS

@@ -4,7 +4,7 @@ import hashlib
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -14,10 +14,13 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from solver import Material, solve
 from solver.film.powerlaw import SMOOTH
-from solver.names import ALL_PEAKS, ALL_QUANTITIES, FILM_PEAKS, PEAKS, TABLED
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, FILM_PEAKS, OF_A_FILM, PEAKS, TABLED
+from workflow.language.constants import BORNE, DEVICE
 from workflow.language.factors import FACTORS
 from workflow.study import layered
+from workflow.study.borne import MADE_OF, Borne, borne
 from workflow.study.categories import Kinds, combinations, output
+from workflow.study.device import Device
 from workflow.study.location import location
 from workflow.study.messages import first_problem
 from workflow.study.reading import InputError, read_material, read_yaml
@@ -37,6 +40,7 @@ from workflow.study.sections import (
 from workflow.study.target import Target
 from workflow.study.types import CategoryName, FactorName, InputName, Number, Strict
 
+_OF_FILMS = {*OF_A_FILM, *EVERY_FILM_QUANTITY}
 _LABEL = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 _SMOOTH = {"profile": "cylinder", "electric": "conducting", "magnetic": "conducting"}
 #: Groups of checks in verification/, in the order of the page.
@@ -80,6 +84,7 @@ class Study(Strict):
     dataset: DataSet = Field(default_factory=DataSet, description="what is stored of the factorial")
     surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
     validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
+    device: Device | None = Field(None, description="what the punch is connected to, for figures of a device")
     design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
     readout: dict[str, Readout] = Field(default_factory=dict, description="what measurements tell, by name")
     effects: Effects | None = Field(None, description="one factor at a time, as figures")
@@ -187,10 +192,45 @@ class Study(Strict):
         top = self.body[0].numbers.get(name) if self.body else None
         return self.fixed.get(name, FACTORS[name].default if top is None else top)
 
+    def bears(self, name: str) -> Borne:
+        """What the top material or the base bears, of a study whose body has no open category.
+
+        Raises
+        ------
+        ValueError
+            Nothing is known of it.
+        """
+        given: dict[str, Any] = dict(self.fixed)
+        if self.body:
+            given |= {key: value for key, value in self.body[0] if key in MADE_OF and isinstance(value, str | float)}
+        return borne(name, given, self.own_materials, self.phases)
+
+    def constant(self, name: str) -> float:
+        """One of ``CONSTANTS``, of a study whose body has no open category.
+
+        Raises
+        ------
+        ValueError
+            Nothing is known of it.
+        """
+        if name in BORNE:
+            return self.bears(name).value
+        found = self.device.constants if self.device else {}
+        if name not in found:
+            part = "device" if name in Device.model_fields else "device: amplifier"
+            raise ValueError(f"{part}: {name}: missing; must be a number with a unit [{DEVICE[name].units}]")
+        return found[name]
+
     def narrowed(self, kinds: Mapping[str, str]) -> Self:
         """The study with some of its categories held at a name."""
         rest = {name: names for name, names in self.categories.items() if name not in kinds}
         return self.model_copy(update={"fixed": {**self.fixed, **kinds}, "categories": rest})
+
+    def with_materials(self, materials: Mapping[str, Material]) -> Self:
+        """The study with other constants under the names of some materials; its quantities stay those that it has."""
+        copy = self.model_copy()
+        copy._origin = replace(self._origin, materials={**self.own_materials, **materials})
+        return copy
 
     def model_post_init(self, origin: Any, /) -> None:
         """Take what stands beside the file, before anything is checked: the context of the validation."""
@@ -317,10 +357,52 @@ class Study(Strict):
                 places = "over, at, worst_case or uncertain" if name in self.factors else "over or at"
                 raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
         for name in target.names():
+            if name in FACTORS and name not in self.factors and not isinstance(self.held(name), float | int):
+                raise ValueError(f"{where}: {name!r} {self._lack(name) or 'has no value in this study'}")
             if name in ALL_QUANTITIES and name not in self.outputs:
                 searched = name in ALL_PEAKS and name not in self._absent and not self.dataset.peaks
-                needs = "needs dataset: peaks: true" if searched else ""
+                needs = "needs dataset: peaks: true" if searched else self._lack(name)
                 raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
+        for name in target.tolerance:
+            self._check_tolerance(f"{where}: tolerance: {name}", name, target)
+        for name in target.constants():
+            for own in self.chosen(target):
+                try:
+                    own.constant(name)
+                except ValueError as error:
+                    raise ValueError(f"{where}: {error}") from None
+
+    def _check_tolerance(self, where: str, name: str, target: Target) -> None:
+        """Whether a tolerance leaves values of its variable whose whole tolerance is within the study's range."""
+        if name not in self.factors:
+            raise ValueError(f"{where}: a category has none")
+        axis, given = self.factors[name], target.tolerance[name]
+        if target.tolerances[name][1] and axis.low <= 0:
+            raise ValueError(f"{where}: {given} of what may be 0 is none; must have a unit [{FACTORS[name].units}]")
+        low, high = target.room(name, axis.low, axis.high)
+        if name in target.continuous:
+            low, high = target.range(name, low, high)
+        if not low < high:
+            raise ValueError(f"{where}: {given} is larger than the range {axis.low:g} to {axis.high:g} leaves room for")
+        for value in target.variables[name].choices:
+            if isinstance(value, str) or not low <= value <= high:
+                raise ValueError(f"{where}: {given} of {value} is not within {axis.low:g} to {axis.high:g}")
+
+    def _lack(self, name: str) -> str:
+        """Why no case has a quantity or factor, where the body is why."""
+        return "is a film's: a half-plane has none" if name in _OF_FILMS and not self.on_film else ""
+
+    def chosen(self, target: Target) -> list[Self]:
+        """The study for every combination of categories among which a target may choose."""
+        allowed = {
+            name: (variable.choices or names) if (variable := target.variables.get(name)) else [target.at[name]]
+            for name, names in self.categories.items()
+        }
+        return [
+            self.narrowed(kinds)
+            for kinds in self.combinations
+            if all(kind in allowed[name] for name, kind in kinds.items())
+        ]
 
     def check_values(self, where: str, name: str, values: Sequence[float | str]) -> None:
         """Whether the study has a factor or category, and values are among what it has of it."""

@@ -28,7 +28,8 @@ def test_answers_as_a_table_and_as_json(ran: Project) -> None:
     words += ["--worst-case", "friction=0.1:0.4", "--limit", "trailing_tension<5e7"]
     table = asked(ran, *words)
     assert table.startswith(
-        "maximise abs(voltage_sensitivity)\nRecommended: tension behind the contact of 50 MPa stops it.\n"
+        "maximise abs(voltage_sensitivity)\nBeyond linear theory; otherwise recommended: tension behind the contact of 50 MPa "
+        "stops it. Tension behind the contact of 50 MPa exceeds the tensile strength of BaTiO3"
         "feasible; binding: trailing_tension<5e7\npolish: on the exact solver\n"
     )
     found = json.loads(asked(ran, *words, "--json"))

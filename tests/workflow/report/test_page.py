@@ -200,8 +200,8 @@ def test_every_figure_is_drawn(looked: Callable[[int], dict[str, Any]], width: i
     ids = [one for figure in seen["figures"] for one in figure["ids"]]
     assert len(ids) == len(set(ids))
     tips = {figure["name"]: figure["tips"] for figure in seen["figures"]}
-    assert tips["figure-map_sensor"][0].startswith("worst-case abs(voltage_sensitivity): ")
-    assert "mV m N⁻¹\nvolume fraction of phase one: " in tips["figure-map_sensor"][0]
+    assert tips["figure-map_sensor"][0].startswith("worst-case voltage per load: ")
+    assert "mV·m/N\nvolume fraction of phase one: " in tips["figure-map_sensor"][0]
     assert "MPa" in tips["figure-contact_sensor"][0]
     silent = ("figure-device", "figure-problem", "figure-parity", "figure-bars", "figure-interior")
     assert all(tips[name] for name in kinds if not name.startswith(silent))
@@ -244,10 +244,10 @@ def test_who_decides_reads_the_first_screen_only(looked: Callable[[int], dict[st
     seen = looked(width)
     first = {name: one["words"].replace("\N{NO-BREAK SPACE}", " ") for name, one in seen["first"].items()}
     assert first["page first"] == "Impossible is not reachable (1 of 2 targets)."
-    assert first["sensor verdict"] == "recommended"
+    assert first["sensor verdict"] == "beyond linear theory; otherwise recommended"
     assert first["sensor punch"].startswith("R = ")
     assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane", first["sensor body"])
-    good = r"[\d.]+ mV m N⁻¹ of voltage per load \(ground 1 m away\) at worst over friction 0\.1 to 0\.4"
+    good = r"[\d.]+ mV·m/N of voltage per load \(ground 1 m away\) at worst over friction 0\.1 to 0\.4"
     assert re.fullmatch(good, first["sensor good"])
     assert first["sensor limit"] == "Tension behind the contact of 50 MPa stops it."
     assert first["sensor sure"].startswith("Solved exactly; the surrogate was off by ")

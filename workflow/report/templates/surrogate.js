@@ -8,13 +8,13 @@ function readArray(stored) {
 
 function loadSurrogate(plain) {
   const model = { ...plain, cores: plain.cores.map(readArray) };
-  for (const name of ["offset", "scale", "amplitude", "variance"]) model[name] = readArray(plain[name]);
+  for (const name of ["offset", "scale", "amplitude", "variance"]) if (plain[name]) model[name] = readArray(plain[name]);
   if (plain.calibration) {
     model.calibration = {};
     for (const name of Object.keys(plain.calibration)) model.calibration[name] = readArray(plain.calibration[name]);
   }
   if (plain.correction) model.correction = { ...plain.correction, coefficients: readArray(plain.correction.coefficients) };
-  model.interval = { lower: readArray(plain.interval.lower), upper: readArray(plain.interval.upper) };
+  if (plain.interval) model.interval = { lower: readArray(plain.interval.lower), upper: readArray(plain.interval.upper) };
   return model;
 }
 
@@ -76,17 +76,29 @@ function correct(correction, t, mean) {
   });
 }
 
-// Means, standard deviations and ends of the intervals of all outputs at scaled coordinates t, one an input.
-function predict(model, t) {
+// Features of every factor at scaled coordinates t, one an input, and the means that they make, not corrected.
+function contracted(model, t) {
   const modes = new Array(t.length);
   model.order.forEach((k, position) => { modes[k] = model.cores[position].shape[1]; });
   const parts = model.factors.map((factor, k) => features(factor, t[k], modes[k]));
   let state = new Float64Array([1]);
   model.order.forEach((k, position) => { state = contract(state, model.cores[position], parts[k].mean); });
-  const count = model.outputs.length, mean = new Float64Array(count), std = new Float64Array(count);
+  return { parts, mean: state.map((one, p) => one * model.scale.data[p] + model.offset.data[p]) };
+}
+
+// Means of all outputs.
+function means(model, t) {
+  const { mean } = contracted(model, t);
+  if (model.correction) correct(model.correction, t, mean);
+  return mean;
+}
+
+// Means, standard deviations and ends of the intervals of all outputs.
+function predict(model, t) {
+  const { parts, mean } = contracted(model, t);
+  const count = model.outputs.length, std = new Float64Array(count);
   const lower = new Float64Array(count), upper = new Float64Array(count);
   for (let p = 0; p < count; p++) {
-    mean[p] = state[p] * model.scale.data[p] + model.offset.data[p];
     let unknown = 0, known = 1;
     parts.forEach((part, f) => {
       const amplitude = model.amplitude.data[f * count + p];
