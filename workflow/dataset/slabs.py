@@ -15,7 +15,7 @@ import netCDF4
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from tqdm import tqdm
+from tqdm.auto import tqdm
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
