@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import benchmarks.__main__ as runner
-from benchmarks import direct, gridrivals, intervals, overhead, page, rivals, scattered, surrogates
+from benchmarks import direct, gridrivals, intervals, overhead, page, rivals, scattered, sparse, surrogates
 from benchmarks.rivals import Array
 from surrogate import GridGP
 from surrogate.data.inputs import gauss_points
@@ -41,6 +41,21 @@ def test_rivals_on_a_grid_learn_a_smooth_function(name: str, room: float) -> Non
     error = np.abs(mean - smooth(at))
     assert error.max() < room
     assert std is None or (error <= 3 * std + 1e-6).mean() > 0.9
+
+
+def test_the_sparse_grid_learns_blocks_and_keeps_to_its_points() -> None:
+    asked: list[Array] = []
+
+    def blocks(t: Array) -> Array:
+        asked.extend(t)
+        return np.stack([smooth(t), 2 * smooth(t)], axis=1)
+
+    predict = sparse.sparse_grid(blocks, 3, 120)
+    assert 120 <= len(asked) < 126
+    assert len(np.unique(np.round(asked, 12), axis=0)) == len(asked)
+    at = np.random.default_rng(0).uniform(-1, 1, (100, 3))
+    assert np.abs(predict(at) - np.stack([smooth(at), 2 * smooth(at)], axis=1)).max() < 4e-3
+    np.testing.assert_allclose(predict(np.array(asked[:20])), blocks(np.array(asked[:20])), atol=1e-12)
 
 
 def test_the_kronecker_process_is_that_of_the_dense_matrix() -> None:

@@ -56,6 +56,7 @@ MEANINGS = {
     "axis_units": "unit of every axis",
     "axis_long_name": "meaning of every axis",
     "axis_power": "power of every input in the product that an axis is",
+    "axis_constant": "what that product is multiplied by",
     "scale_power": "power of every input in the product that an output is proportional to",
     "added_coefficient": "what the added logarithm of a product is multiplied by, over the unit in output_units",
     "added_power": "power of every input in the product whose logarithm is added",

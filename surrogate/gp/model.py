@@ -3,6 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
+from html import escape
 from typing import Any, ClassVar, Literal, Self, overload
 
 import numpy as np
@@ -160,6 +161,20 @@ class GaussianProcess(Predictive):
         """The trained box: name -> Input, in order."""
         self._require_fitted()
         return {one.name: one for one in self.inputs_}
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the box, the outputs, and whether intervals are calibrated."""
+        if not hasattr(self, "inputs_"):
+            return f"<p><b>{type(self).__name__}</b>, not fitted yet</p>"
+        import pandas as pd  # notebooks only
+
+        rows = [(one.name, one.low, one.high, one.units, one.scale) for one in self.inputs_]
+        box = pd.DataFrame(rows, columns=["input", "low", "high", "unit", "scale"])
+        learnt = self.calibration_
+        held = "not calibrated" if learnt is None else f"calibrated on {learnt.distribution.cases:,} cases"
+        outputs = ", ".join(map(escape, self.outputs_))
+        table = box.to_html(index=False, border=0)
+        return f"<p><b>{type(self).__name__}</b> of {outputs}; intervals {held}</p>{table}"
 
     def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
         """Predict every output, with its standard deviation, at points.
