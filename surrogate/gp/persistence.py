@@ -1,7 +1,7 @@
 """Models as data: netCDF files with everything that a prediction needs, nothing of which is executed."""
 
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,17 +13,12 @@ from storage.sealed import FormatError
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.data.meanings import MEANINGS, SOURCE
-from surrogate.gp.gridgp import GridGP
-from surrogate.gp.groupedgp import GroupedGP
+from surrogate.gp.engines import ENGINES, engine
 from surrogate.gp.model import GaussianProcess
-
-if TYPE_CHECKING:
-    from surrogate.gp.scattergp import ScatterGP
 
 FORMAT = "surrogate"
 VERSION = 2
 MAX_BYTES = 2**28  # unpacked; a model is a few MB at most, and a hostile file must not fill the memory
-ENGINES = ("grid", "grouped", "scatter")
 PROBES = 8
 PROBE_TOLERANCE = 1e-7
 
@@ -66,7 +61,7 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
     write_whole(described(whole, f"surrogate of {', '.join(outputs)}"[:200], SOURCE, MEANINGS), path)
 
 
-def load(path: str | PathLike[str]) -> "GridGP | GroupedGP | ScatterGP":
+def load(path: str | PathLike[str]) -> GaussianProcess:
     """Read a model, which may come from anywhere, and verify it.
 
     Raises
@@ -90,10 +85,9 @@ def load(path: str | PathLike[str]) -> "GridGP | GroupedGP | ScatterGP":
         )
     if attrs.get("engine") not in ENGINES:
         raise FormatError(path, f"unknown engine {attrs.get('engine')!r}; known are {', '.join(ENGINES)}")
-    engine = _engine(attrs["engine"])
     try:
         _check_numbers(stored)
-        model = engine.restored(stored, _inputs(stored), _outputs(stored))
+        model = engine(attrs["engine"]).restored(stored, _inputs(stored), _outputs(stored))
         model.made_from_ = str(attrs.get("made_from", ""))
         points = stored["probe_point"].transpose("probe", "input").values
         mean, std = model.predict_array(points, return_std=True)
@@ -107,15 +101,6 @@ def load(path: str | PathLike[str]) -> "GridGP | GroupedGP | ScatterGP":
         if found.shape != expected.shape or not (np.abs(found - expected) <= room).all():
             raise FormatError(path, f"the stored predictions {name} do not come out again")
     return model
-
-
-def _engine(name: str) -> "type[GridGP | GroupedGP | ScatterGP]":
-    """The class of one of `ENGINES`."""
-    if name in (GridGP.engine, GroupedGP.engine):
-        return GridGP if name == GridGP.engine else GroupedGP
-    from surrogate.gp.scattergp import ScatterGP  # scikit-learn's engine, slow to import and seldom stored
-
-    return ScatterGP
 
 
 def probe_points(inputs: tuple[Input, ...]) -> Array:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver import solve
+from solver import solve, solve_curves
 from solver.names import ALL_QUANTITIES
 from surrogate import Input, chebyshev_levels
 from workflow.language.factors import FACTORS
@@ -83,17 +83,22 @@ def exact(
     *,
     peaks: bool | None = None,
     regular: bool = False,
+    curves: bool = False,
 ) -> xr.Dataset:
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
     With the largest stresses of the body where ``peaks``, by default where the data set has them; with the regular
-    parts of the surface fields where ``regular``. Without what is no number in some cases, which no file would hold.
+    parts of the surface fields where ``regular``; with the curves that the surrogate learns where ``curves``. Without
+    what is no number in some cases, which no file would hold.
     """
+    factors = {**study.fixed, **axes, **{name: names for name, names in study.categories.items() if name not in axes}}
     solved = study.solved(
         solve,
-        {**study.fixed, **axes, **{name: names for name, names in study.categories.items() if name not in axes}},
+        factors,
         positions,
         peaks=study.dataset.peaks if peaks is None else peaks,
         regular=regular,
     )
+    if curves and study.regions:
+        solved = solved.merge(study.solved(solve_curves, factors, study.regions), combine_attrs="override")
     return solved.drop_vars([name for name, one in ALL_QUANTITIES.items() if one.sparse and name in solved])

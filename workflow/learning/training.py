@@ -1,5 +1,7 @@
 """Training and validation of the surrogate on exact cases."""
 
+from collections.abc import Sequence
+
 import xarray as xr
 
 from storage.described import described
@@ -8,6 +10,7 @@ from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.levels import counts
 from surrogate.use import validation
 from workflow.dataset import factorial
+from workflow.learning import curves
 from workflow.study.model import Study
 
 
@@ -20,11 +23,16 @@ def compression(study: Study) -> float:
     return allowed if study.on_film else min(1e-9, allowed)
 
 
-def fit(study: Study, quantities: xr.Dataset) -> GridGP:
-    """Gaussian process of the study's outputs on its factorial."""
-    model = GridGP(study.surrogate.kernel, factorial.inputs(study), study.learned, compression=compression(study))
+def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
+    """Gaussian process of the study's outputs on its factorial, with the curves that some of them follow from."""
+    model = curves.model(study, compression(study)) if study.regions else process(study, study.learned)
     model.made_from_ = study.physics
-    return model.fit(factorial.learned(study, quantities))
+    return model.fit(curves.learned(study, quantities))
+
+
+def process(study: Study, outputs: Sequence[str]) -> GridGP:
+    """The process of some outputs on the study's factorial, not fitted."""
+    return GridGP(study.surrogate.kernel, factorial.inputs(study), outputs, compression=compression(study))
 
 
 def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> xr.Dataset:

@@ -102,5 +102,10 @@ def captions_of(*figures):
     return [f"workflow/report/captions/{figure}.rst" for figure in figures]
 
 
+def curves_of(wildcards):
+    """The slabs, where the surrogate learns curves that lie in them."""
+    return slabs_of(wildcards, "results/{study}/fields/slab_{slab}.nc") if study_of(wildcards).regions else []
+
+
 def slabs_of(wildcards, file):
     return expand(file, study=wildcards.study, slab=range(partition.count(study_of(wildcards))))

@@ -13,6 +13,7 @@ import xarray as xr
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from solver import Material, solve
+from solver.curves import FOLLOWS
 from solver.film.powerlaw import SMOOTH
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, FILM_PEAKS, OF_A_FILM, PEAKS, TABLED
 from workflow.language.constants import BORNE, DEVICE
@@ -158,6 +159,12 @@ class Study(Strict):
     def outputs(self) -> list[str]:
         """Quantities that the surrogate learns; unless the study names them, all but what designs take from others."""
         return self.surrogate.outputs or [name for name in self.quantities if not ALL_QUANTITIES[name].formula]
+
+    @property
+    def regions(self) -> list[str]:
+        """Regions of whose curves the surrogate learns, for the largest stresses that follow from them."""
+        followed = [FOLLOWS[name].region for name in self.outputs if name in FOLLOWS and self.surrogate.curves]
+        return list(dict.fromkeys(followed))
 
     @property
     def learned(self) -> list[str]:
