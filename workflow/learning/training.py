@@ -10,6 +10,7 @@ from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.levels import counts, lines
 from surrogate.use import validation
 from workflow.dataset import batches, factorial
+from workflow.learning import curves
 from workflow.study.model import Study
 
 #: Error allowed to the compressed mean of a cross approximation, of its tolerance.
@@ -32,14 +33,17 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
         grouped = GroupedGP(grouping, study.surrogate.kernel, compression=compression(study))
         grouped.made_from_ = study.physics
         return grouped.fit(data)
-    inputs = factorial.inputs(study)
-    model = (
-        crossing(study)
-        if study.crossed
-        else GridGP(study.surrogate.kernel, inputs, study.learned, compression=compression(study))
-    )
+    if study.regions:  # some outputs follow from curves
+        model: GaussianProcess = curves.model(study, compression(study))
+    else:
+        model = crossing(study) if study.crossed else process(study, study.learned)
     model.made_from_ = study.physics
-    return model.fit(factorial.learned(study, quantities))
+    return model.fit(curves.learned(study, quantities))
+
+
+def process(study: Study, outputs: Sequence[str]) -> GridGP:
+    """The process of some outputs on the study's factorial, not fitted."""
+    return GridGP(study.surrogate.kernel, factorial.inputs(study), outputs, compression=compression(study))
 
 
 def crossing(study: Study) -> CrossGP:
