@@ -28,15 +28,15 @@ from workflow.study.target import Target
 _IMPOSSIBLE = 25.0  # five standard deviations
 
 
-def results(folder: Path) -> tuple[Study, GaussianProcess]:
-    """The study of a folder ``results/<study>`` and its surrogate.
+def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProcess]:
+    """The study of a folder ``results/<study>`` and its surrogate, or another of its surrogates.
 
     Raises
     ------
     InputError
         No such results, or a study that was changed since they were made.
     """
-    surrogate = folder / "surrogate.nc"
+    surrogate = file or folder / "surrogate.nc"
     if not surrogate.is_file():
         raise InputError(f"{folder}: holds no surrogate.nc; run `make run STUDY={folder.name}` first")
     study = studies.load(location.of_results(folder))

@@ -59,6 +59,30 @@ _MEANINGS = {
     "kind": "what was chosen of the category",
     "kind_role": "whether the category was chosen or given",
 }
+_PICTURES = {
+    "map_x": "first variable of the design map, over its SI unit",
+    "map_y": "second variable of the design map, over its SI unit",
+    "map_objective": "predicted objective on the design map, over its unit in units",
+    "map_excess": "largest predicted excess over any limit on the design map, over the limit",
+    "slice": "variable of a slice through the design",
+    "step": "step along a slice",
+    "slice_value": "variable along a slice, over its SI unit",
+    "slice_objective": "predicted objective along a slice, over its unit in units",
+    "slice_excess": "largest predicted excess over any limit along a slice, over the limit",
+    "slice_low": "lower end of the interval of the objective along a slice, over its unit in units",
+    "slice_high": "upper end of the interval of the objective along a slice, over its unit in units",
+    "position": "surface position X = (x - c)/h, in half-lengths from the middle of the contact",
+    "x": "position (x - c)/h below the punch, in half-lengths from the middle of the contact",
+    "y": "height above the surface, in half-lengths of the contact",
+    "choice": "a choice of categories, in words",
+    "choice_objective": "best objective of a choice, over its unit in units",
+    "choice_feasible": "whether a choice keeps every limit",
+    "front": "a design of the Pareto front",
+    "objective": "an objective of the Pareto front",
+    "front_exact": "exact objective of a design of the front, over its unit in units",
+    "front_predicted": "predicted objective of a design of the front, over its unit in units",
+    "front_value": "factor of a design of the front, over its SI unit",
+}
 
 
 def together(answers: list[xr.Dataset]) -> xr.Dataset:
@@ -69,6 +93,16 @@ def together(answers: list[xr.Dataset]) -> xr.Dataset:
     ]
     whole = xr.concat(kept, dim="target", join="outer", data_vars="all", fill_value=_missing(kept))
     return described(whole, "designs", str(answers[0].attrs["source"]), _MEANINGS)
+
+
+def entire(answer: xr.Dataset) -> xr.Dataset:
+    """An answer in which every variable says what it is."""
+    fields = {
+        str(name): f"{str(name).partition('_')[2].replace('_', ' ')} under the recommended design"
+        for name in answer.data_vars
+        if str(name).startswith(("field_", "inside_"))
+    }
+    return described(answer, str(answer.attrs["title"]), str(answer.attrs["source"]), _MEANINGS | _PICTURES | fields)
 
 
 def kinds(answer: xr.Dataset) -> list[tuple[str, str, str]]:

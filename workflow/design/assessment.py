@@ -17,7 +17,7 @@ from workflow.design.scenarios import Scenarios
 from workflow.design.sources import Predicted, Source, shape
 from workflow.design.terms import Key, Term
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import raised
+from workflow.language.numbers import written
 from workflow.study.model import Study
 
 Array = NDArray[np.float64]
@@ -238,7 +238,7 @@ def _role(question: Question, name: str) -> str:
 def _tolerance(question: Question, name: str) -> str:
     """A tolerance as the study writes it; empty where there is none."""
     given = question.target.tolerance.get(name, "")
-    return given if isinstance(given, str) else f"{given:g} {raised(FACTORS[name].units)}".strip()
+    return given if isinstance(given, str) else f"{given:g} {written(FACTORS[name].units)}".strip()
 
 
 def _edges(design: Designs) -> dict[str, str]:

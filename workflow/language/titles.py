@@ -30,6 +30,9 @@ TITLES = {
     "interface_tension": "tension of the interface",
     "smallest_force": "smallest detectable force",
     "drive_field": "driving field",
+    "electric_displacement_y": "normal electric displacement",
+    "magnetic_induction_y": "normal magnetic induction",
+    "stress_xx": "stress along the surface",
 }
 
 
@@ -117,6 +120,18 @@ def _deviation(one: statements.Objective | statements.Limit, text: str) -> str:
     words = spoken(one.expression, inner.strip())
     over = f" over {listed([title(name) for name in one.over])}" if one.over else ""
     return f"deviation of {words}{over}" if one.deviation else words
+
+
+def bound(limit: statements.Limit, at: float, units: str) -> str:
+    """A limit in words; its number, which a material may give, is in SI units.
+
+    Examples
+    --------
+    >>> bound(statements.limit("trailing_tension <= 50 MPa with probability 0.9"), 50e6, "Pa")
+    'tension behind the contact at most 50 MPa with probability 0.9'
+    """
+    chance = "" if limit.probability is None else f" with probability {limit.probability:g}"
+    return f"{limited(limit)} at {'most' if limit.upper else 'least'} {shown(at, units, 4)}{chance}"
 
 
 def value(name: str, number: float, digits: int = 4) -> str:

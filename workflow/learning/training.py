@@ -1,14 +1,19 @@
 """Training and validation of the surrogate on exact cases."""
 
+from collections.abc import Sequence
+
 import xarray as xr
 
 from storage.described import described
-from surrogate import GaussianProcess, GridGP
+from surrogate import CrossGP, GaussianProcess, GridGP, GroupedGP
 from surrogate.data.meanings import MEANINGS, SOURCE
-from surrogate.levels import counts
+from surrogate.levels import counts, lines
 from surrogate.use import validation
-from workflow.dataset import factorial
+from workflow.dataset import batches, factorial
 from workflow.study.model import Study
+
+#: Error allowed to the compressed mean of a cross approximation, of its tolerance.
+COMPRESSION = 0.02
 
 
 def compression(study: Study) -> float:
@@ -20,15 +25,44 @@ def compression(study: Study) -> float:
     return allowed if study.on_film else min(1e-9, allowed)
 
 
-def fit(study: Study, quantities: xr.Dataset) -> GridGP:
-    """Gaussian process of the study's outputs on its factorial."""
-    model = GridGP(study.surrogate.kernel, factorial.inputs(study), study.learned, compression=compression(study))
+def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
+    """Gaussian process of the study's outputs on its factorial, or on what a cross approximation asked for of it."""
+    if study.groups:
+        grouping, data = factorial.grouping(study), factorial.with_factors(study, factorial.learned(study, quantities))
+        grouped = GroupedGP(grouping, study.surrogate.kernel, compression=compression(study))
+        grouped.made_from_ = study.physics
+        return grouped.fit(data)
+    inputs = factorial.inputs(study)
+    model = (
+        crossing(study)
+        if study.crossed
+        else GridGP(study.surrogate.kernel, inputs, study.learned, compression=compression(study))
+    )
     model.made_from_ = study.physics
     return model.fit(factorial.learned(study, quantities))
 
 
+def crossing(study: Study) -> CrossGP:
+    """The cross approximation of a study, which asks for places before it is fitted."""
+    return CrossGP(
+        factorial.inputs(study),
+        {name: axis.levels or 0 for name, axis in study.factors.items()},
+        study.crossed,
+        study.validation.tolerance,
+        study.learned,
+        COMPRESSION * study.validation.tolerance,
+        most=study.dataset.budget // study.block,
+    )
+
+
+def places(study: Study, solved: Sequence[xr.Dataset]) -> xr.Dataset:
+    """What a cross approximation asks for after the slabs of its batches so far: see `CrossGP.ask`."""
+    known = factorial.learned(study, batches.joined(solved)) if solved else None
+    return crossing(study).ask(known)
+
+
 def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> xr.Dataset:
-    """Errors on random exact cases that the model never saw, beside plain tensor Chebyshev interpolation.
+    """Errors on random exact cases that the model never saw, beside plain tensor Chebyshev interpolation of a grid.
 
     Parameters
     ----------
@@ -44,9 +78,15 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
         ``case``, the decay of the factorial's coefficients, and the tolerance that the study asks for.
     """
     points = {name: cases[name] for name in study.factors}
+    if study.crossed:
+        decays = lines.decays(crossing(study), factorial.learned(study, quantities))
+    else:
+        decays = counts.decays(factorial.trained(study, quantities), factorial.axis_inputs(study), study.learned)
     cases, quantities = factorial.learned(study, cases), factorial.learned(study, quantities)
+    if study.groups:
+        quantities = factorial.with_factors(study, quantities)
     predicted = model.predict(points)
-    table = validation.validate(model, cases, quantities)
+    table = validation.validate(model, cases, None if study.crossed else quantities)
     names = study.learned
     stacked = {
         "exact": cases[names].to_dataarray("output"),
@@ -55,8 +95,8 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     }
     out = table.assign({name: (("output", "case"), array.values) for name, array in stacked.items()})
     out = out.assign_coords({name: ("case", array.values, array.attrs) for name, array in points.items()})
-    decays = counts.decays(quantities, factorial.inputs(study), names)
-    out = out.assign(counts.evidence(decays, {name: axis.levels or 0 for name, axis in study.factors.items()}))
+    evidence = counts.evidence(decays, {name: axis.levels or 0 for name, axis in study.axes.items()})
+    out = out.assign(evidence.rename(input="axis") if study.groups else evidence)
     out = out.assign_coords(units=("output", [cases[name].attrs["units"] for name in names]))
     table = described(out, "errors of the surrogate on exact cases", SOURCE, MEANINGS)
     return table.assign_attrs(tolerance=study.validation.tolerance)

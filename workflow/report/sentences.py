@@ -34,14 +34,12 @@ def study(study: Study) -> str:
     return f"On {where}, {len(names)} factors are varied: {listed(names)}."
 
 
-def dataset(study: Study, rows: Sequence[Row]) -> str:
+def dataset(study: Study, cases: int, rows: Sequence[Row]) -> str:
     """How many cases, and how far the first quantity of interest goes."""
     interesting = [name.partition("[")[0] for name in study.of_interest]
     row = next((row for name in interesting for row in rows if row["name"] == name), rows[0])
     ends = (shown(row[end], row["units"], 3) for end in ("low", "high"))
-    return (
-        f"{counted(study.cases)} exact cases; over them {titles.title(str(row['name']))} goes from {' to '.join(ends)}."
-    )
+    return f"{counted(cases)} exact cases; over them {titles.title(str(row['name']))} goes from {' to '.join(ends)}."
 
 
 def surrogate(worst: Row, tolerance: float) -> str:
