@@ -1,7 +1,7 @@
 """Films of many factors: cross approximation and a sparse grid side by side, from as many tables of the solver.
 
 ``python -m benchmarks.manyfactors [TOLERANCE [STUDY.yaml]]`` takes `config/two_layers.yaml`: a place in its five
-crossed factors is a table, at which all levels of the other three are solved. Errors are those at fresh places in the box.
+crossed factors is a table, at which all levels of the others are solved. Errors are those at fresh places in the box.
 """
 
 import sys
