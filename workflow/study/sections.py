@@ -91,6 +91,10 @@ class Surrogate(Strict):
 
     kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
     outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
+    log: list[QuantityName] | None = Field(
+        None,
+        description="over groups, quantities whose logarithm is learned; null: those whose coefficients fall faster so",
+    )
     fields: int = Field(0, ge=0, le=200, description="angles at which the fields under a cylinder are learned; 0: none")
 
 
