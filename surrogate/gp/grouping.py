@@ -2,7 +2,7 @@
 
 Where a model of the world scales, its outputs depend on fewer numbers than it has inputs:
 
-    output(x) = scale(x) (f(axes(x)) + coefficient log added(x)),   or   sign scale(x) exp(f(axes(x)))
+    output(x) = scale(x) (f(axes(x)) + coefficient log added(x)),   or   sign scale(x) exp(sign f(axes(x)))
 
 with axes, scale and added products of powers of the inputs x, and f what is to be learnt. Nothing here knows why.
 """
@@ -168,14 +168,14 @@ class Grouping:
             if (found[k] * sign <= 0).any():
                 low, high = values[k].min(), values[k].max()
                 raise ValueError(f"output {name!r} is from {low:g} to {high:g}: no logarithm of what changes sign")
-            found[k] = np.log(found[k] * sign)
+            found[k] = sign * np.log(found[k] * sign)  # grows with the output
         return np.asarray(found - self.additions(X, outputs))
 
     def told(self, learnt: Array, X: Array, outputs: Sequence[str]) -> Array:
         """Return the outputs of what is learnt, (p, n), at points (n, d): the inverse of `learnt`."""
         found, signs = learnt + self.additions(X, outputs), self.logarithms(outputs)
         for k in np.flatnonzero(signs):
-            found[k] = signs[k] * np.exp(found[k])
+            found[k] = signs[k] * np.exp(signs[k] * found[k])
         return np.asarray(found * self.scales(X, outputs))
 
     def reduced(self, dataset: xr.Dataset, outputs: Sequence[str]) -> xr.Dataset:

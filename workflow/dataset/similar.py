@@ -163,7 +163,8 @@ def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> di
     for name, along in decays(data, grouping.axes, names).items():
         values, sign = data[name].values, grouping.scalings[name].logarithm
         # an error of the logarithm is one of the value, relative
-        size = np.exp(values.max()) * np.ptp(values) / np.ptp(np.exp(values)) if sign and np.ptp(values) else 1.0
+        sizes = np.exp(sign * values)
+        size = sizes.max() * np.ptp(values) / np.ptp(sizes) if sign and np.ptp(values) else 1.0
         found[name] = float(size * sum(one.error(len(one.coefficients)) for one in along.values()))
     return found
 
