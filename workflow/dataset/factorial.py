@@ -41,18 +41,18 @@ def axis_inputs(study: Study) -> list[Input]:
     ]
 
 
-def grouping(study: Study) -> Grouping:
-    """How what the surrogate learns follows from a study's groups; ValueError of a study without."""
-    return similar.grouping(study, inputs(study), axis_inputs(study))
+def grouping(study: Study, learned: xr.Dataset | None = None) -> Grouping:
+    """How what the surrogate learns follows from a study's groups; logarithms are chosen where it has the factorial."""
+    plain = similar.grouping(study, inputs(study), axis_inputs(study))
+    return plain if learned is None else similar.with_logarithms(plain, study, learned)
 
 
-def trained(study: Study, quantities: xr.Dataset) -> xr.Dataset:
+def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
     """What is learned of the factorial over its axes: the outputs, or with groups the outputs over their scales."""
-    data = learned(study, quantities)
-    if not study.groups:
+    if by is None:
         return data
     own = {name: data[name] for name in study.axes}
-    return grouping(study).reduced(with_factors(study, data), [str(name) for name in data.data_vars]).assign_coords(own)
+    return by.reduced(with_factors(study, data), [str(name) for name in data.data_vars]).assign_coords(own)
 
 
 def with_factors(study: Study, data: xr.Dataset) -> xr.Dataset:

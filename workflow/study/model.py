@@ -441,6 +441,10 @@ class Study(Strict):
                 raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
             if name in ALL_PEAKS and not self.dataset.peaks:
                 raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
+        for name in self.surrogate.log or []:
+            if not self.groups or name not in self.outputs:
+                needs = "is not one of surrogate.outputs" if self.groups else "needs groups"
+                raise ValueError(f"surrogate: log: {name!r} {needs}")
         if self.surrogate.fields and self.on_film:
             raise ValueError("surrogate: fields: only those of half-planes are learned")
         if self.surrogate.fields and any(self.fixed.get(name, usual) != usual for name, usual in _SMOOTH.items()):
