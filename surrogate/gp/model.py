@@ -77,8 +77,8 @@ class GaussianProcess(Predictive):
     >>> bool((lower < upper).all()), model.distribution.cases
     (True, 300)
     >>> model.check_level(0.9)
-    >>> model.only(["g"]).outputs_, model.uncalibrated().calibration_
-    (('g',), None)
+    >>> model.only(["g"]).outputs_, model.thinned({"f": 1e-3}).outputs_, model.uncalibrated().calibration_
+    (('g',), ('f', 'g'), None)
     """
 
     engine: ClassVar[str]
