@@ -49,8 +49,9 @@ def choose(study: Study) -> xr.Dataset:
 
     def solve(axes: dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]) -> xr.Dataset:
         log.info("pilot of %s", " x ".join(f"{axis.size} {name}" for name, axis in axes.items()))
-        return factorial.trained(study, factorial.exact(study, axes))
+        return factorial.scaled(study, factorial.learned(study, factorial.exact(study, axes)), grouping)
 
+    grouping = factorial.grouping(study) if study.groups else None
     tolerance, budget = study.validation.tolerance, study.dataset.budget
     pilot = explore(solve, factorial.axis_inputs(study), tolerance, budget, study.learned, given)
     choice = pilot.choice

@@ -124,6 +124,7 @@ def validation(folder: Path) -> dict[str, Any]:
         "rows": rows,
         "levels": levels,
         "tolerance": tolerance,
+        "logarithms": str(data.attrs.get("logarithms", "")).split("; ") if "logarithms" in data.attrs else [],
         "worst": worst,
         "uncorrected": before if any(row["raw_max_error"] != row["error"] for row in rows) else None,
         "crps_over_raw": float((data["crps"] / data["raw_crps"]).median()),
