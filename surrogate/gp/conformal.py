@@ -25,7 +25,6 @@ from surrogate.data.arrays import Array
 from surrogate.gp.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
 from surrogate.gp.guard import SLABS, Guard, fill, unguarded
 from surrogate.gp.quantile import quantile_regression
-from surrogate.gp.sharing import places
 from surrogate.gp.trend import additive, pairwise
 
 MINIMUM = 40
@@ -152,16 +151,14 @@ def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: NDArray[n
     t : ndarray, shape (d, n)
         Scaled coordinates of the cases.
     groups : ndarray of int, shape (n,)
-        As `sharing` has them; no group is in two folds of the cross-fitting. Along inputs that they share, as much is
-        learnt as so many groups can tell.
+        As `sharing` has them; no group is in two folds of the cross-fitting.
     """
     outputs, cases = errors.shape
-    degrees = [_degree(count) for count in places(t, groups)]
-    A, pairs = additive(t, max(degrees)), pairwise(t)
+    degree = 6 if cases >= 1000 else 4 if cases >= 300 else 2 if cases >= 100 else 0
+    A, pairs = additive(t, degree), pairwise(t)
     trend = np.zeros((A.shape[1] + pairs.shape[1], outputs))
-    told = [True, *(power <= own for own in degrees for power in range(1, max(degrees) + 1))]
-    told += [cases >= PAIRWISE] * pairs.shape[1]
-    A = np.concatenate([A, pairs], axis=1)[:, told]
+    if cases >= PAIRWISE:
+        A = np.concatenate([A, pairs], axis=1)
     weights, floor = np.ones((len(parts), outputs)), np.zeros(outputs)
     guard, logarithms = unguarded(len(t), outputs), np.full_like(errors, np.nan)
     for p, error in enumerate(errors):
@@ -175,9 +172,9 @@ def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: NDArray[n
             ratio = 0.5 * (np.log(squares) - np.log(shares @ variances))
         ratio = np.maximum(ratio, ratio.max() - DEPTH)
         fitted = quantile_regression(A, ratio, NOMINAL)
-        trend[told, p] = fitted
+        trend[: len(fitted), p] = fitted
         scores = _cross_fitted(A, ratio, fitted, groups)
-        fill(guard, p, scores, float(np.quantile(scores, NOMINAL)), t, groups)
+        fill(guard, p, scores, float(np.quantile(scores, NOMINAL)), t)
         logarithms[p] = scores
     distribution = _distribution(np.sign(errors) * np.exp(logarithms - guard.at(t).T))
     # in standard deviations from here on
@@ -185,11 +182,6 @@ def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: NDArray[n
     one = np.where(one > 0, one, 1.0)
     trend[0] += np.log(one)
     return Calibration(weights, floor, trend, guard, replace(distribution, quantiles=distribution.quantiles / one))
-
-
-def _degree(places: int) -> int:
-    """Degree of the local scale along an input that is known at so many places."""
-    return 6 if places >= 1000 else 4 if places >= 300 else 2 if places >= 100 else 0
 
 
 def _distribution(scores: Array) -> Tabulated:

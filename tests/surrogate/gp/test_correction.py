@@ -10,7 +10,7 @@ from numpy.polynomial.chebyshev import chebval, chebval2d
 from surrogate import GridGP, load, save
 from surrogate.gp import correction
 from surrogate.gp.correction import Correction, correct, degrees
-from surrogate.gp.sharing import sharing
+from surrogate.gp.sharing import places, sharing
 from surrogate.use.validation import validate
 from tests.surrogate import functions
 
@@ -146,6 +146,8 @@ def test_cases_that_share_inputs_are_one_group() -> None:
     assert [len(set(part)) for part in np.split(groups, 6)] == [1] * 6
     assert len(set(groups)) == 6
     assert len(set(sharing(own))) == 30
+    assert places(np.concatenate([shared, own]), groups).tolist() == [6, 6, 30, 30]
+    assert places(own, sharing(own)).tolist() == [30, 30]
 
 
 def test_few_cases_and_other_kernels_leave_the_mean_alone() -> None:
