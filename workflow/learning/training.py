@@ -24,8 +24,9 @@ def compression(study: Study) -> float:
 
 
 def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
-    """Gaussian process of the study's outputs on its factorial, with the curves that some of them follow from."""
-    model = curves.model(study, compression(study)) if study.regions else process(study, study.learned)
+    """Gaussian process of the study's outputs on its factorial; where that has curves, of what follows by them."""
+    follows = curves.given(study, quantities)
+    model = curves.model(study, compression(study)) if follows else process(study, study.learned)
     model.made_from_ = study.physics
     return model.fit(curves.learned(study, quantities))
 
