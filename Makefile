@@ -55,8 +55,9 @@ lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without dow
 	$(BIN)/uv pip compile -q --upgrade --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	  --custom-compile-command "make lock" requirements/referees.in -o requirements/referees.txt
 
-docs: .venv/dev.stamp  ## draw the pictures, list the modules and build the documentation into build/docs
+docs: .venv/dev.stamp  ## draw the pictures, run the quickstart and build the site, with its report, into build/docs
 	$(BIN)/python -m docs
+	$(BIN)/meecontact run quickstart
 	$(BIN)/python -m mkdocs build --strict --quiet --site-dir build/docs
 	@echo "documentation: build/docs/index.html"
 

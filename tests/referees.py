@@ -1,8 +1,9 @@
 """What public referees say of a run's files: `python tests/referees.py results/quickstart`, with none of our own code.
 
 CF 1.11 of every netCDF file by the IOOS compliance checker; Croissant by mlcroissant; the Workflow Run RO-Crate by
-roc-validator; values and headers by Debian's ncdump and nco, where they are installed. `make referees` runs it, in an
-environment of its own (requirements/referees.in); it exits with 1 where a referee finds a fault.
+roc-validator; values and headers by Debian's ncdump and nco, where they are installed; `meecontact serve` by the client
+of UM-Bridge. `make referees` runs it, in an environment of its own (requirements/referees.in); it exits with 1 where a
+referee finds a fault.
 """
 
 import shutil
@@ -13,6 +14,9 @@ from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
+
+import netCDF4
+import numpy as np
 
 ROCRATE = "https://w3id.org/ro/crate/1.1/context"
 # which its own check of monotonicity subtracts
@@ -85,12 +89,39 @@ def foreign(folder: Path) -> Iterator[str]:
                 yield f"{path}: {command[0]}: {done.stderr.strip()}"
 
 
+def served(folder: Path) -> Iterator[str]:
+    """What the client of UM-Bridge gets from `meecontact serve` and should not."""
+    import umbridge
+
+    program = Path(sys.executable).parents[2] / "bin/meecontact"
+    command = [str(program), "serve", str(folder / "surrogate.nc"), "--port", "0"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        line = process.stderr.readline()
+        address = next((word for word in line.split() if word.startswith("http://")), None)
+        if address is None:
+            yield f"meecontact serve: {line.strip()}"
+            return
+        model = umbridge.HTTPModel(address, "surrogate")
+        with netCDF4.Dataset(folder / "surrogate.nc") as file:
+            middle = [float(np.mean(file[name][:])) for name in file["input"][:]]
+        (size,) = model.get_output_sizes()
+        value, step = np.array(model([middle])[0]), 1e-4 * middle[0]
+        beside = np.array(model([[middle[0] + step, *middle[1:]]])[0])
+        slopes = np.array(model.apply_jacobian(0, 0, [middle], [1.0] + [0.0] * (len(middle) - 1)))
+        if value.shape != (size,) or not np.allclose(
+            (beside - value) / step, slopes, rtol=0.01, atol=1e-3 * abs(slopes).max()
+        ):
+            yield "meecontact serve: differences are not the derivatives"
+        process.terminate()
+
+
 def main(folders: list[str]) -> int:
     """Ask every referee about every folder of results."""
     warnings.simplefilter("ignore")
     faults = 0
     for folder in map(Path, folders):
-        for referee in (conventions, croissant, crate, foreign):
+        for referee in (conventions, croissant, crate, foreign, served):
             found = list(referee(folder))
             print(f"{folder}: {referee.__name__}: {len(found) or 'no'} fault{'s' * (len(found) != 1)}")
             print("".join(f"  {text}\n" for text in found), end="")

@@ -11,6 +11,7 @@ ENGINES = {
     "grid": ("gridgp", "GridGP"),
     "grouped": ("groupedgp", "GroupedGP"),
     "curves": ("curvegp", "CurveGP"),
+    "corrected": ("corrected", "CorrectedGP"),
     "scatter": ("scattergp", "ScatterGP"),
 }
 

@@ -3,6 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
+from html import escape
 from typing import Any, ClassVar, Literal, Self, overload
 
 import numpy as np
@@ -13,10 +14,11 @@ from sklearn.exceptions import NotFittedError
 from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.points import Points, Queries, named_points, outside, require_inside
-from surrogate.gp.conformal import MINIMUM, Calibration, calibrate, sharing
+from surrogate.gp.conformal import MINIMUM, Calibration, calibrate
 from surrogate.gp.distribution import NOMINAL
 from surrogate.gp.labels import Attrs
 from surrogate.gp.predictive import EXTRAPOLATED, Predictive
+from surrogate.gp.sharing import sharing
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048
@@ -43,9 +45,45 @@ class GaussianProcess(Predictive):
         What `calibrate` has learnt; None before.
     made_from_ : str
         A word of the caller's that tells what the model was made from, kept in its file; empty by default.
+
+    Examples
+    --------
+    >>> from surrogate import GridGP
+    >>> x, y = Input("x", 0, 1), Input("y", 1, 2)
+    >>> grid = xr.Dataset(coords={"x": x.levels(7), "y": y.levels(7)})
+    >>> model = GridGP(inputs=[x, y]).fit(grid.assign(f=np.exp(grid.x) * grid.y, g=grid.x + grid.y))
+    >>> isinstance(model, GaussianProcess), list(model.box), model.parts
+    (True, ['x', 'y'], 2)
+    >>> found = model.predict({"x": [0.2, 0.4], "y": 1.5})
+    >>> found["g"].values.round(6).tolist(), list(found.data_vars)
+    ([1.7, 1.9], ['f', 'f_std', 'g', 'g_std'])
+    >>> model.gradient({"x": 0.2, "y": 1.5})["g"].values.round(6).tolist()
+    [1.0, 1.0]
+    >>> model.predict_array(np.array([[0.2, 1.5]])).shape, model.gradient_array(np.array([[0.2, 1.5]])).shape
+    ((1, 2), (1, 2, 2))
+
+    Held-out cases make means and intervals right:
+
+    >>> rng = np.random.default_rng(0)
+    >>> cases = xr.Dataset({"x": ("case", rng.uniform(0, 1, 300)), "y": ("case", rng.uniform(1, 2, 300))})
+    >>> cases = cases.assign(f=np.exp(cases.x) * cases.y, g=cases.x + cases.y)
+    >>> model.score(cases) > 0.999999, sorted(model.cases(cases)[1])
+    (True, ['f', 'g'])
+    >>> median = model.calibrate(cases).quantile({"x": 0.2, "y": 1.5}, 0.5)
+    >>> bool(abs(median["f"] - 1.5 * np.exp(0.2)) < 1e-6)
+    True
+    >>> model.sample({"x": 0.2, "y": 1.5}, n=5, seed=0)["f"].shape
+    (5,)
+    >>> lower, upper = model.interval_array(np.array([[0.2, 1.5]]))
+    >>> bool((lower < upper).all()), model.calibrated, model.distribution.cases
+    (True, True, 300)
+    >>> model.check_level(0.9)
+    >>> model.only(["g"]).outputs_, model.thinned({"f": 1e-3}).outputs_, model.uncalibrated().calibration_
+    (('g',), ('f', 'g'), None)
     """
 
     engine: ClassVar[str]
+    MEMBERS: ClassVar[tuple[str, ...]] = ()
     inputs_: tuple[Input, ...]
     outputs_: tuple[str, ...]
     attrs_: dict[str, dict[str, str]]
@@ -97,6 +135,20 @@ class GaussianProcess(Predictive):
         model.calibration_ = Calibration.restore(stored, model.parts, len(inputs), len(outputs))
         return model
 
+    @property
+    def members(self) -> Mapping[str, "GaussianProcess"]:
+        """Models that it is made of, by the names of `MEMBERS`: a file holds them too."""
+        return {}
+
+    def with_members(self, members: Mapping[str, "GaussianProcess"]) -> Self:
+        """Return the restored model with the models that it is made of; ValueError unless they fit."""
+        return self
+
+    @property
+    def calibrated(self) -> bool:
+        """Whether its intervals rest on held-out cases."""
+        return self.calibration_ is not None
+
     def only(self, outputs: Sequence[str]) -> Self:
         """Return a model that gives these outputs, and as few others as it can, for less."""
         return self
@@ -110,6 +162,20 @@ class GaussianProcess(Predictive):
         """The trained box: name -> Input, in order."""
         self._require_fitted()
         return {one.name: one for one in self.inputs_}
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the box, the outputs, and whether intervals are calibrated."""
+        if not hasattr(self, "inputs_"):
+            return f"<p><b>{type(self).__name__}</b>, not fitted yet</p>"
+        import pandas as pd  # notebooks only
+
+        rows = [(one.name, one.low, one.high, one.units, one.scale) for one in self.inputs_]
+        box = pd.DataFrame(rows, columns=["input", "low", "high", "unit", "scale"])
+        learnt = self.calibration_
+        held = "not calibrated" if learnt is None else f"calibrated on {learnt.distribution.cases:,} cases"
+        outputs = ", ".join(map(escape, self.outputs_))
+        table = box.to_html(index=False, border=0)
+        return f"<p><b>{type(self).__name__}</b> of {outputs}; intervals {held}</p>{table}"
 
     def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
         """Predict every output, with its standard deviation, at points.

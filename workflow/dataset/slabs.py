@@ -15,7 +15,7 @@ import netCDF4
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from tqdm import tqdm
+from tqdm.auto import tqdm
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
@@ -82,7 +82,9 @@ def write_slab(study: Study, index: int, path: Path) -> None:
 def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision: str) -> xr.Dataset:
     """The slab without its values: coordinates, attributes, dimensions and types."""
     coords = {axis: xr.Variable(axis, levels, case[axis].attrs) for axis, levels in axes.items()}
-    frame = xr.Dataset(coords=case.coords).drop_vars(list(axes)).assign_coords(coords)
+    # along the first level of every axis, factors of groups stand there as arrays of one
+    kept = {name: one for name, one in case.coords.items() if not one.ndim or name == "position"}
+    frame = xr.Dataset(coords=kept).assign_coords(coords)
     empty = {}
     for name, array in case.data_vars.items():
         nothing = np.zeros((), precision if array.ndim > len(axes) else array.dtype)
@@ -102,7 +104,8 @@ def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Quantities over the factors, fields over these and ``position``, with units and statistics as attributes.
+        Quantities over the factors (what a cross approximation has asked for: over ``place`` and those that it does
+        not cross), fields over these and ``position``, with units and statistics as attributes.
         Selecting (``isel``, ``sel``) reads nothing; ``load``, ``values`` and arithmetic read what was selected.
 
     Raises
@@ -116,6 +119,8 @@ def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
     card = json.loads((folder / CARD).read_text(encoding="utf-8"))
     whole = read_whole(folder / "quantities.nc")
     dims = [*whole[next(iter(whole.data_vars))].dims, "position"]
+    if not card["positions"]:  # of a cross approximation, which stores none
+        return whole
     axis = xr.Variable("position", card["positions"], {"units": "1", "long_name": "surface position X = (x - c)/h"})
     whole = whole.assign_coords(position=axis)
     files = [folder / one["name"] for one in card["files"]]

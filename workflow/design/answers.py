@@ -21,6 +21,17 @@ _MEANINGS = {
     "category": "name of a category",
     "goal": "what is asked for",
     "value": "factor of the design, over its SI unit",
+    "tolerance": "how far the factor may be off as built",
+    "tolerance_cost": "share of the goal that is gained without this one tolerance",
+    "tolerance_gain": "share of the goal that is gained by half of this one tolerance",
+    "nominal_value": "factor of the optimum without tolerances, over its SI unit",
+    "nominal_exact": "exact goal of the optimum without tolerances, over its unit in units",
+    "nominal_choice": "categories of the optimum without tolerances",
+    "figure": "name of a figure of a device",
+    "figure_low": "least exact value of the figure over the scenarios, over its SI unit",
+    "figure_high": "largest exact value of the figure over the scenarios, over its SI unit",
+    "overload": "load at the first limit over the design's own",
+    "overload_term": "the limit that stops the load; empty where none does up to ten times the load",
     "role": "what the factor is in the design",
     "predicted": "predicted term, over its unit in units",
     "predicted_std": "predicted standard deviation of the term, over its unit in units",
@@ -100,6 +111,13 @@ def kinds(answer: xr.Dataset) -> list[tuple[str, str, str]]:
         return []
     columns = (answer[key].values for key in ("category", "kind", "kind_role"))
     return [(str(name), str(kind), str(role)) for name, kind, role in zip(*columns, strict=True)]
+
+
+def case(answer: xr.Dataset) -> dict[str, float]:
+    """Every factor in the case that decides the first objective, the variables without their tolerances."""
+    worst, value = (answer[key].values for key in ("worst", "value"))
+    rows = zip(answer["factor"].values, answer["role"].values, worst[0], value, strict=True)
+    return {str(name): float(own if role == "variable" else deciding) for name, role, deciding, own in rows}
 
 
 def choices(answer: xr.Dataset) -> list[tuple[str, float, bool]]:

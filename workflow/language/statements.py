@@ -1,7 +1,8 @@
 """The texts of a design question: objectives and limits, read by a fixed grammar. Nothing in them is evaluated.
 
-objective := expression
-limit     := (expression | "deviation(" expression ")") ("<=" | ">=" | "<" | ">") bound ["with probability" number]
+objective := expression | deviation
+deviation := "deviation(" expression ["over" factor ("," factor)*] ")"
+limit     := (expression | deviation) ("<=" | ">=" | "<" | ">") bound ["with probability" number]
 bound     := number [unit] | [number ["%"]] ["of"] name         the name of what a material bears, as coercive_field
 """
 
@@ -18,17 +19,24 @@ _LIMIT = re.compile(
     rf"(?P<unit>.*?)\s*(?:\b(?:of\s+)?(?P<borne>{'|'.join(BORNE)}))?"
     r"(?:\s*\bwith\s+probability\s+(?P<probability>\d*\.?\d+))?\s*"
 )
-_DEVIATION = re.compile(r"\s*deviation\((?P<inner>.*)\)\s*")
+_DEVIATION = re.compile(
+    r"\s*deviation\((?P<inner>.*?)(?:\s+over\s+(?P<over>[A-Za-z]\w*(?:\s*,\s*[A-Za-z]\w*)*))?\s*\)\s*"
+)
 _STATISTIC = re.compile(r"worst case|mean(?:\s*-\s*(?P<count>\d+\.?\d*|\.\d+)\s*std)?")
 
 
 @dataclass(frozen=True)
 class Objective:
-    """What is maximised or minimised."""
+    """What is maximised or minimised.
+
+    ``deviation``: it is the expression's largest relative deviation from its mean, over the factors ``over``, or all.
+    """
 
     text: str
     expression: Expression
     maximise: bool
+    deviation: bool = False
+    over: tuple[str, ...] = ()
 
     @property
     def sign(self) -> float:
@@ -61,6 +69,8 @@ class Limit:
         Whether the bound was written without a unit although the expression has one: it is read in SI.
     borne
         The name of what a material bears, if that is the bound.
+    over
+        The factors over which a deviation is taken; none: all that a design does not choose.
     """
 
     text: str
@@ -71,6 +81,7 @@ class Limit:
     deviation: bool = False
     unitless: bool = False
     borne: str = ""
+    over: tuple[str, ...] = ()
 
     @property
     def sign(self) -> float:
@@ -95,7 +106,17 @@ class Statistic:
 
 def objective(text: str, *, maximise: bool = True) -> Objective:
     """Read an objective; ValueError names what is wrong."""
-    return Objective(" ".join(text.split()), grammar.parse(text), maximise)
+    inner, over = _unwrapped(text)
+    if over is not None and maximise:
+        raise ValueError(f"{text!r}: a deviation is minimised")
+    return Objective(" ".join(text.split()), grammar.parse(inner), maximise, over is not None, over or ())
+
+
+def _unwrapped(text: str) -> tuple[str, tuple[str, ...] | None]:
+    """An expression within a deviation, and the factors over which that is taken; None where there is no deviation."""
+    if len(text) > grammar.LONGEST or (match := _DEVIATION.fullmatch(text)) is None:
+        return text, None
+    return match["inner"], tuple(name.strip() for name in (match["over"] or "").split(",") if name.strip())
 
 
 def limit(text: str) -> Limit:
@@ -105,8 +126,8 @@ def limit(text: str) -> Limit:
     match = _LIMIT.fullmatch(text)
     if match is None or (match["value"] is None and not match["borne"]):
         raise ValueError(f"{text!r} is not of the form: expression <= number [unit] [with probability p]")
-    wrapped = _DEVIATION.fullmatch(match["left"])
-    expression = grammar.parse(wrapped["inner"] if wrapped else match["left"])
+    inner, over = _unwrapped(match["left"])
+    expression, wrapped = grammar.parse(inner), over is not None
     try:
         unit = units.parse(match["unit"])
     except ValueError as error:
@@ -131,7 +152,7 @@ def limit(text: str) -> Limit:
     bare = not match["unit"] and not borne and value != 0
     unitless = bare and expected is not None and not expected.fits(units.Unit.none())
     label, upper = " ".join(text.split()), "<" in match["sign"]
-    return Limit(label, expression, value, upper, probability, wrapped is not None, unitless, borne)
+    return Limit(label, expression, value, upper, probability, wrapped, unitless, borne, over or ())
 
 
 def _check_borne(text: str, borne: str, unit: units.Unit, expected: units.Unit | None) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from markupsafe import Markup
+from scipy.stats import qmc
 
 from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
@@ -14,17 +15,18 @@ from surrogate.gp.export import exported
 from workflow.dataset import factorial
 from workflow.design import answers, assessment, scenarios
 from workflow.design.sources import Predicted
+from workflow.language import titles
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
-from workflow.language.titles import title
+from workflow.report import live
 from workflow.study.categories import Kinds, output
 from workflow.study.datum import HANGING, meaning
 from workflow.study.model import Study
 from workflow.study.target import Target
 
-#: Quantities that give the contact pressure of a circular punch in closed form.
-_PRESSURE = {"contact_trailing", "contact_leading", "pressure_exponent", "peak_pressure"}
+#: Points of the box that tell the ranges of a surrogate in groups.
+_POINTS = 4096
 
 
 def content(
@@ -33,6 +35,7 @@ def content(
     quantities: xr.Dataset,
     designs: Sequence[xr.Dataset],
     hangs: frozenset[str] = HANGING,
+    fields: GaussianProcess | None = None,
 ) -> dict[str, Any] | None:
     """The panel's data; None where the browser cannot evaluate the surrogate.
 
@@ -44,29 +47,32 @@ def content(
         Answers of the study's targets, in its order, offered as starting points.
     hangs
         Quantities that hang on the datum.
+    fields
+        The surrogate of the surface fields, where the study has one.
     """
     stored = exported(model)
     if stored is None:
         return None
-    values = [{name: float(one["worst"].sel(factor=name)[0]) for name in model.box} for one in designs]
+    values = [answers.case(one) for one in designs]
     kinds = [study.combinations.index({name: kind for name, kind, _ in answers.kinds(one)}) for one in designs]
     start = values[0] if values else {}
-    learned = factorial.learned(study, quantities)
     return {
         "surrogate": stored,
         "quantities": [
-            {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs), "title": title(name)}
+            {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs), "title": titles.title(name)}
             for name in study.outputs
         ],
         "categories": study.categories,
         "kinds": [_kind(study, model, kind) for kind in study.combinations],
-        "ranges": [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_],
+        "ranges": _ranges(study, model, factorial.learned(study, quantities)),
         "fixed": {name: factor.default for name, factor in FACTORS.items() if factor.default is not None}
         | {name: value for name, value in study.fixed.items() if not isinstance(value, str)},
         "cases": [
             {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, one)}
             for (name, target), one, case, kind in zip(study.design.items(), designs, values, kinds, strict=True)
         ],
+        "stack": live.drawable(study),
+        **live.fields(study, fields),
         "kind": kinds[0] if kinds else 0,
         "start": [
             float(np.clip(one.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, one in model.box.items()
@@ -74,14 +80,23 @@ def content(
     }
 
 
+def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[list[float]]:
+    """Ends of every output over the box: of its factorial, or of the surrogate, where that is in groups."""
+    if study.groups:
+        t = 2 * qmc.Sobol(len(model.box), rng=0).random(_POINTS) - 1
+        X = np.stack([one.from_unit(row) for one, row in zip(model.box.values(), t.T, strict=True)], axis=1)
+        return [[float(row.min()), float(row.max())] for row in model.predict_array(X).T]
+    return [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_]
+
+
 def _kind(study: Study, model: GaussianProcess, kinds: Kinds) -> dict[str, Any]:
     """One combination of the categories: the surrogate's columns for it, and whether it shows a pressure."""
-    profile = {**study.fixed, **kinds}.get("profile", "cylinder")
     return {
         "names": kinds,
         "allowances": assessment.allowances(study, Predicted(model, kinds), study.outputs),
         "columns": [model.outputs_.index(output(name, kinds)) for name in study.outputs],
-        "pressure": set(study.outputs) >= _PRESSURE and profile == "cylinder" and not study.on_film,
+        "pressure": live.closed_pressure(study, kinds),
+        "body": live.body(study, kinds) if live.drawable(study) else None,
     }
 
 
@@ -105,6 +120,7 @@ def _target(study: Study, name: str, target: Target, answer: xr.Dataset) -> dict
         limits.append(
             {
                 "text": str(limit),
+                "words": titles.bound(limit, float(one["limit"]), str(one["units"].values)),
                 "tree": _tree(limit.expression, constants),
                 "value": float(one["limit"]),
                 "upper": limit.upper,
@@ -122,9 +138,24 @@ def _target(study: Study, name: str, target: Target, answer: xr.Dataset) -> dict
     return {
         "name": name,
         "limits": limits,
+        "goal": _goal(target, answer, " and ".join(over), constants),
+        "variables": target.continuous,
         "over": " and ".join(over),
         "scenarios": {factor: values.tolist() for factor, values in corners.values.items()},
         "count": corners.count,
+    }
+
+
+def _goal(target: Target, answer: xr.Dataset, over: str, constants: Mapping[str, float]) -> dict[str, Any]:
+    """The first goal: over the scenarios where it counts at worst, else at one point."""
+    first = target.objectives[0]
+    worst = target.statistic.deviations is None and bool(over)
+    return {
+        "title": titles.objective(str(first)) + (f" at worst over {over}" if worst else ""),
+        "tree": _tree(first.expression, constants),
+        "units": str(answer["units"].values[0]),
+        "maximise": first.maximise,
+        "worst": worst,
     }
 
 

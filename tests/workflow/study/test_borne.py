@@ -76,7 +76,7 @@ def test_a_composite_bears_what_its_weaker_phase_does() -> None:
     ],
 )
 def test_what_the_library_or_the_study_lacks_is_one_line(tmp_path: Path, entries: dict[str, str], told: str) -> None:
-    with pytest.raises(InputError, match="film.yaml: ") as error:
+    with pytest.raises(InputError, match=r"film\.yaml: ") as error:
         film(tmp_path, **entries)
     assert told in str(error.value)
     assert "\n" not in str(error.value)

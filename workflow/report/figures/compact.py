@@ -1,4 +1,4 @@
-"""A figure's SVG in a third of its bytes: what matplotlib repeats is said once, and nothing is finer than can be seen."""
+"""A figure's SVG in a third of its bytes: what matplotlib repeats is said once, nothing is finer than eyes are."""
 
 import hashlib
 import re
