@@ -211,9 +211,9 @@ class Study(Strict):
 
         None where it stands on groups or on a cross approximation: it then learns the largest stresses themselves.
         """
-        if self.groups or self.crossed:
+        if self.groups or self.crossed or not self.surrogate.curves:
             return []
-        followed = [FOLLOWS[name].region for name in self.outputs if name in FOLLOWS and self.surrogate.curves]
+        followed = [FOLLOWS[name].region for name in self.outputs if name in FOLLOWS]
         return list(dict.fromkeys(followed))
 
     @property
