@@ -128,7 +128,7 @@ def _levels(study: Study, model: GaussianProcess) -> dict[str, Array]:
     except UnreachableError as error:
         raise InputError(f"{study.path}: effects of constants need too many cases: {error}") from None
     counts = {name: min(n if name in study.tabled else n + 1, _MOST_LEVELS) for name, n in pilot.items()}
-    return {name: model.box[name].levels(counts[name]) for name in study.axes}
+    return {name: model.box[name].levels(counts[name]) for name in dict.fromkeys([*study.tabled, *counts])}
 
 
 def _expanded(solved: xr.Dataset, held: dict[str, str]) -> xr.Dataset:
