@@ -1,5 +1,6 @@
 """``meecontact init`` and ``meecontact list``: a study of one's own to begin with, and every name that it may use."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from solver.names import ALL_QUANTITIES, CHOICES
@@ -78,7 +79,7 @@ def _quantities() -> str:
     return _table({name: (written(one.units), one.long_name) for name, one in ALL_QUANTITIES.items()})
 
 
-def _table(rows: dict[str, tuple[str, ...]]) -> str:
+def _table(rows: Mapping[str, tuple[str, ...]]) -> str:
     """Names and what is said of them, in columns."""
     whole = [(name, *cells) for name, cells in rows.items()]
     wide = [max(map(len, column)) for column in zip(*whole, strict=True)]

@@ -40,7 +40,10 @@ def model() -> GridGP:
         xr.DataArray(one.levels(n), dims=one.name, coords={one.name: one.levels(n)})
         for one, n in zip(inputs, (14, 9, 8), strict=True)
     )
-    values = {"bent": np.tanh(3 * a * c) + 1e6 * np.log(b), "small": 1e-9 * np.exp(a * b / 10) * np.cos(c)}
+    values: dict[str, Any] = {
+        "bent": np.tanh(3 * a * c) + 1e6 * np.log(b),
+        "small": 1e-9 * np.exp(a * b / 10) * np.cos(c),
+    }
     data = xr.Dataset({name: one.transpose("a", "b", "c").assign_attrs(units="1") for name, one in values.items()})
     return GridGP("chebyshev", inputs, list(map(str, data))).fit(data)
 
