@@ -8,19 +8,29 @@ from surrogate.data.inputs import Input, chebyshev_levels
 from surrogate.data.points import OutOfBoxError
 
 if TYPE_CHECKING:
+    from surrogate.gp.crossgp import CrossGP
+    from surrogate.gp.curvegp import CurveGP
     from surrogate.gp.gridgp import GridGP
+    from surrogate.gp.groupedgp import GroupedGP
+    from surrogate.gp.grouping import Group, Grouping, Scaling
     from surrogate.gp.model import GaussianProcess
     from surrogate.gp.persistence import load, save
     from surrogate.gp.scattergp import ScatterGP
     from surrogate.use.estimator import FactorialRegressor
 
 __all__ = [
+    "CrossGP",
+    "CurveGP",
     "FactorialRegressor",
     "FormatError",
     "GaussianProcess",
     "GridGP",
+    "Group",
+    "GroupedGP",
+    "Grouping",
     "Input",
     "OutOfBoxError",
+    "Scaling",
     "ScatterGP",
     "chebyshev_levels",
     "load",
@@ -29,9 +39,15 @@ __all__ = [
 
 # imported when asked for: scikit-learn, on which they stand, takes longer to import than most jobs take for their work
 _MODELS = {
+    "CrossGP": "gp.crossgp",
+    "CurveGP": "gp.curvegp",
     "FactorialRegressor": "use.estimator",
     "GaussianProcess": "gp.model",
     "GridGP": "gp.gridgp",
+    "Group": "gp.grouping",
+    "GroupedGP": "gp.groupedgp",
+    "Grouping": "gp.grouping",
+    "Scaling": "gp.grouping",
     "ScatterGP": "gp.scattergp",
     "load": "gp.persistence",
     "save": "gp.persistence",

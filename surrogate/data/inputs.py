@@ -7,10 +7,11 @@ from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import expit, logit
 
 from surrogate.data.arrays import Array
 
-Scale = Literal["linear", "log"]
+Scale = Literal["linear", "log", "logit"]
 SCALES: tuple[str, ...] = get_args(Scale)
 
 
@@ -23,9 +24,9 @@ class Input:
     name : str
         Name of the input.
     low, high : float
-        Ends of the range, in `units`; finite, low < high, and low > 0 on a log scale.
-    scale : {"linear", "log"}
-        Scale on which the range is mapped to [-1, 1].
+        Ends of the range, in `units`; finite, low < high, low > 0 on a log scale, and high < 1 too on a logit one.
+    scale : {"linear", "log", "logit"}
+        Scale on which the range is mapped to [-1, 1]: the value, its logarithm, or log(value/(1 - value)).
     units, long_name : str
         Carried into every labelled result.
 
@@ -33,6 +34,18 @@ class Input:
     ------
     ValueError
         A range or scale that is not as above; the message names the input and the value.
+
+    Examples
+    --------
+    >>> radius = Input("radius", 0.01, 1.0, "log", units="m")
+    >>> radius.from_unit([-1, 0, 1]).round(12).tolist(), float(radius.to_unit(0.1).round(12))
+    ([0.01, 0.1, 1.0], 0.0)
+    >>> radius.levels(3).round(4).tolist(), radius.range_text()
+    ([0.0136, 0.1, 0.7346], '[0.01, 1] m')
+    >>> radius.attrs
+    {'units': 'm'}
+    >>> float(radius.unit_slope(0.1).round(4))
+    4.3429
     """
 
     name: str
@@ -53,6 +66,8 @@ class Input:
             raise ValueError(f"input {self.name!r}: low {self.low} must be less than high {self.high}")
         if self.scale == "log" and self.low <= 0:
             raise ValueError(f"input {self.name!r}: a log scale needs low > 0, got {self.low}")
+        if self.scale == "logit" and not (self.low > 0 and self.high < 1):
+            raise ValueError(f"input {self.name!r}: a logit scale needs 0 < low and high < 1, got {self.range_text()}")
 
     @property
     def attrs(self) -> dict[str, str]:
@@ -64,6 +79,9 @@ class Input:
         value = np.asarray(value, dtype=np.float64)
         if self.scale == "log":
             return np.asarray(2 * np.log(value / self.low) / np.log(self.high / self.low) - 1)
+        if self.scale == "logit":
+            low, high = logit(self.low), logit(self.high)
+            return np.asarray(2 * (logit(value) - low) / (high - low) - 1)
         return 2 * (value - self.low) / (self.high - self.low) - 1
 
     def from_unit(self, unit: ArrayLike) -> Array:
@@ -72,6 +90,8 @@ class Input:
         share = (unit + 1) / 2
         if self.scale == "log":
             value = self.low * np.exp(share * np.log(self.high / self.low))
+        elif self.scale == "logit":
+            value = expit(logit(self.low) + share * (logit(self.high) - logit(self.low)))
         else:
             value = self.low + share * (self.high - self.low)
         return np.asarray(np.where(unit == -1, self.low, np.where(unit == 1, self.high, value)))
@@ -81,6 +101,8 @@ class Input:
         value = np.asarray(value, dtype=np.float64)
         if self.scale == "log":
             return np.asarray(2 / (np.log(self.high / self.low) * value))
+        if self.scale == "logit":
+            return np.asarray(2 / ((logit(self.high) - logit(self.low)) * value * (1 - value)))
         return np.full_like(value, 2 / (self.high - self.low))
 
     def levels(self, count: int) -> Array:
@@ -112,8 +134,8 @@ def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear
         Ends of the range; they are not levels themselves.
     count : int
         Number of levels, >= 1.
-    scale : {"linear", "log"}
-        Scale of the factor; "log" needs low > 0.
+    scale : {"linear", "log", "logit"}
+        Scale of the factor; "log" needs low > 0, "logit" also high < 1.
 
     Returns
     -------
@@ -124,16 +146,23 @@ def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear
     ------
     ValueError
         A bad range, scale or count.
+
+    Examples
+    --------
+    >>> chebyshev_levels(0.0, 1.0, 3).round(4).tolist()
+    [0.067, 0.5, 0.933]
     """
     return Input("level", low, high, scale).levels(count)
 
 
 def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
     """Map physical points to scaled coordinates, as `Input.to_unit`: (n, d) -> (d, n), one contiguous row per input."""
-    low, width, logs = _scales(tuple(inputs))
+    low, width, logs, logits = _scales(tuple(inputs))
     t = np.subtract(X.T, low, order="C")
     if logs.size:
         t[logs] = np.log(X.T[logs] / low[logs])
+    if logits.size:
+        t[logits] = logit(X.T[logits]) - logit(low[logits])
     t *= 2
     t /= width
     t -= 1
@@ -141,8 +170,14 @@ def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
 
 
 @cache
-def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Low ends and widths on the inputs' own scales, (d, 1) each, and which inputs are logarithmic."""
+def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, NDArray[np.intp], NDArray[np.intp]]:
+    """Low ends and widths on the inputs' own scales, (d, 1) each, and which inputs are on a log and a logit scale."""
     low = np.array([[one.low] for one in inputs]).reshape(-1, 1)
-    width = [np.log(one.high / one.low) if one.scale == "log" else one.high - one.low for one in inputs]
-    return low, np.reshape(width, (-1, 1)), np.flatnonzero([one.scale == "log" for one in inputs])
+    width = [
+        np.log(one.high / one.low) if one.scale == "log"
+        else logit(one.high) - logit(one.low) if one.scale == "logit"
+        else one.high - one.low
+        for one in inputs
+    ]  # fmt: skip
+    of = {scale: np.flatnonzero([one.scale == scale for one in inputs]) for scale in SCALES}
+    return low, np.reshape(width, (-1, 1)), of["log"], of["logit"]

@@ -1,13 +1,16 @@
 """A grid model as plain data, for evaluation elsewhere, such as in a browser."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from surrogate.data.inputs import Input
 from surrogate.gp.correction import Correction
 from surrogate.gp.distribution import NOMINAL
 from surrogate.gp.factors import ChebyshevFactor
 from surrogate.gp.gridgp import GridGP
+from surrogate.gp.groupedgp import GroupedGP
 from surrogate.gp.model import GaussianProcess
 from surrogate.gp.packing import array, packed
 
@@ -30,6 +33,9 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
     dict or None
         None for a model of other kernels than "chebyshev", which only Python evaluates.
     """
+    if isinstance(model, GroupedGP):
+        core = exported(model.core_)
+        return None if core is None else {**core, **_grouped(model, core["inputs"])}
     if not isinstance(model, GridGP) or not all(isinstance(factor, ChebyshevFactor) for factor in model.factors_):
         return None
     factors = [factor for factor in model.factors_ if isinstance(factor, ChebyshevFactor)]
@@ -37,17 +43,7 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
     lower, upper = np.broadcast_to(model.distribution.ends(NOMINAL), (2, len(model.outputs_)))  # in standard deviations
     return {
         "format": FORMAT,
-        "inputs": [
-            {
-                "name": one.name,
-                "low": one.low,
-                "high": one.high,
-                "scale": one.scale,
-                "units": one.units,
-                "long_name": one.long_name,
-            }
-            for one in model.inputs_
-        ],
+        "inputs": _inputs(model.inputs_),
         "outputs": [
             {
                 "name": name,
@@ -68,6 +64,22 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
         if calibration is None
         else {name: array(values) for name, values in calibration.arrays().items() if name != "quantile"},
         "interval": {"level": NOMINAL, "lower": array(lower), "upper": array(upper)},
+    }
+
+
+def _inputs(inputs: Sequence[Input]) -> list[dict[str, Any]]:
+    names = ("name", "low", "high", "scale", "units", "long_name")
+    return [{name: getattr(one, name) for name in names} for one in inputs]
+
+
+def _grouped(model: GroupedGP, axes: list[dict[str, Any]]) -> dict[str, Any]:
+    """The inputs, and what takes them to the axes and the learnt outputs to the model's."""
+    state = model.grouping.state(model.outputs_)
+    names = ("axis_power", "axis_constant", "scale_power", "added_coefficient", "added_power", "logarithm", "reference")
+    return {
+        "inputs": _inputs(model.inputs_),
+        "axes": axes,
+        "groups": {name: state[name].values.tolist() for name in names},
     }
 
 

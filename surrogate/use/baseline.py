@@ -12,6 +12,8 @@ from surrogate.data.arrays import Array
 from surrogate.data.factorial import complete_factorial
 from surrogate.data.inputs import Input
 from surrogate.data.points import named_points
+from surrogate.gp.groupedgp import GroupedGP
+from surrogate.gp.model import GaussianProcess
 
 # Elements of the largest intermediate array, which bounds memory.
 ELEMENTS = 2**22
@@ -51,6 +53,23 @@ def chebyshev_interpolation(
         found = _evaluate(coefficients(values), t)
         answer[name] = named.labelled(found, data.attrs[name])
     return xr.Dataset(answer)
+
+
+def baseline(
+    model: GaussianProcess, training: xr.Dataset, points: Mapping[str, Any] | xr.Dataset, outputs: Sequence[str]
+) -> xr.Dataset:
+    """Interpolate what a grid or grouped model was trained on: over its own inputs, or its axes and scaled outputs."""
+    if not isinstance(model, GroupedGP):
+        return chebyshev_interpolation(training, list(model.inputs_), points, outputs)
+    grouping, named = model.grouping, named_points(points, model.inputs_)
+    axes = {one.name: training[one.name] for one in grouping.axes}
+    at = xr.DataArray(grouping.coordinates(named.X), dims=("point", "axis"))
+    columns = {one.name: at.isel(axis=k) for k, one in enumerate(grouping.axes)}
+    found = chebyshev_interpolation(
+        grouping.reduced(training, outputs).assign_coords(axes), grouping.axes, columns, outputs
+    )
+    told = grouping.told(np.stack([found[name].values for name in outputs]), named.X, outputs)
+    return named.dataset({name: (row, training[name].attrs) for name, row in zip(outputs, told, strict=True)})
 
 
 def coefficients(values: Array) -> Array:

@@ -14,7 +14,11 @@ from numpy.polynomial.legendre import leggauss
 from scipy.stats import qmc
 
 from surrogate.data.arrays import Array
+from surrogate.data.inputs import gauss_points
+from surrogate.gp.curvegp import CurveGP
+from surrogate.gp.factors import cosine_basis
 from surrogate.gp.gridgp import GridGP
+from surrogate.gp.groupedgp import GroupedGP
 from surrogate.gp.model import GaussianProcess
 
 # Gauss-Legendre nodes a mode: exact for the Chebyshev kernel, whose features have twice as many modes.
@@ -23,6 +27,8 @@ FEWEST_NODES = 64
 POSITIONS = 41
 # Points of the quasi-random sequence over which the predictive variance is averaged.
 SAMPLE = 1024
+# Points of the grid on which a grouped model is expanded, and the error of its train; lines that tell its levels.
+EXPANDED, COMPRESSION, LINES = 2**16, 1e-8, 16
 
 
 def sobol(model: GaussianProcess) -> xr.Dataset:
@@ -31,8 +37,10 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
     Parameters
     ----------
     model : GaussianProcess
-        A fitted `GridGP`. Indices are those of its tensor train, without the correction of the mean that `calibrate`
-        learns; the correction counts as an error of the train, beside the calibrated standard deviation.
+        A fitted `GridGP`, `GroupedGP` or `CurveGP`. Indices are those of its tensor train, without the correction of
+        the mean that `calibrate` learns; the correction counts as an error of the train, beside the calibrated
+        standard deviation. The train of the others is over their inputs: their mean on a grid of them, `EXPANDED`
+        points at most, whose error counts too.
 
     Returns
     -------
@@ -50,12 +58,13 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
     Raises
     ------
     TypeError
-        The model is no `GridGP`.
+        The model is none of these.
     """
-    if not isinstance(model, GridGP):
-        raise TypeError(f"exact sensitivity indices need a GridGP, got {type(model).__name__}")
+    if not isinstance(model, GridGP | GroupedGP | CurveGP):
+        raise TypeError(f"exact sensitivity indices need a GridGP, GroupedGP or CurveGP, got {type(model).__name__}")
     names, d = list(model.box), len(model.box)
-    moments = _Moments(model)
+    train = model.uncalibrated() if isinstance(model, GridGP) else expanded(model)
+    moments = _Moments(train)
     mean = moments.mean()
     variance = moments.explained(range(d))
     first = np.stack([moments.explained({i}) for i in range(d)])
@@ -65,7 +74,7 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
         second[i, j] = second[j, i] = np.maximum(moments.explained({i, j}) - first[i] - first[j], 0)
     positions = np.linspace(-1, 1, POSITIONS)
     effect = np.stack([moments.effect(i, positions) for i in range(d)], axis=1) - mean[:, None, None]
-    error, spread = _errors(model, positions)
+    error, spread = _errors(model, train, positions)
 
     # an output without variance has no shares to speak of
     whole = np.where(variance > 0, variance, 1.0)
@@ -136,9 +145,37 @@ def _root(matrix: Array) -> Array:
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0)))
 
 
-def _errors(model: GridGP, positions: Array) -> tuple[Array, Array]:
+def expanded(model: GaussianProcess) -> GridGP:
+    """Return the mean of any model as a grid process over its inputs, as fine as `EXPANDED` points allow."""
+    inputs, tails = model.inputs_, _tails(model.uncalibrated())
+    for allowed in 10.0 ** np.arange(-9, 1):
+        counts = [max(2, int(np.count_nonzero(tail > allowed))) for tail in tails]
+        if np.prod(counts) <= EXPANDED:
+            break
+    axes = {one.name: one.levels(count) for one, count in zip(inputs, counts, strict=True)}
+    grid = GridGP(inputs=inputs, outputs=model.outputs_, compression=COMPRESSION)
+    return grid.fit(model.uncalibrated().predict(axes, return_std=False))
+
+
+def _tails(model: GaussianProcess) -> list[Array]:
+    """For every input, the largest sum of the means' Chebyshev coefficients from a degree on, over their range."""
+    inputs, tails = model.inputs_, []
+    at = 2 * qmc.Sobol(len(inputs), rng=0).random(LINES) - 1
+    basis, weights = cosine_basis(FEWEST_NODES)
+    for k in range(len(inputs)):
+        t = np.repeat(at, FEWEST_NODES, axis=0)
+        t[:, k] = np.tile(gauss_points(FEWEST_NODES), LINES)
+        X = np.stack([one.from_unit(column) for one, column in zip(inputs, t.T, strict=True)], axis=1)
+        values = model.predict_array(X).reshape(LINES, FEWEST_NODES, -1)
+        spread = np.ptp(values, axis=(0, 1))
+        sizes = np.abs(np.einsum("lnp,nm->lmp", values, basis * weights)) / np.where(spread > 0, spread, 1.0)
+        tails.append(np.cumsum(sizes[:, ::-1], axis=1)[:, ::-1].max(axis=(0, 2)))
+    return tails
+
+
+def _errors(model: GaussianProcess, plain: GridGP, positions: Array) -> tuple[Array, Array]:
     """Root-mean-square predictive error of the train over the box, (p,), and given one input, (p, d, positions)."""
-    inputs, plain = model.inputs_, model.uncalibrated()
+    inputs = model.inputs_
     t = 2 * qmc.Sobol(len(inputs), rng=0).random(SAMPLE) - 1
     over = np.empty((len(model.outputs_), len(inputs), len(positions)))
     for i in range(len(inputs)):
@@ -149,7 +186,7 @@ def _errors(model: GridGP, positions: Array) -> tuple[Array, Array]:
     return np.sqrt(_mean_square(model, plain, t)), np.sqrt(over)
 
 
-def _mean_square(model: GridGP, plain: GridGP, t: Array) -> Array:
+def _mean_square(model: GaussianProcess, plain: GridGP, t: Array) -> Array:
     X = np.stack([one.from_unit(column) for one, column in zip(model.inputs_, t.T, strict=True)], axis=1)
     mean, std = model.predict_array(X, return_std=True)
     shift = mean - plain.predict_array(X)

@@ -11,7 +11,7 @@ from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import unit_coordinates
 from surrogate.gp.distribution import NOMINAL, Distribution, Normal
 from surrogate.gp.model import GaussianProcess
-from surrogate.use.baseline import chebyshev_interpolation
+from surrogate.use.baseline import baseline
 
 DECILES = 10
 #: Levels whose intervals are judged.
@@ -117,7 +117,7 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
         "error": (("output", "case"), error, {"long_name": "signed error over range"}),
     }
     if training is not None:
-        interpolated = chebyshev_interpolation(training, list(model.inputs_), points, names)
+        interpolated = baseline(model, training, points, names)
         table |= _errors((_stack(interpolated, names, predicted) - true) / over, "baseline_")
     if model.calibration_ is not None:
         before = validate(model.uncalibrated(), cases, None)

@@ -17,7 +17,7 @@ from solver.names import ALL_QUANTITIES, FILM_QUANTITIES, QUANTITIES
 from storage.files import output
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import materials, studies
+from workflow.cli import learn, materials, serving, studies
 from workflow.cli.casetable import read_cases
 from workflow.cli.launch import launch
 from workflow.cli.progress import busy
@@ -121,6 +121,8 @@ def _parser() -> _Parser:
     )
     command.set_defaults(run=query)
 
+    serving.add(commands)
+
     command = commands.add_parser(
         "material", help="check a material, print roots and compliance; or list what is built in"
     )
@@ -140,6 +142,7 @@ def _parser() -> _Parser:
     command.add_argument("--at", action="append", metavar="NAME=VALUE,...", help="what is not named takes its default")
     command.add_argument("--worst-case", action="append", metavar="NAME=LOW:HIGH,...")
     command.add_argument("--uncertain", action="append", metavar="NAME=normal(MEAN,STD),...")
+    command.add_argument("--tolerance", action="append", metavar="NAME=5%|10um,...", help="how far off as built")
     command.add_argument("--robust", nargs=1, metavar="'mean - 2 std'", help="default: 'worst case'")
     command.add_argument("--limit", action="append", metavar="'trailing_tension <= 50 MPa'")
     command.add_argument("--json", action="store_true", help="print JSON instead of a table")
@@ -151,6 +154,8 @@ def _parser() -> _Parser:
     command.add_argument("--infer", action="append", required=True, metavar="NAME,...", help="one to three factors")
     command.add_argument("--at", action="append", metavar="NAME=VALUE,...", help="all the others")
     command.set_defaults(run=_invert)
+
+    learn.add(commands)
 
     command = commands.add_parser("init", help="write a commented study of one's own, which runs as it is")
     command.add_argument("name", metavar="NAME", help="of the study: config/NAME.yaml")

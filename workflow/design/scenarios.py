@@ -1,10 +1,12 @@
-"""The cases that a design must stand: the ends and insides of ranges, and draws of distributions."""
+"""The cases that a design must stand: the ends and insides of ranges and tolerances, and draws of distributions."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from itertools import product
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
@@ -20,6 +22,7 @@ JUDGED = {0: 1, 1: 201, 2: 31, 3: 11}
 DRAWN, DRAWN_TO_JUDGE = 256, 4096
 #: Nodes a worst-case factor beside draws.
 GROUPS = {0: 1, 1: 5}
+_GAUSS = 512  # points by which a distribution's moments are integrated
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,8 @@ class Scenarios:
     ----------
     values
         By factor name, (groups * draws,) each; a group is one case of the ranges, its draws follow each other.
+    offsets
+        By design variable with a tolerance, where in it, -1 to 1, (groups * draws,) each.
     groups, draws
         How many.
     terms
@@ -40,6 +45,7 @@ class Scenarios:
     groups: int
     draws: int
     terms: dict[int, Term] = field(default_factory=dict)
+    offsets: dict[str, Array] = field(default_factory=dict)
 
     @property
     def count(self) -> int:
@@ -49,32 +55,93 @@ class Scenarios:
     def only(self, columns: NDArray[np.intp]) -> "Scenarios":
         """Some of them, a group each."""
         values = {name: levels[columns] for name, levels in self.values.items()}
-        return replace(self, values=values, groups=len(columns), draws=1)
+        offsets = {name: levels[columns] for name, levels in self.offsets.items()}
+        return replace(self, values=values, offsets=offsets, groups=len(columns), draws=1)
 
 
 def corners(target: Target, nodes: Mapping[int, int]) -> Scenarios:
-    """Tensor of Chebyshev-Lobatto nodes over every range: worst cases, and the supports of distributions."""
-    ranges = _ranges(target) | {name: distribution.support for name, distribution in target.uncertain.items()}
-    return _tensor(ranges, nodes.get(len(ranges), 3))
+    """Tensor of Chebyshev-Lobatto nodes over every range: worst cases, tolerances, supports of distributions."""
+    ranges = _every(target)
+    return _parted(target, _tensor(ranges, nodes.get(len(ranges), 3)), 1)
+
+
+def along(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Scenarios:
+    """The same, in groups: the draws of each are the nodes of some names, all others stand still."""
+    ranges = _every(target)
+    count = nodes.get(len(ranges), 3)
+    rest = _tensor({name: one for name, one in ranges.items() if name not in names}, count)
+    own = _tensor({name: ranges[name] for name in names}, count)
+    size = len(own[names[0]])
+    groups = len(next(iter(rest.values()))) if rest else 1
+    levels = {name: np.repeat(one, size) for name, one in rest.items()}
+    return _parted(target, levels | {name: np.tile(one, groups) for name, one in own.items()}, size)
+
+
+def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Array:
+    """What every draw of `along` weighs in a mean over the distributions of its names; (draws,).
+
+    An uncertain factor has its own distribution, one of ``worst_case`` and a tolerance the uniform one. The weights
+    are those by which a polynomial through the nodes is integrated: for the uniform one C. W. Clenshaw and A. R.
+    Curtis, Numer. Math. 2 (1960) 197.
+    """
+    ranges = _every(target)
+    count = nodes.get(len(ranges), 3)
+    parts: list[Array] = []
+    for name in names:
+        low, high = ranges[name]
+        levels = _nodes(low, high, count)
+        if len(levels) == 1:
+            parts.append(np.ones(1))
+            continue
+        gauss, share = np.polynomial.legendre.leggauss(_GAUSS)
+        middle = (gauss + 1) / 2
+        one = target.uncertain.get(name)
+        points = low + (high - low) * middle if one is None else one.quantile(middle)
+        moments = chebyshev.chebvander(2 * (points - low) / (high - low) - 1, len(levels) - 1).T @ (share / 2)
+        nodal = chebyshev.chebvander(2 * (levels - low) / (high - low) - 1, len(levels) - 1)
+        parts.append(np.asarray(np.linalg.solve(nodal.T, moments), dtype=np.float64))
+    return np.asarray(reduce(np.multiply.outer, parts)).ravel()
 
 
 def draws(target: Target, count: int) -> Scenarios:
-    """Sobol' draws of the distributions at a few nodes of every worst-case range."""
-    groups = _tensor(_ranges(target), GROUPS.get(len(target.worst_case), 3))
+    """Sobol' draws of the distributions, uniform within tolerances, at a few nodes of every worst-case range."""
+    ranges = _ranges(target)
+    groups = _tensor(ranges, GROUPS.get(len(ranges), 3))
+    size = len(next(iter(groups.values()))) if groups else 1
+    names = target.random
     # the middle of its cell instead of the corner: no draw is an end of a support
-    shares = (np.floor(qmc.Sobol(len(target.uncertain), scramble=False).random(count) * count) + 0.5) / count
-    values = {name: np.repeat(levels, count) for name, levels in groups.values.items()}
-    for column, (name, distribution) in enumerate(target.uncertain.items()):
-        values[name] = np.tile(distribution.quantile(shares[:, column]), groups.groups)
-    return Scenarios(values, groups.groups, count)
+    shares = (np.floor(qmc.Sobol(len(names), scramble=False).random(count) * count) + 0.5) / count
+    levels = {name: np.repeat(one, count) for name, one in groups.items()}
+    for column, name in enumerate(names):
+        share = shares[:, column]
+        drawn = target.uncertain[name].quantile(share) if name in target.uncertain else 2 * share - 1
+        levels[name] = np.tile(drawn, size)
+    return _parted(target, levels, count)
+
+
+def _parted(target: Target, levels: dict[str, Array], draws: int) -> Scenarios:
+    """Scenarios of some levels of factors and of places in tolerances, all of one length."""
+    values = {name: one for name, one in levels.items() if name not in target.tolerance}
+    offsets = {name: one for name, one in levels.items() if name in target.tolerance}
+    count = len(next(iter(levels.values()))) if levels else 1
+    return Scenarios(values, count // draws, draws, offsets=offsets)
 
 
 def _ranges(target: Target) -> dict[str, tuple[float, float]]:
     return {name: (low, high) for name, (low, high) in target.worst_case.items()}
 
 
-def _tensor(ranges: Mapping[str, tuple[float, float]], nodes: int) -> Scenarios:
-    share = (1 - np.cos(np.pi * np.arange(nodes) / max(nodes - 1, 1))) / 2
-    cases = list(product(*(np.unique(low + (high - low) * share) for low, high in ranges.values())))
-    grid = np.array(cases, dtype=np.float64).reshape(len(cases), len(ranges))
-    return Scenarios({name: grid[:, column] for column, name in enumerate(ranges)}, len(grid), 1)
+def _every(target: Target) -> dict[str, tuple[float, float]]:
+    """Every range: of worst cases, of tolerances, and the supports of distributions."""
+    supports = {name: distribution.support for name, distribution in target.uncertain.items()}
+    return _ranges(target) | supports | dict.fromkeys(target.tolerance, (-1.0, 1.0))
+
+
+def _nodes(low: float, high: float, count: int) -> Array:
+    return np.unique(low + (high - low) * (1 - np.cos(np.pi * np.arange(count) / max(count - 1, 1))) / 2)
+
+
+def _tensor(ranges: Mapping[str, tuple[float, float]], nodes: int) -> dict[str, Array]:
+    """Every combination of the nodes of some ranges, (cases,) each; nothing for no range."""
+    cases = np.array(list(product(*(_nodes(low, high, nodes) for low, high in ranges.values()))), dtype=np.float64)
+    return {name: cases[:, column] for column, name in enumerate(ranges)}

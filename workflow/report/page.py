@@ -93,7 +93,7 @@ def page(
         "hanging": hangs,
         "datum": length(study),
         "on_film": study.on_film,
-        "together": factorial.TOGETHER,
+        "together": factorial.together(study),
         "tabled": study.tabled,
         "film_beside": study.effects.film if study.effects else {},
         "costly": study.costly.issuperset(study.quantities),
@@ -151,7 +151,7 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
     if study.factors:
         validation, indices = content["validation"], read_whole(folder / "sensitivity.nc")
         says |= {
-            "dataset": sentences.dataset(study, content["dataset"]["rows"]),
+            "dataset": sentences.dataset(study, content["dataset"]["cases"], content["dataset"]["rows"]),
             "surrogate": sentences.surrogate(validation["worst"], validation["tolerance"]),
             "sensitivity": sentences.sensitivity(indices, study.of_interest),
             "time": sentences.time(content["timing"]),

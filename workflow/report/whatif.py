@@ -1,12 +1,13 @@
 """What the what-if panel (whatif.html.j2) needs: the surrogate as plain data, ranges, and the designs with limits."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from markupsafe import Markup
+from scipy.stats import qmc
 
 from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
@@ -23,6 +24,9 @@ from workflow.study.categories import Kinds, output
 from workflow.study.datum import HANGING, meaning
 from workflow.study.model import Study
 from workflow.study.target import Target
+
+#: Points of the box that tell the ranges of a surrogate in groups.
+_POINTS = 4096
 
 
 def content(
@@ -49,10 +53,9 @@ def content(
     stored = exported(model)
     if stored is None:
         return None
-    values = [{name: float(one["worst"].sel(factor=name)[0]) for name in model.box} for one in designs]
+    values = [answers.case(one) for one in designs]
     kinds = [study.combinations.index({name: kind for name, kind, _ in answers.kinds(one)}) for one in designs]
     start = values[0] if values else {}
-    learned = factorial.learned(study, quantities)
     return {
         "surrogate": stored,
         "quantities": [
@@ -61,11 +64,11 @@ def content(
         ],
         "categories": study.categories,
         "kinds": [_kind(study, model, kind) for kind in study.combinations],
-        "ranges": [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_],
+        "ranges": _ranges(study, model, factorial.learned(study, quantities)),
         "fixed": {name: factor.default for name, factor in FACTORS.items() if factor.default is not None}
         | {name: value for name, value in study.fixed.items() if not isinstance(value, str)},
         "cases": [
-            {"values": case, "kind": kind, **_target(name, target, one)}
+            {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, one)}
             for (name, target), one, case, kind in zip(study.design.items(), designs, values, kinds, strict=True)
         ],
         "stack": live.drawable(study),
@@ -75,6 +78,15 @@ def content(
             float(np.clip(one.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, one in model.box.items()
         ],
     }
+
+
+def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[list[float]]:
+    """Ends of every output over the box: of its factorial, or of the surrogate, where that is in groups."""
+    if study.groups:
+        t = 2 * qmc.Sobol(len(model.box), rng=0).random(_POINTS) - 1
+        X = np.stack([one.from_unit(row) for one, row in zip(model.box.values(), t.T, strict=True)], axis=1)
+        return [[float(row.min()), float(row.max())] for row in model.predict_array(X).T]
+    return [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_]
 
 
 def _kind(study: Study, model: GaussianProcess, kinds: Kinds) -> dict[str, Any]:
@@ -94,22 +106,23 @@ def as_json(data: dict[str, Any] | None) -> Markup:
     return Markup(text.replace("<", "\\u003c").replace("&", "\\u0026"))
 
 
-def _target(name: str, target: Target, answer: xr.Dataset) -> dict[str, Any]:
+def _target(study: Study, name: str, target: Target, answer: xr.Dataset) -> dict[str, Any]:
     """A target's limits with the verdict on its design, and the scenarios that they must stand anywhere else.
 
     What a limit counts as over distributions, and a deviation, are not judged elsewhere: no one point tells them.
     """
     corners = scenarios.corners(target, scenarios.SEARCHED)
     limits = []
+    constants = {constant: study.constant(constant) for constant in target.constants()}
     for limit in target.limits:
         one = answer.sel(term=str(limit))
         exact = float(one["exact"])
         limits.append(
             {
                 "text": str(limit),
-                "words": titles.bound(limit, str(one["units"].values)),
-                "tree": _tree(limit.expression),
-                "value": limit.value,
+                "words": titles.bound(limit, float(one["limit"]), str(one["units"].values)),
+                "tree": _tree(limit.expression, constants),
+                "value": float(one["limit"]),
                 "upper": limit.upper,
                 "units": str(one["units"].values),
                 "judged": limit.probability is None and not limit.deviation,
@@ -125,7 +138,7 @@ def _target(name: str, target: Target, answer: xr.Dataset) -> dict[str, Any]:
     return {
         "name": name,
         "limits": limits,
-        "goal": _goal(target, answer, " and ".join(over)),
+        "goal": _goal(target, answer, " and ".join(over), constants),
         "variables": target.continuous,
         "over": " and ".join(over),
         "scenarios": {factor: values.tolist() for factor, values in corners.values.items()},
@@ -133,29 +146,29 @@ def _target(name: str, target: Target, answer: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _goal(target: Target, answer: xr.Dataset, over: str) -> dict[str, Any]:
+def _goal(target: Target, answer: xr.Dataset, over: str, constants: Mapping[str, float]) -> dict[str, Any]:
     """The first goal: over the scenarios where it counts at worst, else at one point."""
     first = target.objectives[0]
     worst = target.statistic.deviations is None and bool(over)
     return {
         "title": titles.objective(str(first)) + (f" at worst over {over}" if worst else ""),
-        "tree": _tree(first.expression),
+        "tree": _tree(first.expression, constants),
         "units": str(answer["units"].values[0]),
         "maximise": first.maximise,
         "worst": worst,
     }
 
 
-def _tree(node: Expression) -> Any:
+def _tree(node: Expression, constants: Mapping[str, float]) -> Any:
     """An expression as nested lists."""
     if isinstance(node, Number):
         return node.value
     if isinstance(node, Name):
-        return node.name
+        return constants.get(node.name, node.name)
     if isinstance(node, Operation):
-        return [node.symbol, _tree(node.left), _tree(node.right)]
+        return [node.symbol, _tree(node.left, constants), _tree(node.right, constants)]
     if isinstance(node, Power):
-        return ["^", _tree(node.base), node.exponent]
+        return ["^", _tree(node.base, constants), node.exponent]
     if isinstance(node, Call):
-        return [node.function, *map(_tree, node.arguments)]
+        return [node.function, *(_tree(argument, constants) for argument in node.arguments)]
     raise TypeError(f"unknown node {node!r}")

@@ -212,7 +212,7 @@ def test_who_decides_reads_the_first_screen_only(looked: Callable[[int], dict[st
     seen = looked(width)
     first = {name: one["words"].replace("\N{NO-BREAK SPACE}", " ") for name, one in seen["first"].items()}
     assert first["page first"] == "Impossible is not reachable (1 of 2 targets)."
-    assert first["sensor verdict"] == "recommended"
+    assert first["sensor verdict"] == "beyond linear theory; otherwise recommended"
     assert first["sensor punch"].startswith("R = ")
     assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane", first["sensor body"])
     good = r"[\d.]+ mV·m/N of voltage per load \(ground 1 m away\) at worst over friction 0\.1 to 0\.4"

@@ -1,0 +1,96 @@
+"""Exact similarity of contacts: how factors and quantities scale with the size of a contact and with its strength.
+
+Linear theory knows two scalings of a contact. *Size* l: radius, load, charges, thickness, width and datum times l give
+the same stresses on l times the lengths. *Strength* s: load, charges and the slope of a face times s, the radius over
+s, give s times the stresses and potentials on the same lengths. Every factor and quantity is then l^size s^strength
+times what it was; those that are not named here stay (docs/theory.md, section 8; docs/theory-films.md).
+"""
+
+from dataclasses import dataclass
+
+from solver.names import ALL_QUANTITIES, EVERY_INTERIOR, FIELDS, REGULAR
+
+
+@dataclass(frozen=True)
+class Weight:
+    """Powers of size and strength that multiply a factor or a quantity under similarity."""
+
+    size: float = 0.0
+    strength: float = 0.0
+
+
+_FORCE, _LENGTH, _STRESS, _INTENSITY = Weight(1.0, 1.0), Weight(1.0), Weight(0.0, 1.0), Weight(0.5, 1.0)
+
+#: Factors that change under similarity.
+FACTOR_WEIGHTS: dict[str, Weight] = {
+    "radius": Weight(1.0, -1.0),
+    "width": _LENGTH,
+    "slope": _STRESS,
+    "moment": Weight(2.0, 1.0),
+    "load": _FORCE,
+    "charge": _FORCE,
+    "magnetic_charge": _FORCE,
+    "datum": _LENGTH,
+    "thickness": _LENGTH,
+}
+
+_CHANGING: dict[Weight, tuple[str, ...]] = {
+    _LENGTH: ("contact_trailing", "contact_leading", "contact_offset", "peak_von_mises_depth"),
+    _FORCE: ("depth", "voltage", "magnetic_potential"),
+    _INTENSITY: tuple(name for name in ALL_QUANTITIES if "_edge_intensity_" in name),
+    _STRESS: (
+        "peak_pressure", "trailing_tension", "leading_compression", "nominal_field", "peak_von_mises",
+        "peak_principal_tension", "interface_shear", "interface_tension", "film_peak_von_mises",
+        "film_peak_principal_tension", "base_peak_von_mises", "base_peak_principal_tension",
+    ),
+}  # fmt: skip
+
+#: Quantities and fields (at the same place relative to the contact) by name; exponents, sensitivities, strokes, blocked
+#: loads, capacitances and dimensionless positions stay what they are.
+QUANTITY_WEIGHTS: dict[str, Weight] = {
+    **dict.fromkeys(ALL_QUANTITIES, Weight()),
+    **{name: weight for weight, names in _CHANGING.items() for name in names},
+    **dict.fromkeys((*FIELDS, *REGULAR, *EVERY_INTERIOR), _STRESS),
+    "electric_potential": _FORCE,
+    "magnetic_potential": _FORCE,
+}
+
+
+def weight_of(factor: str) -> Weight:
+    """What multiplies a factor under similarity; fractions, friction, speed, moduli and names stay.
+
+    An own name of a study, as ``copper_thickness``, is a number of a layer by its ending.
+
+    Examples
+    --------
+    >>> weight_of("load"), weight_of("friction"), weight_of("copper_thickness")
+    (Weight(size=1.0, strength=1.0), Weight(size=0.0, strength=0.0), Weight(size=1.0, strength=0.0))
+    """
+    return FACTOR_WEIGHTS.get("thickness" if factor.endswith("_thickness") else factor, Weight())
+
+
+def scale_powers(quantity: str, load: str, length: str) -> dict[str, float]:
+    """Powers of a load-like and a length-like factor whose product scales as a quantity does.
+
+    Parameters
+    ----------
+    quantity
+        A name of `QUANTITY_WEIGHTS`; ValueError for another one.
+    load, length
+        Two factors of independent weights, such as ``load`` and ``thickness`` or ``load`` and ``radius``.
+
+    Examples
+    --------
+    >>> scale_powers("peak_pressure", "load", "thickness"), scale_powers("contact_trailing", "load", "radius")
+    ({'load': 1.0, 'thickness': -1.0}, {'load': 0.5, 'radius': 0.5})
+    """
+    if quantity not in QUANTITY_WEIGHTS:
+        raise ValueError(f"{quantity!r} has no known powers of size and strength")
+    a, b, wanted = weight_of(load), weight_of(length), QUANTITY_WEIGHTS[quantity]
+    determinant = a.size * b.strength - a.strength * b.size
+    if determinant == 0:
+        raise ValueError(f"{load!r} and {length!r} scale alike")
+    return {
+        load: (wanted.size * b.strength - wanted.strength * b.size) / determinant,
+        length: (a.size * wanted.strength - a.strength * wanted.size) / determinant,
+    }

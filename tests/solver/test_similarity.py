@@ -1,0 +1,81 @@
+"""Exact similarity: every quantity and field scales with size and strength by the powers of the table."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+
+import solver
+from solver.names import ALL_QUANTITIES, EVERY_INTERIOR, FIELDS, REGULAR
+from solver.similarity import FACTOR_WEIGHTS, QUANTITY_WEIGHTS, scale_powers, weight_of
+from tests.solver.strategies import PROPERTY, decades, loads, materials
+
+POSITIONS = (-1.3, -0.4, 0.8, 2.0)
+FILM = {
+    "composite": "fibrous", "volume_fraction": 0.6, "friction": 0.3, "radius": 0.05, "load": 4e4, "thickness": 3e-4,
+    "charge": 1.5e-6, "magnetic_charge": 2e-3, "datum": 0.3,
+}  # fmt: skip
+
+
+def scaled(case: dict[str, Any], size: float, strength: float) -> dict[str, Any]:
+    """The similar case."""
+    weights = {name: weight_of(name) for name in case}
+    return {
+        name: value * size ** weights[name].size * strength ** weights[name].strength
+        if name in FACTOR_WEIGHTS
+        else value
+        for name, value in case.items()
+    }
+
+
+def assert_similar(one: xr.Dataset, two: xr.Dataset, size: float, strength: float, rtol: float) -> None:
+    """Every variable of two is that of one times its powers, to ``rtol`` of its largest value."""
+    assert set(one.data_vars) == set(two.data_vars)
+    for name in map(str, one.data_vars):
+        weight = QUANTITY_WEIGHTS[name]
+        expected = one[name].values * size**weight.size * strength**weight.strength
+        largest = float(np.abs(expected).max())
+        np.testing.assert_allclose(two[name].values, expected, rtol=rtol, atol=rtol * largest, err_msg=name)
+
+
+@settings(PROPERTY, max_examples=10)
+@given(material=materials(), case=loads(), size=decades(-2, 2), strength=decades(-2, 2))
+def test_half_planes_scale_with_size_and_strength(
+    material: solver.Material, case: dict[str, Any], size: float, strength: float
+) -> None:
+    case = {"material": material, "datum": 1.0, **case}
+    one, two = (solver.solve(c, POSITIONS, regular=True) for c in (case, scaled(case, size, strength)))
+    # potentials are differences of logarithms, sums of these by charges and load
+    assert_similar(one, two, size, strength, 1e-9)
+
+
+@pytest.mark.parametrize(
+    "profile",
+    [{"profile": "flat", "width": 1e-3, "moment": 0.4}, {"profile": "wedge", "slope": 1e-3}],
+    ids=("tilted by a moment", "wedge"),
+)
+def test_other_profiles_scale_too(profile: dict[str, Any]) -> None:
+    case = {"composite": "fibrous", "volume_fraction": 0.4, "friction": 0.2, "load": 1e4, "datum": 0.5, **profile}
+    one, two = (solver.solve(c, POSITIONS, peaks=True) for c in (case, scaled(case, 0.3, 1.7)))
+    assert_similar(one, two, 0.3, 1.7, 1e-6)
+
+
+@pytest.mark.parametrize("base", ["rigid", "steel"])
+def test_films_scale_with_size_and_strength(base: str) -> None:
+    """Two scalings at once, of which the tables of unit films know nothing but P R/h^2, T/P and J/P."""
+    case = {**FILM, "base": base, "interface_magnetic": "grounded"}
+    one, two = (solver.solve(c, POSITIONS) for c in (case, scaled(case, 4.0, 0.7)))
+    assert_similar(one, two, 4.0, 0.7, 1e-8)
+
+
+def test_the_table_knows_every_quantity_and_field() -> None:
+    assert set(QUANTITY_WEIGHTS) == {*ALL_QUANTITIES, *FIELDS, *REGULAR, *EVERY_INTERIOR}
+
+
+def test_scales_are_refused_where_nothing_tells_them() -> None:
+    with pytest.raises(ValueError, match="'load' and 'charge' scale alike"):
+        scale_powers("depth", "load", "charge")
+    with pytest.raises(ValueError, match="'temperature' has no known powers"):
+        scale_powers("temperature", "load", "radius")
