@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
+from html import escape
 from typing import Any, Self
 
 import numpy as np
@@ -225,6 +226,19 @@ class Material:
             "limits": {name: asdict(limit) for name, limit in self.limits.items()},
             "alternatives": [{**one.constants, "source": one.source} for one in self.alternatives],
         }
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: every constant that is not zero, a range where there are cases, and its source."""
+        import pandas as pd  # slow to import, and notebooks only
+
+        constants = {name: getattr(self, name) for name in UNITS}
+        rows = [
+            (name, " to ".join(f"{end:.6g}" for end in np.unique([value.min(), value.max()])), UNITS[name])
+            for name, value in constants.items()
+            if np.any(value) and not np.all(np.isnan(value))
+        ]
+        table = pd.DataFrame(rows, columns=["constant", "value", "unit"]).to_html(index=False, border=0)
+        return f"<p><b>{escape(self.name)}</b> {escape(self.source)}</p>{table}"
 
     def generalised_stiffness(self) -> tuple[Array, Array, Array]:
         """Q, R and T of the Stroh formalism (theory section 2), each (..., 4, 4), rows (u_x, u_y, phi, psi), SI."""

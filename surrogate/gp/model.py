@@ -3,6 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
+from html import escape
 from typing import Any, ClassVar, Literal, Self, overload
 
 import numpy as np
@@ -13,10 +14,11 @@ from sklearn.exceptions import NotFittedError
 from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.points import Points, Queries, named_points, outside, require_inside
-from surrogate.gp.conformal import MINIMUM, Calibration, calibrate, sharing
+from surrogate.gp.conformal import MINIMUM, Calibration, calibrate
 from surrogate.gp.distribution import NOMINAL
 from surrogate.gp.labels import Attrs
 from surrogate.gp.predictive import EXTRAPOLATED, Predictive
+from surrogate.gp.sharing import sharing
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048
@@ -73,11 +75,11 @@ class GaussianProcess(Predictive):
     >>> model.sample({"x": 0.2, "y": 1.5}, n=5, seed=0)["f"].shape
     (5,)
     >>> lower, upper = model.interval_array(np.array([[0.2, 1.5]]))
-    >>> bool((lower < upper).all()), model.distribution.cases
-    (True, 300)
+    >>> bool((lower < upper).all()), model.calibrated, model.distribution.cases
+    (True, True, 300)
     >>> model.check_level(0.9)
-    >>> model.only(["g"]).outputs_, model.uncalibrated().calibration_
-    (('g',), None)
+    >>> model.only(["g"]).outputs_, model.thinned({"f": 1e-3}).outputs_, model.uncalibrated().calibration_
+    (('g',), ('f', 'g'), None)
     """
 
     engine: ClassVar[str]
@@ -159,6 +161,20 @@ class GaussianProcess(Predictive):
         """The trained box: name -> Input, in order."""
         self._require_fitted()
         return {one.name: one for one in self.inputs_}
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the box, the outputs, and whether intervals are calibrated."""
+        if not hasattr(self, "inputs_"):
+            return f"<p><b>{type(self).__name__}</b>, not fitted yet</p>"
+        import pandas as pd  # notebooks only
+
+        rows = [(one.name, one.low, one.high, one.units, one.scale) for one in self.inputs_]
+        box = pd.DataFrame(rows, columns=["input", "low", "high", "unit", "scale"])
+        learnt = self.calibration_
+        held = "not calibrated" if learnt is None else f"calibrated on {learnt.distribution.cases:,} cases"
+        outputs = ", ".join(map(escape, self.outputs_))
+        table = box.to_html(index=False, border=0)
+        return f"<p><b>{type(self).__name__}</b> of {outputs}; intervals {held}</p>{table}"
 
     def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
         """Predict every output, with its standard deviation, at points.

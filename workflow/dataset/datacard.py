@@ -12,8 +12,9 @@ from storage.blocks import STATISTICS
 from storage.netcdf import MAX_BYTES
 from storage.rootunits import unscaled
 from storage.sealed import check_seal
+from workflow.dataset import similar
 from workflow.dataset.batches import PLACE
-from workflow.study import datum
+from workflow.study import datum, grouped
 from workflow.study.model import Study
 
 
@@ -38,6 +39,7 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
         "cases": study.block * sum(file["levels"] for file in files) if study.crossed else study.cases,
         "crossed": study.crossed,
         "factors": {one: axis.model_dump() for one, axis in study.factors.items()},
+        "groups": _groups(study),
         "categories": study.categories,
         "fixed": study.fixed,
         "body": [layer.words() for layer in study.body],
@@ -67,8 +69,9 @@ def markdown(card: Mapping[str, Any]) -> str:
         "",
         "| factor | low | high | levels | scale |",
         "|---|---|---|---|---|",
-        *(f"| {n} | {a['low']:g} | {a['high']:g} | {a['levels']} | {a['scale']} |" for n, a in card["factors"].items()),
+        *(_row(name, axis) for name, axis in card["factors"].items()),
         "",
+        *_stored(card["groups"]),
         *(
             [
                 f"Not all of this factorial: places in {', '.join(crossed)} that a cross approximation asked for, and "
@@ -92,6 +95,55 @@ def markdown(card: Mapping[str, Any]) -> str:
         shown = " | ".join(f"{value:.5g}" for value in numbers)
         lines.append(f"| {name} | {attrs['units']} | {shown} | {one['type']} | {attrs['long_name']} |")
     return "\n".join(lines) + "\n"
+
+
+def _groups(study: Study) -> dict[str, Any]:
+    """What is stored in place of the factors, and how every case follows from it; empty of a study without groups."""
+    if not study.groups:
+        return {}
+    axes = {
+        name: {**study.axes[name].model_dump(), "product": one.text, "powers": dict(one.powers), "units": one.units}
+        for name, one in study.products.items()
+    }
+    leads = grouped.leads(study.products.values(), study.factors)
+    held = {name: value for name, value in similar.middles(study).items() if name not in leads.values()}
+    scales = {name: similar.scale(study, name) for name in study.quantities}
+    return {"axes": axes, "varied": leads, "held": held, "scales": scales, "log_of_datum_added": sorted(study.added)}
+
+
+def _row(name: str, axis: Mapping[str, Any]) -> str:
+    levels = axis["levels"] or "in groups"
+    return f"| {name} | {axis['low']:g} | {axis['high']:g} | {levels} | {axis['scale']} |"
+
+
+def _stored(groups: Mapping[str, Any]) -> list[str]:
+    """The stored axes, and how a case of the box follows from the stored one with the same groups."""
+    if not groups:
+        return []
+    held = ", ".join(f"{name} = {value:g}" for name, value in groups["held"].items())
+    alike: dict[str, list[str]] = {}
+    for name, powers in groups["scales"].items():
+        words = " ".join(f"{factor}^{power:g}" for factor, power in powers.items()) or "1"
+        alike.setdefault(words, []).append(name)
+    added = groups["log_of_datum_added"]
+    return [
+        "Stored over groups of the factors:",
+        "",
+        "| axis | is | low | high | levels | scale | unit | varied by |",
+        "|---|---|---|---|---|---|---|---|",
+        *(
+            f"| {name} | {one['product']} | {one['low']:g} | {one['high']:g} | {one['levels']} | {one['scale']} | "
+            f"{one['units']} | {groups['varied'][name]} |"
+            for name, one in groups["axes"].items()
+        ),
+        "",
+        f"Stored cases have {held or 'nothing else'}. A case of the box is similar to the stored one with the same "
+        "groups: every quantity is proportional to",
+        "",
+        *(f"- {words}: {', '.join(names)}" for words, names in alike.items()),
+        *([f"- {', '.join(added)}: to that once the logarithm of the datum is taken out, exactly"] if added else []),
+        "",
+    ]
 
 
 def _datum(card: Mapping[str, Any]) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -70,7 +71,9 @@ def _films(study: Study) -> dict[str, float]:
     """The same of films, each at tables that nobody has made before: that of the factorial at one place of these."""
     new = factorial.points(study, _FILMS + 2, (study.validation.seed, 6), at_a_place=1)
     own = {name: levels for name, levels in factorial.levels(study).items() if name not in study.tabled}
-    block = {name: new[name][0] if name in study.tabled else own[name] for name in study.factors}
+    block: dict[str, Any] = {name: new[name][0] if name in study.tabled else own[name] for name in study.axes}
+    if study.groups:
+        block = {name: np.atleast_1d(values) for name, values in block.items()}
     scattered = {name: values[1:-1] for name, values in new.items()}
     combinations = len(study.combinations)
     cases = combinations * np.prod([levels.size for levels in own.values()])
