@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from benchmarks.history import printed
-from surrogate import GridGP
+from surrogate import GaussianProcess
 from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import unit_coordinates
 from surrogate.gp.distribution import Distribution, Normal, Tabulated
@@ -30,7 +30,7 @@ from workflow.study.model import Study, named
 OPEN = {"precise": (35, 7, 9, 12, 5)}
 DIRECTIONS = 200
 SLAB = 0.1
-SEED = 77
+SEED = 7919
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def measure(
     return found
 
 
-def compare(model: GridGP, held: xr.Dataset, fresh: xr.Dataset) -> dict[str, float]:
+def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict[str, float]:
     """What `measure` gives, for one raw model; calibrates it."""
     X, true = _cases(model, fresh)
     raw = Method(*_predicted(model, X), Normal())
@@ -143,12 +143,12 @@ def _closed(study: Study, name: str) -> Study:
     return study.model_copy(update={"factors": axes})
 
 
-def _cases(model: GridGP, cases: xr.Dataset) -> tuple[Array, Array]:
+def _cases(model: GaussianProcess, cases: xr.Dataset) -> tuple[Array, Array]:
     X = np.stack([cases[name].values for name in model.box], axis=1)
     return X, np.stack([cases[name].values for name in model.outputs_])
 
 
-def _predicted(model: GridGP, X: Array) -> tuple[Array, Array]:
+def _predicted(model: GaussianProcess, X: Array) -> tuple[Array, Array]:
     mean, std = model.predict_array(X, return_std=True)
     return mean.T, std.T
 
@@ -157,7 +157,7 @@ def _deciles(column: Array) -> list[np.ndarray[tuple[int, ...], np.dtype[np.intp
     return np.array_split(np.argsort(column, kind="stable"), DECILES)
 
 
-def _seconds(model: GridGP, X: Array) -> float:
+def _seconds(model: GaussianProcess, X: Array) -> float:
     """Processor seconds of a query of all outputs with their 95 % intervals, the least of some runs."""
     times = []
     for _ in range(7):

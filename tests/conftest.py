@@ -43,7 +43,7 @@ FILES = {
         "tests/faults/test_tampered.py",
         "tests/faults/test_together.py",
     ),
-    "quickstart_run": ("tests/test_docs.py", "tests/test_documents.py"),
+    "quickstart_run": ("tests/test_docs.py", "tests/test_documents.py", "tests/workflow/report/test_panel.py"),
 }
 
 #: What takes longest begins first, so that the last groups to end are short.

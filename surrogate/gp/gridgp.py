@@ -112,11 +112,15 @@ class GridGP(GaussianProcess):
         self.calibration_ = self.correction_ = None
         points = [one.to_unit(levels) for one, levels in zip(data.inputs, data.levels, strict=True)]
         coefficients, grams = self._coefficients(data, points)
-        self.factors_ = tuple(self._factor(k, t, grams[k]) for k, t in enumerate(points))
-        self.hyperparameters_ = {one.name: f.parameter for one, f in zip(data.inputs, self.factors_, strict=True)}
-        self.amplitude_, self.variance_ = amplitudes(self.factors_, grams)
+        self._choose(points, grams)
         self._compress(coefficients)
         return self
+
+    def _choose(self, points: Sequence[Array], grams: Sequence[Array]) -> None:
+        """Choose the factors' kernels and the variance, from the coefficients' Gram matrices, a case at a level."""
+        self.factors_ = tuple(self._factor(k, t, grams[k]) for k, t in enumerate(points))
+        self.hyperparameters_ = {one.name: f.parameter for one, f in zip(self.inputs_, self.factors_, strict=True)}
+        self.amplitude_, self.variance_ = amplitudes(self.factors_, grams)
 
     def _factorial(self, X: xr.Dataset) -> Factorial:
         """The checked training data; ValueError as for `fit`."""

@@ -2,7 +2,7 @@
 
 Where a model of the world scales, its outputs depend on fewer numbers than it has inputs:
 
-    output(x) = scale(x) (f(axes(x)) + coefficient log added(x)),   or   sign scale(x) exp(f(axes(x)))
+    output(x) = scale(x) (f(axes(x)) + coefficient log added(x)),   or   sign scale(x) exp(sign f(axes(x)))
 
 with axes, scale and added products of powers of the inputs x, and f what is to be learnt. Nothing here knows why.
 """
@@ -31,10 +31,13 @@ class Group:
         Name, range, scale and units of the axis; the range must hold what the inputs' box gives, see `span`.
     powers : mapping of str to float
         Power of every input that it is made of; an input alone is ``{name: 1}``.
+    constant : float
+        What the product is multiplied by: that of what is no input.
     """
 
     axis: Input
     powers: Powers
+    constant: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,7 @@ class Grouping:
     inputs : sequence of Input
         What the user asks by: the box.
     groups : sequence of Group
-        The training axes; every input occurs in one of them, or nothing could depend on it but by a product.
+        The training axes.
     scalings : mapping of str to Scaling
         How every output follows.
     added : mapping of str to float
@@ -76,7 +79,7 @@ class Grouping:
     Raises
     ------
     ValueError
-        One line: an unknown input, an input in no group, a broken power or a logarithm of an input that is not
+        One line: an unknown input, one in no group and no scale, a broken power or a logarithm of an input that is not
         positive, an axis whose range does not hold the box.
     """
 
@@ -92,12 +95,13 @@ class Grouping:
         for name in (*used, *self.added, *(name for one in self.scalings.values() for name in one.powers)):
             if name not in names:
                 raise ValueError(f"groups: {name!r} is no input; the inputs are {', '.join(names)}")
+        scaled = {*self.added, *(name for one in self.scalings.values() for name in one.powers)}
         for name in names:
-            if name not in used:
-                raise ValueError(f"groups: input {name!r} is in no group")
+            if name not in used | scaled:
+                raise ValueError(f"groups: input {name!r} is in no group and no scale")
         for group in self.groups:
             self._check_positive(group.axis.name, {k: p for k, p in group.powers.items() if p < 0 or p != int(p)})
-            low, high = span(self.inputs, group.powers)
+            low, high = sorted(group.constant * end for end in span(self.inputs, group.powers))
             room = 1e-9 * (group.axis.high - group.axis.low)
             if low < group.axis.low - room or high > group.axis.high + room:
                 raise ValueError(f"groups: {group.axis.name!r} is {low:g} to {high:g} in the box, beyond its range "
@@ -118,7 +122,7 @@ class Grouping:
 
     def coordinates(self, X: Array) -> Array:
         """Return the axes' values at points (n, d): (n, axes), within their ranges where the points are in the box."""
-        U = np.stack([_product(X, self._row(group.powers)) for group in self.groups], axis=1)
+        U = np.stack([group.constant * _product(X, self._row(group.powers)) for group in self.groups], axis=1)
         low, high = np.array([(one.low, one.high) for one in self.axes]).T
         near = 1e-9 * (high - low)
         inside = np.clip(U, low, high)
@@ -126,7 +130,7 @@ class Grouping:
 
     def jacobian(self, X: Array) -> Array:
         """Return the derivatives of the axes' values by the inputs at points (n, d): (axes, d, n)."""
-        return np.stack([_slopes(X, self._row(group.powers)) for group in self.groups])
+        return np.stack([group.constant * _slopes(X, self._row(group.powers)) for group in self.groups])
 
     def scales(self, X: Array, outputs: Sequence[str]) -> Array:
         """Return what the learnt outputs are multiplied by at points (n, d): (p, n)."""
@@ -164,14 +168,14 @@ class Grouping:
             if (found[k] * sign <= 0).any():
                 low, high = values[k].min(), values[k].max()
                 raise ValueError(f"output {name!r} is from {low:g} to {high:g}: no logarithm of what changes sign")
-            found[k] = np.log(found[k] * sign)
+            found[k] = sign * np.log(found[k] * sign)  # grows with the output
         return np.asarray(found - self.additions(X, outputs))
 
     def told(self, learnt: Array, X: Array, outputs: Sequence[str]) -> Array:
         """Return the outputs of what is learnt, (p, n), at points (n, d): the inverse of `learnt`."""
         found, signs = learnt + self.additions(X, outputs), self.logarithms(outputs)
         for k in np.flatnonzero(signs):
-            found[k] = signs[k] * np.exp(found[k])
+            found[k] = signs[k] * np.exp(signs[k] * found[k])
         return np.asarray(found * self.scales(X, outputs))
 
     def reduced(self, dataset: xr.Dataset, outputs: Sequence[str]) -> xr.Dataset:
@@ -207,6 +211,7 @@ class Grouping:
             {
                 **arrays,
                 "axis_power": (("axis", "input"), np.stack([self._row(group.powers) for group in self.groups])),
+                "axis_constant": ("axis", [group.constant for group in self.groups]),
                 "scale_power": (("output", "input"), np.stack([self._row(one.powers) for one in scalings])),
                 "added_coefficient": ("output", [one.coefficient for one in scalings]),
                 "added_power": ("input", self._row(self.added)),
@@ -228,7 +233,10 @@ class Grouping:
 
         rows = stored["axis_power"].transpose("axis", "input").values
         groups = tuple(
-            Group(Input(*one), powers(row)) for one, row in zip(zip(*columns, strict=True), rows, strict=True)
+            Group(Input(*one), powers(row), constant)
+            for one, row, constant in zip(
+                zip(*columns, strict=True), rows, stored["axis_constant"].values.tolist(), strict=True
+            )
         )
         signs = stored["logarithm"].values.tolist()
         if not set(signs) <= {-1, 0, 1}:
@@ -267,8 +275,8 @@ class Grouping:
 
 
 def middle(one: Input) -> float:
-    """Return the middle of a range on its scale; 1 where that is 0, since nothing is a power of it."""
-    return float(one.from_unit(0.0)) or 1.0
+    """Return the middle of a range on its scale."""
+    return float(one.from_unit(0.0))
 
 
 def span(inputs: Sequence[Input], powers: Powers) -> tuple[float, float]:

@@ -119,7 +119,7 @@ def _read(path: Path, file: TextIO, more: Mapping[str, str]) -> Table:
                 shown = f"{text[:20]}..."
                 raise InputError(f"{path}: line {line}: {name}: {shown!r} has more than {_LONGEST_CELL} characters")
             if name in numbers:
-                numbers[name].append(_number(path, line, name, text, more) * scales[name])
+                numbers[name].append(_number(path, line, name, text, more, scales[name]))
             else:
                 if text and text not in (allowed := CHOICES.get(name, (text,))):
                     raise InputError(f"{path}: line {line}: {name}: {text!r} is not one of {', '.join(allowed)}")
@@ -183,12 +183,12 @@ def _scale(path: Path, name: str, unit: str, more: Mapping[str, str]) -> float:
     return found.scale
 
 
-def _number(path: Path, line: int, name: str, text: str, more: Mapping[str, str]) -> float:
+def _number(path: Path, line: int, name: str, text: str, more: Mapping[str, str], scale: float) -> float:
     if not text:
         return np.nan
     allowed = f"a finite number [{more[name]}]" if name in more else FACTORS[name].allowed
     try:
-        value = number(text)
+        value = number(text) * scale
     except ValueError:
         raise InputError(f"{path}: line {line}: {name}: {text!r} is not {allowed}") from None
     if not np.isfinite(value):

@@ -16,6 +16,7 @@ from workflow.dataset import factorial
 from workflow.design import answers, search
 from workflow.design.spoken import verdict
 from workflow.language.factors import FACTORS
+from workflow.learning import widened
 from workflow.study import location
 from workflow.study import model as studies
 from workflow.study.categories import output
@@ -88,12 +89,18 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
             asked["at"][name] = _usual(study, name)
     try:
         found = Target.model_validate(asked)
-        study.check_target("design", found)
     except ValidationError as error:
         raise InputError(f"design: {first_problem(error, Target, asked)}") from None
+    return found
+
+
+def _checked(study: Study, asked: Target) -> Study:
+    """The study, if a target makes sense on it."""
+    try:
+        study.check_target("design", asked)
     except ValueError as error:
         raise InputError(str(error)) from None
-    return found
+    return study
 
 
 def _usual(study: Study, name: str) -> str:
@@ -178,7 +185,16 @@ def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> xr.Dataset:
         A bad question, or one that nothing answers: it names the binding limit and the least violated design.
     """
     study, model = results(folder)
-    answer = search.answer(study, "question", target(study, words), model)
+    asked, notes = target(study, words), []
+    if wider := widened.beyond(study, asked):
+        keep = widened.lines(study, wider)
+        notes = [f"the ranges are wider than the study's and were solved anew for this question; to keep them: {keep}"]
+        study = widened.made(study, asked, wider)
+        model = widened.learned(_checked(study, asked))
+    else:
+        _checked(study, asked)
+    answer = search.answer(study, "question", asked, model)
+    answer["flags"] = "; ".join([*filter(None, [answer["flags"].item()]), *notes])
     if not bool(answer["feasible"]):
         at = ", ".join(f"{name} = {float(answer['value'].sel(factor=name)):.6g}" for name in answer["factor"].values)
         kinds = "".join(f"{name} = {kind}, " for name, kind, _ in answers.kinds(answer))

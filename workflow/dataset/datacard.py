@@ -12,7 +12,9 @@ from storage.blocks import STATISTICS
 from storage.netcdf import MAX_BYTES
 from storage.rootunits import unscaled
 from storage.sealed import check_seal
-from workflow.study import datum
+from workflow.dataset import similar
+from workflow.dataset.batches import PLACE
+from workflow.study import datum, grouped
 from workflow.study.model import Study
 
 
@@ -28,14 +30,16 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
     benchmarks
         Snakemake's records of their jobs; where one is missing, the times are not told.
     """
-    files = [_file(path, next(iter(study.axes))) for path in slabs]
+    files = [_file(path, PLACE if study.crossed else next(iter(study.axes))) for path in slabs]
     variables = {one: _merged([file["variables"][one] for file in files]) for one in files[0]["variables"]}
     seconds = [_seconds(path) for path in benchmarks if path.is_file()]
     return {
         "title": study.title,
         "study": name,
-        "cases": study.cases,
+        "cases": study.block * sum(file["levels"] for file in files) if study.crossed else study.cases,
+        "crossed": study.crossed,
         "factors": {one: axis.model_dump() for one, axis in study.factors.items()},
+        "groups": _groups(study),
         "categories": study.categories,
         "fixed": study.fixed,
         "body": [layer.words() for layer in study.body],
@@ -65,8 +69,17 @@ def markdown(card: Mapping[str, Any]) -> str:
         "",
         "| factor | low | high | levels | scale |",
         "|---|---|---|---|---|",
-        *(f"| {n} | {a['low']:g} | {a['high']:g} | {a['levels']} | {a['scale']} |" for n, a in card["factors"].items()),
+        *(_row(name, axis) for name, axis in card["factors"].items()),
         "",
+        *_stored(card["groups"]),
+        *(
+            [
+                f"Not all of this factorial: places in {', '.join(crossed)} that a cross approximation asked for, and "
+                "all levels of the others at each.  "
+            ]
+            if (crossed := card["crossed"])
+            else []
+        ),
         *(f"{name}: {', '.join(names)}.  " for name, names in card["categories"].items()),
         f"Fixed: {fixed or 'nothing'}.  ",
         *(f"Layer {number}: {words}.  " for number, words in enumerate(card["body"], 1)),
@@ -84,6 +97,55 @@ def markdown(card: Mapping[str, Any]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _groups(study: Study) -> dict[str, Any]:
+    """What is stored in place of the factors, and how every case follows from it; empty of a study without groups."""
+    if not study.groups:
+        return {}
+    axes = {
+        name: {**study.axes[name].model_dump(), "product": one.text, "powers": dict(one.powers), "units": one.units}
+        for name, one in study.products.items()
+    }
+    leads = grouped.leads(study.products.values(), study.factors)
+    held = {name: value for name, value in similar.middles(study).items() if name not in leads.values()}
+    scales = {name: similar.scale(study, name) for name in study.quantities}
+    return {"axes": axes, "varied": leads, "held": held, "scales": scales, "log_of_datum_added": sorted(study.added)}
+
+
+def _row(name: str, axis: Mapping[str, Any]) -> str:
+    levels = axis["levels"] or "in groups"
+    return f"| {name} | {axis['low']:g} | {axis['high']:g} | {levels} | {axis['scale']} |"
+
+
+def _stored(groups: Mapping[str, Any]) -> list[str]:
+    """The stored axes, and how a case of the box follows from the stored one with the same groups."""
+    if not groups:
+        return []
+    held = ", ".join(f"{name} = {value:g}" for name, value in groups["held"].items())
+    alike: dict[str, list[str]] = {}
+    for name, powers in groups["scales"].items():
+        words = " ".join(f"{factor}^{power:g}" for factor, power in powers.items()) or "1"
+        alike.setdefault(words, []).append(name)
+    added = groups["log_of_datum_added"]
+    return [
+        "Stored over groups of the factors:",
+        "",
+        "| axis | is | low | high | levels | scale | unit | varied by |",
+        "|---|---|---|---|---|---|---|---|",
+        *(
+            f"| {name} | {one['product']} | {one['low']:g} | {one['high']:g} | {one['levels']} | {one['scale']} | "
+            f"{one['units']} | {groups['varied'][name]} |"
+            for name, one in groups["axes"].items()
+        ),
+        "",
+        f"Stored cases have {held or 'nothing else'}. A case of the box is similar to the stored one with the same "
+        "groups: every quantity is proportional to",
+        "",
+        *(f"- {words}: {', '.join(names)}" for words, names in alike.items()),
+        *([f"- {', '.join(added)}: to that once the logarithm of the datum is taken out, exactly"] if added else []),
+        "",
+    ]
+
+
 def _datum(card: Mapping[str, Any]) -> str:
     """Which variables hang on the datum, and which datum that is."""
     names = [name for name in card["variables"] if name in card["on_datum"]]
@@ -97,11 +159,11 @@ def _file(path: Path, first: str) -> dict[str, Any]:
     digest = check_seal(path, MAX_BYTES, digest=False)
     with netCDF4.Dataset(path, "r") as file:
         return {
-            "name": f"fields/{path.name}",
+            "name": f"{path.parent.name}/{path.name}",
             "levels": file.dimensions[first].size,
             "bytes": path.stat().st_size,
             "sha256": digest,
-            "positions": file["position"][:].tolist(),
+            "positions": file["position"][:].tolist() if "position" in file.variables else [],
             "variables": {
                 name: {"type": str(variable.dtype), "count": int(variable.size), "attributes": _attributes(variable)}
                 for name, variable in file.variables.items()

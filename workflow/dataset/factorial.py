@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver import solve
+from solver import solve, solve_curves
 from solver.names import ALL_QUANTITIES
-from surrogate import Input, chebyshev_levels
+from surrogate import Grouping, Input, chebyshev_levels
+from workflow.dataset import similar
 from workflow.language.factors import FACTORS
 from workflow.study import categories
 from workflow.study.model import Study
@@ -17,6 +18,8 @@ from workflow.study.model import Study
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
 #: Random cases of films that share the values for which the solver makes tables: these cost 0.1 to 1 s, a case 0.1 ms.
 TOGETHER = 50
+#: The same where so many axes need tables that few places would not tell of the box.
+FEWER_TOGETHER = 10
 
 
 def inputs(study: Study) -> list[Input]:
@@ -25,6 +28,36 @@ def inputs(study: Study) -> list[Input]:
         Input(name, axis.low, axis.high, axis.scale, FACTORS[name].units, FACTORS[name].long_name)
         for name, axis in study.factors.items()
     ]
+
+
+def axis_inputs(study: Study) -> list[Input]:
+    """The axes of the data set as inputs of a surrogate: the factors, or the groups that take their place."""
+    if not study.groups:
+        return inputs(study)
+    names = {name: FACTORS[name].long_name if one.lone else one.text for name, one in study.products.items()}
+    return [
+        Input(name, axis.low, axis.high, axis.scale, study.products[name].units, names[name])
+        for name, axis in study.axes.items()
+    ]
+
+
+def grouping(study: Study, learned: xr.Dataset | None = None) -> Grouping:
+    """How what the surrogate learns follows from a study's groups; logarithms are chosen where it has the factorial."""
+    plain = similar.grouping(study, inputs(study), axis_inputs(study))
+    return plain if learned is None else similar.with_logarithms(plain, study, learned)
+
+
+def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
+    """What is learned of the factorial over its axes: the outputs, or with groups the outputs over their scales."""
+    if by is None:
+        return data
+    own = {name: data[name] for name in study.axes}
+    return by.reduced(with_factors(study, data), [str(name) for name in data.data_vars]).assign_coords(own)
+
+
+def with_factors(study: Study, data: xr.Dataset) -> xr.Dataset:
+    """The factorial of a study with the factors of its cases as coordinates."""
+    return data.assign_coords(similar.factors(study, {name: data[name].values for name in study.axes}))
 
 
 def axes(study: Study) -> dict[str, np.ndarray[Any, np.dtype[Any]]]:
@@ -55,21 +88,28 @@ def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
     return exact(study, points(study, count, seed))
 
 
-def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETHER) -> dict[str, xr.DataArray]:
+def together(study: Study) -> int:
+    """Random cases of a study that share the values for which the solver makes tables."""
+    return FEWER_TOGETHER if study.crossed else TOGETHER
+
+
+def points(study: Study, count: int, seed: Sequence[int], at_a_place: int | None = None) -> dict[str, xr.DataArray]:
     """Random factors over dimension ``case``, uniform in the axes' own scales.
 
     Of films, so many cases at a time share the factors for which the solver makes tables; few as these places are, each
     lies in a part of its own of every such axis.
     """
-    random = np.random.default_rng(list(seed))
+    random, share = np.random.default_rng(list(seed)), at_a_place or together(study)
     found: dict[str, xr.DataArray] = {}
     for name, axis in study.factors.items():
         u = random.uniform(size=count)
-        if name in study.tabled and together > 1:
-            places = -(-count // together)
-            u = np.repeat((random.permutation(places) + u[:places]) / places, together)[:count]
+        if name in study.tabled and share > 1:
+            places = -(-count // share)
+            u = np.repeat((random.permutation(places) + u[:places]) / places, share)[:count]
         if axis.scale == "log":
             values = axis.low * (axis.high / axis.low) ** u
+        elif axis.scale == "logit":
+            values = Input(name, axis.low, axis.high, axis.scale).from_unit(2 * u - 1)
         else:
             values = axis.low + (axis.high - axis.low) * u
         found[name] = xr.DataArray(np.clip(values, axis.low, axis.high), dims="case")
@@ -83,17 +123,36 @@ def exact(
     *,
     peaks: bool | None = None,
     regular: bool = False,
+    curves: bool = False,
 ) -> xr.Dataset:
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
+    ``axes`` hold factors, or of a study with groups all of its axes: then the factors of the cases are coordinates.
     With the largest stresses of the body where ``peaks``, by default where the data set has them; with the regular
-    parts of the surface fields where ``regular``. Without what is no number in some cases, which no file would hold.
+    parts of the surface fields where ``regular``; with the curves that the surrogate learns where ``curves``. Without
+    what is no number in some cases, which no file would hold.
     """
+    grouped = axes.keys() >= study.products.keys() and not study.factors.keys() >= study.products.keys()
+    over = list(study.products) if grouped else []
+    own = similar.factors(study, {name: axes[name] for name in over}) if over else {}
+    rest = {name: values for name, values in axes.items() if name not in over}
+    rest |= {name: kinds for name, kinds in study.categories.items() if name not in axes}
+    factors = {**study.fixed, **own, **rest}
     solved = study.solved(
         solve,
-        {**study.fixed, **axes, **{name: names for name, names in study.categories.items() if name not in axes}},
+        factors,
         positions,
         peaks=study.dataset.peaks if peaks is None else peaks,
         regular=regular,
     )
+    if curves and study.regions:
+        solved = solved.merge(study.solved(solve_curves, factors, study.regions), combine_attrs="override")
+    if over:
+        along = {name: (name, np.asarray(axes[name]), _axis_attrs(study, name)) for name in over}
+        solved = solved.assign_coords(along).transpose(*over, ...)
     return solved.drop_vars([name for name, one in ALL_QUANTITIES.items() if one.sparse and name in solved])
+
+
+def _axis_attrs(study: Study, name: str) -> dict[str, str]:
+    one = study.products[name]
+    return {"units": one.units, "long_name": FACTORS[name].long_name if one.lone else one.text}

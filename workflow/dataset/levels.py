@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,9 +14,9 @@ from surrogate.levels.pilot import explore
 from workflow.dataset import factorial
 from workflow.run.joblog import log
 from workflow.study import partition
+from workflow.study.grouped import product
 from workflow.study.model import Study
 from workflow.study.reading import InputError
-from workflow.study.sections import Axis
 
 _MEANINGS = {
     "levels": "number of levels of every input",
@@ -44,14 +45,15 @@ def choose(study: Study) -> xr.Dataset:
     InputError
         An output that the study asks for by name is kinked: no tolerance can be promised for it.
     """
-    given = {name: axis.levels for name, axis in study.factors.items() if axis.levels is not None}
+    given = {name: axis.levels for name, axis in study.axes.items() if axis.levels is not None}
 
     def solve(axes: dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]) -> xr.Dataset:
         log.info("pilot of %s", " x ".join(f"{axis.size} {name}" for name, axis in axes.items()))
-        return factorial.learned(study, factorial.exact(study, axes))
+        return factorial.scaled(study, factorial.learned(study, factorial.exact(study, axes)), grouping)
 
+    grouping = factorial.grouping(study) if study.groups else None
     tolerance, budget = study.validation.tolerance, study.dataset.budget
-    pilot = explore(solve, factorial.inputs(study), tolerance, budget, study.learned, given)
+    pilot = explore(solve, factorial.axis_inputs(study), tolerance, budget, study.learned, given)
     choice = pilot.choice
     for name, where in choice.kinked.items():
         log.warning("%s is kinked along %s: no tolerance is claimed for it", name, ", ".join(where))
@@ -60,7 +62,7 @@ def choose(study: Study) -> xr.Dataset:
                 f"surrogate: outputs: {name!r} is kinked along {', '.join(where)} (its Chebyshev coefficients fall "
                 f"like a power): tolerance {tolerance:g} cannot be promised; leave it out or give every factor levels"
             )
-    names = list(study.factors)
+    names = list(choice.counts)
     counts = dict(choice.counts)
     # every slab needs a level of the first axis
     first = next(iter(study.axes))
@@ -84,8 +86,11 @@ def with_levels(study: Study, files: Sequence[str | Path]) -> Study:
     if not files:
         return study
     chosen = read_whole(Path(files[0]))["levels"]
-    axes: dict[str, Axis] = {
-        name: axis.model_copy(update={"levels": int(chosen.sel(input=name))}) for name, axis in study.factors.items()
-    }
+    counts = {str(name): int(chosen.sel(input=name)) for name in chosen["input"].values}
+    parts: dict[str, Any] = {"factors": {}, "groups": {}}
+    for text, group in study.groups.items():
+        parts["groups"][text] = group.model_copy(update={"levels": counts[product(text).name]})
+    for name, axis in study.factors.items():
+        parts["factors"][name] = axis.model_copy(update={"levels": counts[name]}) if not study.groups else axis
     # as many slabs as the rules counted before any level was chosen
-    return partition.with_slabs(study).model_copy(update={"factors": axes})
+    return partition.with_slabs(study).model_copy(update=parts)

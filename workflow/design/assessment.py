@@ -10,7 +10,7 @@ from scipy.stats import qmc
 
 from solver.names import ALL_QUANTITIES, CHOICES, PROFILES
 from workflow.dataset import factorial
-from workflow.design import budget, linearity, perturbation
+from workflow.design import budget, figures, linearity, perturbation
 from workflow.design.designs import Designs
 from workflow.design.question import Question
 from workflow.design.scenarios import Scenarios
@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 ROUNDING = 1e-12
 #: Margin below which a limit binds.
 BINDS = 1e-3
+#: Margin that a variable which does not matter leaves to every limit.
+ROOM = 0.01
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
 _PLAIN = 10.0  # times a limit, from which an excess is written without digits behind the point
 _SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
@@ -116,7 +118,8 @@ def judge(design: Designs) -> xr.Dataset:
         ``predicted``, ``predicted_std``, ``half`` (reach of the 95 % interval, tolerance included), ``exact``,
         ``inside``, ``limit``, ``margin``, ``units``, and of a limit that names what a material bears ``bound`` (whose)
         and ``source``. Over both: ``elasticity`` and ``worst`` (the scenario that
-        decides). Over ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``beyond``
+        decides). What :mod:`~workflow.design.figures` says of a
+        device. Over ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``beyond``
         (where the material is beyond what linear theory holds for), ``flags`` (that, and what else is to be known).
     """
     question, terms = design.question, design.question.terms
@@ -159,7 +162,9 @@ def judge(design: Designs) -> xr.Dataset:
             "edge": ("factor", [edges.get(name, "") for name in worst[0]]),
             "status": _status(question, margin, edges, idle),
             "beyond": "; ".join(f"{words} ({reason})" for words, reason in beyond),
-            "flags": "; ".join([*(words for words, _ in beyond), *_flags(corner, _radius(design)), *question.notes]),
+            "flags": "; ".join(
+                [*(words for words, _ in beyond), *_flags(corner, _radius(design, corner)), *question.notes]
+            ),
         },
         coords={
             "factor": list(worst[0]),
@@ -167,7 +172,10 @@ def judge(design: Designs) -> xr.Dataset:
             "quantity": list(corner),
         },
     )
-    return out.merge(sensitivity)
+    parts = [out, sensitivity, figures.over(design, corner)]
+    if bool(out["feasible"]):
+        parts.append(figures.first_limit(design, worst))
+    return xr.merge(parts)
 
 
 def _corners(design: Designs) -> dict[str, Array]:
@@ -257,12 +265,12 @@ def _status(question: Question, margin: Array, edges: Mapping[str, str], idle: S
     return "; ".join(parts)
 
 
-def _radius(design: Designs) -> Array | None:
+def _radius(design: Designs, corner: Mapping[str, Array]) -> Array | None:
     """Radius of a round punch over the scenarios, wherever the question has it; None for other profiles."""
     fixed = design.question.study.fixed
     if "radius" not in PROFILES[str(fixed.get("profile", CHOICES["profile"][0]))][0]:
         return None
-    factors = design.factors(design.question.judged[False])
+    factors = design.factors_of(corner["contact_trailing"])
     return factors["radius"] if "radius" in factors else np.full((1, 1), float(fixed["radius"]))
 
 

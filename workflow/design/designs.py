@@ -47,6 +47,12 @@ class Designs:
         """Every factor of the factorial, over (designs, scenarios)."""
         return self.question.factors(self.variables, chosen)
 
+    def factors_of(self, values: Array) -> Factors:
+        """Every factor over the corners, of the verdict or of the search, that some values are over."""
+        sets = (self.question.judged[False], self.question.searched[False])
+        chosen = next((one for one in sets if one.count == values.shape[-1]), sets[0])
+        return self.factors(chosen)
+
     def values(self, source: Source, chosen: Scenarios, term: Term) -> Array:
         """A term over some scenarios, (designs, groups, draws)."""
         return self.question.values(source, self.variables, chosen, [term])[0]

@@ -27,6 +27,7 @@ from workflow.study.target import Target
 Array = NDArray[np.float64]
 
 _PILOT = 512  # points that tell a constant, unbounded or undefined term
+_EVALUATED = 1 << 13  # evaluations of a term by the pilot
 _ENDS = 8  # variables of which every combination of ends is among them
 _CONSTANT = 1e-9  # relative variation that counts as none
 
@@ -209,7 +210,8 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
     question = Question(study, target, held)
     if not question.inputs:
         return question
-    corner, variables = question.searched[False], question.physical(_pilot(len(question.inputs)))
+    corner = question.searched[False]
+    variables = question.physical(_pilot(len(question.inputs), corner.count))
     factors = question.factors(variables, corner)
     scales: dict[str, float] = {}
     notes: list[str] = []
@@ -247,10 +249,14 @@ def _check_values(what: str, question: Question, term: Term, values: Array) -> N
         raise InputError(f"{what} is constant: it does not depend on {', '.join(question.inputs)}")
 
 
-def _pilot(d: int) -> Array:
-    """Scaled points that tell what a term is like: inside, and at combinations of the ranges' ends."""
+def _pilot(d: int, scenarios: int) -> Array:
+    """Scaled points that tell what a term is like: inside, and at combinations of the ranges' ends.
+
+    Fewer where each stands for many scenarios.
+    """
     ends = np.array(list(product([-1.0, 1.0], repeat=min(d, _ENDS))))
-    inside = 2 * qmc.Sobol(d, rng=0).random(_PILOT) - 1
+    count = 1 << int(np.clip(np.log2(_EVALUATED / scenarios), 5, np.log2(_PILOT)))
+    inside = 2 * qmc.Sobol(d, rng=0).random(count) - 1
     return np.concatenate([inside, np.pad(ends, ((0, 0), (0, d - ends.shape[1])))])
 
 

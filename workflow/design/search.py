@@ -12,7 +12,7 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem, maximise
 from surrogate.search.pareto import Front
-from workflow.design import answers, assessment, contact_fields, front, landscape, polish, tolerances
+from workflow.design import answers, assessment, budget, contact_fields, front, landscape, polish, tolerances
 from workflow.design.candidate import Candidate
 from workflow.design.designs import Designs
 from workflow.design.question import Question, ask
@@ -24,7 +24,7 @@ from workflow.study.target import Target
 
 Array = NDArray[np.float64]
 
-_SCANNED = 1 << 17  # most evaluations of the surrogate in one scan
+_SCANNED, _SCANNED_FILMS = 1 << 17, 1 << 15  # most evaluations of the surrogate in one scan: 4 and 40 us each
 
 
 def solve_target(study: Study, name: str, model: GaussianProcess) -> xr.Dataset:
@@ -84,11 +84,15 @@ def _found(study: Study, name: str, target: Target, model: GaussianProcess) -> l
 
 def _costs(study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate) -> xr.Dataset:
     """What the tolerances of the best design cost."""
-    others = _found(study, name, tolerances.nominal(target), model)
-    without = polish.first_feasible(sorted(others, key=lambda candidate: _rank(candidate.best), reverse=True))
+    nominal = tolerances.nominal(target)
+    if budget.asked(best.question):  # near the design: a search of its own would cost as much as the design did
+        without = tolerances.near(best, _asked(study, name, nominal, model, best.choice))
+    else:
+        others = _found(study, name, nominal, model)
+        without = polish.first_feasible(sorted(others, key=lambda candidate: _rank(candidate.best), reverse=True))
 
     def asked(other: Target) -> Question:
-        return _asked(study, name, other, model, best.choice).question
+        return replace(best.question, target=other)
 
     return tolerances.costs(best, without, asked, list(best.question.study.factors))
 
@@ -133,7 +137,8 @@ def _search(asked: list[Candidate]) -> list[Candidate]:
 def _scan(question: Question) -> int:
     """Points of a scan: a power of two, fewer where each stands for many scenarios."""
     size = sum(chosen.count for chosen in question.searched.values())
-    return 1 << int(np.clip(np.log2(_SCANNED / size), 7, 12))
+    most = _SCANNED_FILMS if question.study.on_film else _SCANNED
+    return 1 << int(np.clip(np.log2(most / size), 7, 12))
 
 
 def _climbed(candidate: Candidate) -> Candidate:

@@ -8,8 +8,8 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from workflow.design import tolerances
-from workflow.design.assessment import BINDS, ROUNDING
+from workflow.design import figures, tolerances
+from workflow.design.assessment import BINDS, ROOM, ROUNDING
 from workflow.language import statements, titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
@@ -23,6 +23,7 @@ BEYOND = "beyond linear theory"
 
 _FARTHER = 0.1  # share by which an end of a range is moved in words
 _UNEXPLAINED = 0.1  # share of a gradient that limits and ends may leave, and yet explain the optimum
+_UNREAD = 0.5  # share of its range that is left of a factor which a read-out cannot identify
 _NOTHING = 1e-3  # least share that a moved end must bring to be told
 
 
@@ -43,6 +44,8 @@ class Verdict:
         Which variables do not matter; empty where all do.
     tolerance
         What the tolerances cost, and the nominal optimum; empty where there is none.
+    device
+        Figures of the device, and how far the load may rise; empty where nothing is known of them.
     beyond
         What is beyond what the materials bear, with sources; empty where nothing is.
     sources
@@ -54,11 +57,12 @@ class Verdict:
     advice: str = ""
     idle: str = ""
     tolerance: str = ""
+    device: str = ""
     beyond: str = ""
     sources: str = ""
 
     def __str__(self) -> str:
-        more = (self.advice, self.idle, self.tolerance, self.beyond, self.sources)
+        more = (self.advice, self.idle, self.tolerance, self.device, self.beyond, self.sources)
         return " ".join([f"{capital(self.kind)}: {self.stops}", *filter(None, more)])
 
 
@@ -71,10 +75,21 @@ def verdict(answer: xr.Dataset) -> Verdict:
         As :func:`workflow.design.search.answer` gives it, with its attributes.
     """
     told, beyond = _verdict(answer), answer["beyond"].item()
-    told = replace(told, sources=_sources(answer), tolerance=_tolerated(answer))
+    told = replace(told, sources=_sources(answer), tolerance=_tolerated(answer), device=_device(answer))
     if told.kind == UNREACHABLE or not beyond:
         return told
     return replace(told, kind=f"{BEYOND}; otherwise {told.kind}", beyond=f"{capital(beyond)}.")
+
+
+def _device(answer: xr.Dataset) -> str:
+    """Figures of a device, and how far the load may rise."""
+    stops = str(answer["overload_term"].item()) if "overload_term" in answer else ""
+    return " ".join(
+        filter(
+            None,
+            (figures.in_words(answer), figures.range_in_words(answer, _Limit.of(answer, stops).words if stops else "")),
+        )
+    )
 
 
 def _tolerated(answer: xr.Dataset) -> str:
@@ -109,7 +124,13 @@ def _verdict(answer: xr.Dataset) -> Verdict:
     edges = {
         str(name): str(edge) for name, edge in zip(answer["factor"].values, answer["edge"].values, strict=True) if edge
     }
-    unmoved = f"{capital(listed(idle))} {'do' if len(idle) > 1 else 'does'} not matter to the goal." if idle else ""
+    unmoved = ""
+    if idle:
+        words = capital(listed([titles.title(name) for name in idle]))
+        room = f"every limit has {number(100 * ROOM, 2)} % of room, or as much as it can"
+        unmoved = (
+            f"{words} {'do' if len(idle) > 1 else 'does'} not matter to the goal: the least is taken at which {room}."
+        )
     broken = [limit for limit in limits if limit.margin < -ROUNDING]
     if broken:
         return Verdict(UNREACHABLE, _missed(broken), _way_out(answer, broken, edges))
@@ -273,3 +294,23 @@ def _to(answer: xr.Dataset, name: str, change: float) -> str:
 
 def _percent(share: float) -> str:
     return f"{number(100 * share, 2)} %"
+
+
+def unread(name: str, told: float) -> str:
+    """That a read-out cannot identify a factor, in words; empty where it can.
+
+    Parameters
+    ----------
+    name
+        The factor.
+    told
+        Length of its 95 % intervals over that of the interval before any measurement.
+
+    Examples
+    --------
+    >>> unread("friction", 0.97), unread("load", 0.01)
+    ('friction cannot be told from these measurements: what is left of its range is 97 %', '')
+    """
+    if told < _UNREAD:
+        return ""
+    return f"{titles.title(name)} cannot be told from these measurements: what is left of its range is {_percent(told)}"

@@ -1,6 +1,7 @@
 """What the tolerances of a design cost: against the nominal optimum, each alone, and what tightening one would gain."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -74,13 +75,18 @@ def _tightened(target: Target, name: str) -> str:
     return f"{100 * _TIGHTER * share} %" if share else f"{_TIGHTER * absolute} {FACTORS[name].units}".removesuffix(" 1")
 
 
+def near(best: Candidate, other: Candidate) -> Candidate:
+    """The best design of another question near that of one with the same variables, on the surrogate."""
+    physical = best.design.variables
+    inputs = other.question.inputs
+    start = np.array([float(axis.to_unit(physical[name])[0]) for name, axis in inputs.items()])
+    problem = program.problem(other.question, best.asked.predicted)
+    return replace(other, best=improve(problem, np.clip(start, -1, 1), best.size(best.best.objective)))
+
+
 def _reached(best: Candidate, question: Question) -> float:
     """The goal near a design under other tolerances, on the surrogate."""
-    physical = best.design.variables
-    start = np.array([float(axis.to_unit(physical[name])[0]) for name, axis in question.inputs.items()])
-    found = improve(
-        program.problem(question, best.asked.predicted), np.clip(start, -1, 1), best.size(best.best.objective)
-    )
+    found = near(best, replace(best, asked=replace(best.asked, question=question))).best
     return found.objective if found.feasible else np.nan
 
 

@@ -66,7 +66,8 @@ def written(units: str) -> str:
     """
     if units == "1":
         return ""
-    over, under = [], []
+    over: list[str] = []
+    under: list[str] = []
     for symbol, minus, power in re.findall(r"([^\W\d]+)(-?)([0-9/]*)", units):
         (under if minus else over).append(symbol + (power.translate(_RAISED) if power != "1" else ""))
     if not under:

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from solver import solve
 from solver.names import FIELDS
 from storage.described import described
-from surrogate import GaussianProcess, GridGP, Input
+from surrogate import GaussianProcess, GridGP, GroupedGP, Input
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.use import validation
-from workflow.dataset import factorial
+from workflow.dataset import factorial, similar
 from workflow.learning import training
 from workflow.study.model import Study
 
@@ -41,12 +41,19 @@ def weights(X: Array, exponent: xr.DataArray) -> dict[str, xr.DataArray]:
     return {name: pressure if name == "contact_pressure" else root for name in NAMES}
 
 
-def fit(study: Study) -> GridGP:
+def fit(study: Study) -> GaussianProcess:
     """Gaussian process of the regular parts, on the study's factorial and its Chebyshev angles; calibrated."""
-    angles = ANGLE.levels(study.surrogate.fields)
-    data = _regular(study, dict(factorial.levels(study)), angles)
+    angles, levels = ANGLE.levels(study.surrogate.fields), factorial.levels(study)
     inputs, allowed = [*factorial.inputs(study), ANGLE], training.compression(study)
-    model = GridGP(study.surrogate.kernel, inputs, NAMES, compression=allowed).fit(data)
+    model: GaussianProcess
+    if study.groups:
+        over = similar.factors(study, levels)
+        data = _regular(study, dict(over), angles).assign_coords({**{name: levels[name] for name in levels}, **over})
+        grouping = similar.grouping(study, inputs, [*factorial.axis_inputs(study), ANGLE], {one: one for one in NAMES})
+        model = GroupedGP(grouping, study.surrogate.kernel, compression=allowed).fit(data)
+    else:
+        data = _regular(study, dict(levels), angles)
+        model = GridGP(study.surrogate.kernel, inputs, NAMES, compression=allowed).fit(data)
     return model.calibrate(cases(study, min(study.validation.calibration, _CALIBRATION), 4))
 
 
@@ -65,7 +72,7 @@ def cases(study: Study, count: int, number: int) -> xr.Dataset:
     return xr.concat(parts, "case").assign(points)
 
 
-def validate(study: Study, model: GridGP) -> xr.Dataset:
+def validate(study: Study, model: GaussianProcess) -> xr.Dataset:
     """Errors and coverage of the regular parts on exact cases that neither training nor calibration has seen."""
     fresh = cases(study, study.validation.cases, 5)
     table = validation.validate(model, fresh, None)

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import xarray as xr
+
 from solver.names import FIELDS
 from surrogate import GaussianProcess
 from surrogate.gp.export import exported
@@ -16,7 +18,7 @@ _CONTACT = {"contact_trailing", "contact_leading"}
 #: Quantities that give the contact pressure of a circular punch in closed form.
 _PRESSURE = {*_CONTACT, "pressure_exponent", "peak_pressure"}
 #: What the means of a surrogate need; the rest is for intervals.
-_OF_MEANS = ("inputs", "outputs", "order", "cores", "factors", "offset", "scale", "correction")
+_OF_MEANS = ("inputs", "outputs", "order", "cores", "factors", "offset", "scale", "correction", "axes", "groups")
 
 
 def drawable(study: Study) -> bool:
@@ -36,7 +38,7 @@ def body(study: Study, kinds: Kinds) -> dict[str, Any]:
     ``size`` and ``thickness`` are numbers, or names of the factors that give them.
     """
     case = {**study.fixed, **kinds, **inner(study)}
-    drawn = firstscreen.of_case(study, case, dict.fromkeys(_CONTACT, 1.0))
+    drawn = firstscreen.of_case(study, case, xr.Dataset(dict.fromkeys(_CONTACT, 1.0)))
     size = {"flat": "width", "wedge": "slope"}.get(drawn.profile, "radius")
     thickness: float | str | None = drawn.thickness
     if study.body:
@@ -66,5 +68,5 @@ def fields(study: Study, model: GaussianProcess | None) -> dict[str, Any]:
     names = [str(one["name"]) for one in stored["outputs"]] if stored else ["contact_pressure"] if pressure else []
     return {
         "charts": [{"name": name, "title": title(name), "units": FIELDS[name].units} for name in names],
-        "fields": {key: stored[key] for key in _OF_MEANS} if stored else None,
+        "fields": {key: stored[key] for key in _OF_MEANS if key in stored} if stored else None,
     }

@@ -39,8 +39,8 @@ _MEANINGS = {
 _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
 #: Scripts of the page, in the order in which they need each other.
 _SCRIPTS = (
-    "contents.js", "numbers.js", "hover.js", "surrogate.js", "stack.js", "chart.js", "fields.js", "explore.js", "share.js",
-    "whatif.js",
+    "contents.js", "numbers.js", "hover.js", "surrogate.js", "stack.js", "chart.js", "fields.js", "explore.js",
+    "share.js", "whatif.js",
 )  # fmt: skip
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
@@ -93,7 +93,7 @@ def page(
         "hanging": hangs,
         "datum": length(study),
         "on_film": study.on_film,
-        "together": factorial.TOGETHER,
+        "together": factorial.together(study),
         "tabled": study.tabled,
         "film_beside": study.effects.film if study.effects else {},
         "costly": study.costly.issuperset(study.quantities),
@@ -149,7 +149,7 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
     if study.factors:
         validation, indices = content["validation"], read_whole(folder / "sensitivity.nc")
         says |= {
-            "dataset": sentences.dataset(study, content["dataset"]["rows"]),
+            "dataset": sentences.dataset(study, content["dataset"]["cases"], content["dataset"]["rows"]),
             "surrogate": sentences.surrogate(validation["worst"], validation["tolerance"]),
             "sensitivity": sentences.sensitivity(indices, study.of_interest),
             "time": sentences.time(content["timing"]),

@@ -51,7 +51,8 @@ def dataset(folder: Path, hangs: frozenset[str]) -> dict[str, Any]:
         }
         for name, array in data.data_vars.items()
     ]
-    return {"rows": rows, "slabs": len(card["files"]), "bytes": card["bytes"]}
+    places = sum(one["levels"] for one in card["files"])  # of a cross approximation
+    return {"rows": rows, "slabs": len(card["files"]), "bytes": card["bytes"], "cases": card["cases"], "places": places}
 
 
 def surface(path: Path) -> list[dict[str, Any]]:
@@ -92,7 +93,7 @@ def validation(folder: Path) -> dict[str, Any]:
             "name": str(name),
             "error": float(one["max_error"]),
             "rmse": float(one["rmse"]),
-            "baseline": float(one["baseline_max_error"]),
+            "baseline": float(one["baseline_max_error"]) if "baseline_max_error" in one else None,
             "r2": float(one["r2"]),
             **{key: float(one[key]) for key in _INTERVALS},
         }
@@ -100,8 +101,9 @@ def validation(folder: Path) -> dict[str, Any]:
         for one in [data.sel(output=name)]
     ]
     worst = max(rows, key=lambda row: row["error"])
+    along = data["axis" if "axis" in data.dims else "input"].values
     kinked = [
-        {"name": str(name), "along": [str(factor) for factor in data["input"].values[one.values > 0]]}
+        {"name": str(name), "along": [str(factor) for factor in along[one.values > 0]]}
         for name, one in zip(data["output"].values, data["kinked"], strict=True)
         if (one.values > 0).any()
     ]
@@ -122,6 +124,7 @@ def validation(folder: Path) -> dict[str, Any]:
         "rows": rows,
         "levels": levels,
         "tolerance": tolerance,
+        "logarithms": str(data.attrs.get("logarithms", "")).split("; ") if "logarithms" in data.attrs else [],
         "worst": worst,
         "uncorrected": before if any(row["raw_max_error"] != row["error"] for row in rows) else None,
         "crps_over_raw": float((data["crps"] / data["raw_crps"]).median()),
@@ -133,7 +136,12 @@ def readout(name: str, path: Path) -> dict[str, Any]:
     """How often the intervals of a read-out hold, and how wide they are."""
     data = read_whole(path)
     rows = [
-        {"name": str(factor), "coverage": float(one["coverage"]), "width": float(one["width"])}
+        {
+            "name": str(factor),
+            "coverage": float(one["coverage"]),
+            "width": float(one["width"]),
+            "left": float(one["left"]),
+        }
         for factor in data["factor"].values
         for one in [data.sel(factor=factor)]
     ]

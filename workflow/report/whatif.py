@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from markupsafe import Markup
+from scipy.stats import qmc
 
 from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
@@ -23,6 +24,9 @@ from workflow.study.categories import Kinds, output
 from workflow.study.datum import HANGING, meaning
 from workflow.study.model import Study
 from workflow.study.target import Target
+
+#: Points of the box that tell the ranges of a surrogate in groups.
+_POINTS = 4096
 
 
 def content(
@@ -52,7 +56,6 @@ def content(
     values = [answers.case(one) for one in designs]
     kinds = [study.combinations.index({name: kind for name, kind, _ in answers.kinds(one)}) for one in designs]
     start = values[0] if values else {}
-    learned = factorial.learned(study, quantities)
     return {
         "surrogate": stored,
         "quantities": [
@@ -61,7 +64,7 @@ def content(
         ],
         "categories": study.categories,
         "kinds": [_kind(study, model, kind) for kind in study.combinations],
-        "ranges": [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_],
+        "ranges": _ranges(study, model, factorial.learned(study, quantities)),
         "fixed": {name: factor.default for name, factor in FACTORS.items() if factor.default is not None}
         | {name: value for name, value in study.fixed.items() if not isinstance(value, str)},
         "cases": [
@@ -75,6 +78,15 @@ def content(
             float(np.clip(one.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, one in model.box.items()
         ],
     }
+
+
+def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[list[float]]:
+    """Ends of every output over the box: of its factorial, or of the surrogate, where that is in groups."""
+    if study.groups:
+        t = 2 * qmc.Sobol(len(model.box), rng=0).random(_POINTS) - 1
+        X = np.stack([one.from_unit(row) for one, row in zip(model.box.values(), t.T, strict=True)], axis=1)
+        return [[float(row.min()), float(row.max())] for row in model.predict_array(X).T]
+    return [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_]
 
 
 def _kind(study: Study, model: GaussianProcess, kinds: Kinds) -> dict[str, Any]:

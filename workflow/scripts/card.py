@@ -12,7 +12,8 @@ snakemake = joblog.start(globals())
 name = snakemake.wildcards.study
 config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
 slabs = [Path(slab) for slab in snakemake.input.slabs]
-times = [Path(snakemake.log[0]).with_name("slab") / f"{number}.tsv" for number in range(len(slabs))]
+kind = "batch" if config.crossed else "slab"
+times = [Path(snakemake.log[0]).with_name(kind) / f"{slab.stem.removeprefix('slab_')}.tsv" for slab in slabs]
 card = datacard.card(config, name, slabs, times)
 write_text(Path(snakemake.output.json), json.dumps(card, indent=1) + "\n")
 write_text(Path(snakemake.output.markdown), datacard.markdown(card))

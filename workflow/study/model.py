@@ -13,11 +13,13 @@ import xarray as xr
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from solver import Material, solve
+from solver.curves import FOLLOWS
 from solver.film.powerlaw import SMOOTH
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, FILM_PEAKS, OF_A_FILM, PEAKS, TABLED
+from solver.similarity import Weight, weight_of
 from workflow.language.constants import BORNE, DEVICE
 from workflow.language.factors import FACTORS
-from workflow.study import layered
+from workflow.study import datum, grouped, layered
 from workflow.study.borne import MADE_OF, Borne, borne
 from workflow.study.categories import Kinds, combinations, output
 from workflow.study.device import Device
@@ -33,6 +35,7 @@ from workflow.study.sections import (
     Axis,
     DataSet,
     Effects,
+    Group,
     Surrogate,
     Validation,
     Verification,
@@ -48,7 +51,7 @@ CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "f
 #: Those with convergence curves.
 CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements")
 #: Sections that decide what a case is and what the solver answers.
-PHYSICS = ("phases", "materials", "fixed", "factors", "categories", "body")
+PHYSICS = ("phases", "materials", "fixed", "factors", "categories", "body", "groups")
 
 
 @dataclass(frozen=True)
@@ -56,12 +59,13 @@ class Origin:
     """What a study has beside the content of its file: where that is, and the study's own materials by name.
 
     Of one that was checked before, also the names of the quantities that some cases lack: of films it costs seconds to
-    ask the solver.
+    ask the solver. And those that hang on a datum that is in none of its groups.
     """
 
     path: Path
     materials: dict[str, Material]
     absent: frozenset[str] | None = None
+    hanging: frozenset[str] = frozenset()
 
 
 class Study(Strict):
@@ -78,6 +82,10 @@ class Study(Strict):
     categories: dict[CategoryName, Annotated[list[str], Field(min_length=2, max_length=8)]] = Field(
         default_factory=dict, description="factors that take one of a few names; every case is solved for each"
     )
+    groups: dict[str, Group] = Field(
+        default_factory=dict,
+        description="axes of the data set, each a product of powers of factors, as load * radius / thickness^2",
+    )
     body: list[layered.BodyLayer] = Field(
         default_factory=list, description="layers from the top down, in place of one material and a film's factors"
     )
@@ -92,6 +100,7 @@ class Study(Strict):
 
     _origin: Origin = PrivateAttr()
     _absent: frozenset[str] = PrivateAttr()
+    _hanging: frozenset[str] = PrivateAttr(default=frozenset())
 
     @property
     def path(self) -> Path:
@@ -111,16 +120,39 @@ class Study(Strict):
     @property
     def tabled(self) -> list[str]:
         """The axes for whose every value the solver makes tables of films."""
-        names = (*TABLED, *layered.named(self.body))
+        names = (*TABLED, *layered.tabled(self.body))
         return [name for name in self.factors if self.on_film and name in names]
 
     @property
     def axes(self) -> dict[str, Axis]:
-        """The axes of the factorial in the order of its data set.
+        """The axes of the factorial in the order of its data set: the factors, or the groups that take their place.
 
         Of films those come first for which the solver makes tables, so that a block of cases needs few of these.
         """
-        return {name: self.factors[name] for name in dict.fromkeys([*self.tabled, *self.factors])}
+        own = grouped.axes(self.groups, self.factors, self.numbers) if self.groups else self.factors
+        return {name: own[name] for name in dict.fromkeys([*self.tabled, *own]) if name in own}
+
+    @property
+    def products(self) -> dict[str, grouped.Product]:
+        """What every axis of a study with groups is made of."""
+        own = {one.name: one for one in map(grouped.product, self.groups)}
+        return {name: own[name] for name in self.axes} if own else {}
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Numeric factors that are fixed, and those with a default."""
+        usual = {name: one.default for name, one in FACTORS.items() if one.default is not None}
+        return usual | {name: value for name, value in self.fixed.items() if not isinstance(value, str)}
+
+    @property
+    def crossed(self) -> list[str]:
+        """The axes in which a cross approximation asks for places; none where the whole factorial is solved.
+
+        Those of the most levels come first, where ranks are small.
+        """
+        if self.surrogate.method == "factorial":
+            return []
+        return sorted(self.tabled, key=lambda name: -(self.factors[name].levels or 0))
 
     @property
     def costly(self) -> frozenset[str]:
@@ -130,8 +162,13 @@ class Study(Strict):
     @property
     def cases(self) -> int:
         """Number of cases of the factorial; 0 while some of its levels are open."""
-        levels = prod(axis.levels or 0 for axis in self.factors.values()) if self.factors else 0
+        levels = prod(axis.levels or 0 for axis in self.axes.values()) if self.factors else 0
         return levels * len(self.combinations)
+
+    @property
+    def block(self) -> int:
+        """Number of cases at a place of the crossed axes."""
+        return self.cases // prod(self.factors[name].levels or 1 for name in self.crossed)
 
     @property
     def combinations(self) -> list[Kinds]:
@@ -141,7 +178,7 @@ class Study(Strict):
     @property
     def open(self) -> bool:
         """Whether the pipeline is to choose some levels."""
-        return any(axis.levels is None for axis in self.factors.values())
+        return any(axis.levels is None for axis in self.axes.values())
 
     @property
     def final_files(self) -> list[str]:
@@ -156,8 +193,28 @@ class Study(Strict):
 
     @property
     def outputs(self) -> list[str]:
-        """Quantities that the surrogate learns; unless the study names them, all but what designs take from others."""
-        return self.surrogate.outputs or [name for name in self.quantities if not ALL_QUANTITIES[name].formula]
+        """Quantities that the surrogate learns: those that the study names.
+
+        Else all but what designs take from others, and what a film's groups do not tell: see `added`.
+        """
+        left = (self._hanging - self.added) | {name for name in self.quantities if ALL_QUANTITIES[name].formula}
+        return self.surrogate.outputs or [name for name in self.quantities if name not in left]
+
+    @property
+    def added(self) -> frozenset[str]:
+        """Quantities whose logarithm of the datum is added exactly: of a film's groups, the depth on its base."""
+        return frozenset({"depth"} if self.on_film else set()) & self._hanging
+
+    @property
+    def regions(self) -> list[str]:
+        """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
+
+        None where it stands on groups or on a cross approximation: it then learns the largest stresses themselves.
+        """
+        if self.groups or self.crossed:
+            return []
+        followed = [FOLLOWS[name].region for name in self.outputs if name in FOLLOWS and self.surrogate.curves]
+        return list(dict.fromkeys(followed))
 
     @property
     def learned(self) -> list[str]:
@@ -240,6 +297,7 @@ class Study(Strict):
     def _complete(self) -> Self:
         if not self.factors and self.effects is None and self.verification is None:
             raise ValueError("factors: a study needs factors, effects or verification")
+        self._check_groups()
         self._check_size()
         for name in self.fixed:
             if name in self.factors or name in self.categories:
@@ -266,10 +324,56 @@ class Study(Strict):
         if self._origin.absent is None:
             self._absent = self._lacked()
             self._solve_effects()
+            self._hanging = self._hangs()
         else:
-            self._absent = self._origin.absent
+            self._absent, self._hanging = self._origin.absent, self._origin.hanging
         self._check_quantities()
         return self
+
+    def _check_groups(self) -> None:
+        """Whether the groups are axes, and cases with the same groups are similar."""
+        if not self.groups:
+            return
+        for name, axis in self.factors.items():
+            if axis.levels is not None:
+                raise ValueError(f"factors: {name}: levels: of a study with groups they stand in groups")
+        products = list(self.products.values())
+        grouped.leads(products, self.factors)
+        change = grouped.unlike(products, list(self.factors), self._standing())
+        if change:
+            raise ValueError(grouped.refusal(change))
+
+    def _standing(self) -> dict[str, Weight]:
+        """Weights of what does not vary and is not 0: similar cases must leave it alone; without the datum."""
+        fixed = {name: value for name, value in self.fixed.items() if not isinstance(value, str) and value}
+        layers = {
+            f"{kind} {number}": weight_of(kind)
+            for number, layer in enumerate(self.body)
+            for kind, one in layer.numbers.items()
+            if not isinstance(one, str)
+        }
+        own = {name: weight_of(name) for name in fixed if name != "datum"} | layers
+        return {name: weight for name, weight in own.items() if weight != Weight()}
+
+    def _hangs(self) -> frozenset[str]:
+        """Quantities that hang on a datum that is in none of the groups; ValueError where they are asked for.
+
+        But of a film the depth, whose logarithm of the datum has one coefficient a base.
+        """
+        if not self.groups or "datum" in self.factors:
+            return frozenset()
+        standing = self._standing() | {"datum": weight_of("datum")}
+        if grouped.unlike(list(self.products.values()), list(self.factors), standing) is None:
+            return frozenset()
+        hanging = datum.hanging(self)
+        untold = hanging - ({"depth"} if self.on_film else set())
+        asked = [name for name in self.surrogate.outputs or ([] if self.on_film else self.quantities) if name in untold]
+        if asked:
+            raise ValueError(
+                f"groups: {', '.join(asked)} hang on the datum, which is in no group: give one with it, as "
+                "load * radius / datum^2, or leave them out of surrogate.outputs"
+            )
+        return hanging
 
     def _lacked(self) -> frozenset[str]:
         """Names of the quantities that some cases lack, once the solver has answered at every corner of the box."""
@@ -293,7 +397,9 @@ class Study(Strict):
 
     def _check_size(self) -> None:
         """Whether what the study asks for can be computed and stored at all."""
-        if self.cases > MOST_CASES:
+        if self.surrogate.method == "cross":
+            self._check_crossed()
+        elif self.cases > MOST_CASES:
             raise ValueError(f"factors: {self.cases} cases are more than {MOST_CASES}")
         corners = 2 ** len(self.factors) * len(self.combinations)
         if corners > MOST_CORNERS:
@@ -301,6 +407,8 @@ class Study(Strict):
         if not self.factors:
             return
         cases, positions = self.cases or self.dataset.budget, self.dataset.positions.count
+        if self.crossed:
+            cases, positions = self.dataset.budget, 1  # without surface fields
         if cases * positions > MOST_VALUES:
             raise ValueError(
                 f"dataset: {cases} cases x {positions} positions are more than {MOST_VALUES} values of each field"
@@ -310,6 +418,22 @@ class Study(Strict):
                 f"surrogate: fields: {cases} cases x {self.surrogate.fields} angles are more than {MOST_LEARNED}"
             )
 
+    def _check_crossed(self) -> None:
+        """Whether a cross approximation has places to ask for, and a block of cases at each."""
+        if not self.tabled:
+            raise ValueError("surrogate: method: cross is for films with factors that need tables of their own")
+        for name, axis in self.factors.items():
+            if axis.levels is None:
+                raise ValueError(f"factors: {name}: levels are missing; surrogate: method: cross needs them")
+        if self.surrogate.fields or self.surrogate.kernel != "chebyshev":
+            raise ValueError("surrogate: method: cross learns no fields, and its kernel is chebyshev")
+        if self.groups:
+            raise ValueError("groups: surrogate: method: cross stands on the factors themselves, not on groups")
+        if self.block > self.dataset.budget:
+            raise ValueError(
+                f"factors: {self.block} cases at a place are more than dataset: budget: {self.dataset.budget}"
+            )
+
     def _check_quantities(self) -> None:
         """Whether the data set holds what the surrogate and the designs ask for."""
         for name in self.surrogate.outputs:
@@ -317,6 +441,10 @@ class Study(Strict):
                 raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
             if name in ALL_PEAKS and not self.dataset.peaks:
                 raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
+        for name in self.surrogate.log or []:
+            if not self.groups or name not in self.outputs:
+                needs = "is not one of surrogate.outputs" if self.groups else "needs groups"
+                raise ValueError(f"surrogate: log: {name!r} {needs}")
         if self.surrogate.fields and self.on_film:
             raise ValueError("surrogate: fields: only those of half-planes are learned")
         if self.surrogate.fields and any(self.fixed.get(name, usual) != usual for name, usual in _SMOOTH.items()):
@@ -419,13 +547,18 @@ class Study(Strict):
             if isinstance(value, str):
                 raise ValueError(f"{where}: {name}: {value!r} is not a number")
             if not axis.low <= value <= axis.high:
-                raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
+                end = "low" if value < axis.low else "high"
+                told = f"{name} = {value:g} is not within {axis.low:g} to {axis.high:g}"
+                raise ValueError(f"{where}: {told}; factors: {name}: {end} says so")
 
     def digest(self, *sections: str) -> str:
         """Hash of some sections, and of own materials where the physics is among them."""
         content = self.model_dump(mode="json", include=set(sections))
-        if not self.body:  # which studies had before there were any
-            content.pop("body", None)
+        for name in ("body", "groups"):  # which studies had before there were any
+            if not content.get(name):
+                content.pop(name, None)
+        if self.surrogate.method == "factorial" and "surrogate" in content:  # the same
+            content["surrogate"].pop("method")
         text = json.dumps(content, sort_keys=True)
         if "phases" in sections:
             text += json.dumps(self._plain_materials(), sort_keys=True)
@@ -443,6 +576,7 @@ class Study(Strict):
             "study": self.model_dump(mode="json"),
             "materials": self._plain_materials(),
             "absent": sorted(self._absent),
+            "hanging": sorted(self._hanging),
         }
 
     def _plain_materials(self) -> dict[str, dict[str, Any]]:
@@ -479,7 +613,22 @@ def load(path: str | Path) -> Study:
 def thawed(frozen: Mapping[str, Any]) -> Study:
     """The study as it was when it was `frozen`; no file is read."""
     materials = {name: Material.from_mapping(entries) for name, entries in frozen["materials"].items()}
-    return _made(frozen["study"], Origin(Path(frozen["path"]), materials, frozenset(frozen["absent"])))
+    return _made(
+        frozen["study"],
+        Origin(Path(frozen["path"]), materials, frozenset(frozen["absent"]), frozenset(frozen["hanging"])),
+    )
+
+
+def remade(study: Study, **sections: Any) -> Study:
+    """A study with other sections, checked as one that is read from a file.
+
+    Raises
+    ------
+    InputError
+        As `load` does.
+    """
+    origin = Origin(study.path, study.own_materials)
+    return _made(study.model_dump(mode="json") | sections, origin)
 
 
 def _made(content: dict[str, Any], origin: Origin) -> Study:

@@ -28,15 +28,28 @@ class Axis(Strict):
     levels: int | None = Field(
         None, ge=2, le=1000, description="Chebyshev-Gauss levels; null: what the tolerance needs"
     )
-    scale: Literal["linear", "log"] = Field("linear", description="coordinate in which the levels are spread")
+    scale: Literal["linear", "log", "logit"] = Field("linear", description="coordinate in which the levels are spread")
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
         if not self.low < self.high:
             raise ValueError(f"low = {self.low:g} must be below high = {self.high:g}")
-        if self.scale == "log" and self.low <= 0:
-            raise ValueError(f"low = {self.low:g} must be positive on a log scale")
+        if self.scale != "linear" and self.low <= 0:
+            raise ValueError(f"low = {self.low:g} must be positive on a {self.scale} scale")
+        if self.scale == "logit" and self.high >= 1:
+            raise ValueError(f"high = {self.high:g} must be below 1 on a logit scale")
         return self
+
+
+class Group(Strict):
+    """An axis of the data set that is a product of powers of factors, over the range that the box gives it."""
+
+    levels: int | None = Field(
+        None, ge=2, le=1000, description="Chebyshev-Gauss levels; null: what the tolerance needs"
+    )
+    scale: Literal["linear", "log", "logit"] | None = Field(
+        None, description="coordinate in which the levels are spread; null: what decays fastest, where levels are open"
+    )
 
 
 class Positions(Strict):
@@ -76,8 +89,19 @@ class DataSet(Strict):
 class Surrogate(Strict):
     """The Gaussian process on the factorial."""
 
+    method: Literal["factorial", "cross"] = Field(
+        "factorial",
+        description="cases: all of the factorial; or of films those places in it that a cross approximation asks for",
+    )
     kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
     outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
+    curves: bool = Field(
+        True, description="learn largest stresses by the curves that they follow from, which have no kinks as they have"
+    )
+    log: list[QuantityName] | None = Field(
+        None,
+        description="over groups, quantities whose logarithm is learned; null: those whose coefficients fall faster so",
+    )
     fields: int = Field(0, ge=0, le=200, description="angles at which the fields under a cylinder are learned; 0: none")
 
 

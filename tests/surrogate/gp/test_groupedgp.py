@@ -6,74 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from numpy.typing import NDArray
 
 import surrogate
-from surrogate import GridGP, Group, GroupedGP, Grouping, Input, Scaling
+from surrogate import GridGP, Group, GroupedGP, Input, Scaling
 from surrogate.data.inputs import unit_coordinates
-from surrogate.gp.grouping import span
 from surrogate.use.sensitivity import sobol
 from surrogate.use.validation import validate
-
-Array = NDArray[np.float64]
-
-INPUTS = (
-    Input("mixture", 0.05, 0.9),
-    Input("thickness", 1e-4, 1e-3, "log", "m"),
-    Input("radius", 0.02, 0.1, "log", "m"),
-    Input("load", 1e4, 1e5, "log", "N m-1"),
-    Input("charge", -2e-6, 1e-6, "linear", "C m-1"),
-)
-MIDDLE = {one.name: float(one.from_unit(0.0)) for one in INPUTS}
-PRESSING = {"load": 1.0, "radius": 1.0, "thickness": -2.0}
-GROUPS = (
-    Group(Input("mixture", 0.05, 0.9, "logit"), {"mixture": 1.0}),
-    Group(Input("pressing", *span(INPUTS, PRESSING), "log", "Pa"), PRESSING),
-    Group(Input("charge_per_load", *span(INPUTS, {"charge": 1, "load": -1})), {"charge": 1.0, "load": -1.0}),
-)
-SCALINGS = {
-    "length": Scaling({"thickness": 1.0}, logarithm=1),
-    "voltage": Scaling({"load": 1.0}),
-    "depth": Scaling({"load": 1.0}, coefficient=0.3 * MIDDLE["load"]),
-    "intensity": Scaling({"load": 1.0, "thickness": -0.5}),
-}
-GROUPING = Grouping(INPUTS, GROUPS, SCALINGS, added={"thickness": -1.0})
-COUNTS = (12, 12, 8)
-
-
-def world(x: xr.Dataset, rough: float = 0.0) -> xr.Dataset:
-    """Outputs that scale: products of powers times functions of the groups, of low degree unless rough."""
-    load, thickness = x["load"], x["thickness"]
-    z, g = np.log(x.mixture / (1 - x.mixture)), np.log(load * x.radius / thickness**2) / 10
-    tau = 1e10 * x.charge / load
-    bend = rough / (1.5 + np.sin(z + 2 * g))
-    return xr.Dataset(
-        {
-            "length": thickness * np.exp(0.3 * g - 0.01 * z**2 + bend),
-            "voltage": load * (g * z - tau * (1 + z) + 0.1 * tau**2 + bend),
-            "depth": load * (1 + g**2 + tau * z + bend + 0.3 * np.log(MIDDLE["thickness"] / thickness)),
-            "intensity": load * thickness**-0.5 * (g**3 - z**3 + bend),
-        }
-    )
-
-
-def factorial(rough: float = 0.0) -> xr.Dataset:
-    """Cases over the axes: thickness and radius in the middle, load and charge as the groups want them."""
-    axes = {
-        group.axis.name: xr.DataArray(levels, dims=group.axis.name, coords={group.axis.name: levels})
-        for group, n in zip(GROUPS, COUNTS, strict=True)
-        for levels in [group.axis.levels(n)]
-    }
-    load = axes["pressing"] * MIDDLE["thickness"] ** 2 / MIDDLE["radius"]
-    given = {"thickness": MIDDLE["thickness"], "radius": MIDDLE["radius"], "load": load}
-    x = xr.Dataset(coords={**axes, **given, "charge": axes["charge_per_load"] * load})
-    return world(x, rough).assign_coords(x.coords)
-
-
-def cases(count: int, seed: int, rough: float = 0.0) -> xr.Dataset:
-    unit = np.random.default_rng(seed).uniform(-1, 1, (len(INPUTS), count))
-    x = xr.Dataset({one.name: ("case", one.from_unit(row)) for one, row in zip(INPUTS, unit, strict=True)})
-    return x.merge(world(x, rough))
+from tests.surrogate.grouped import GROUPING, GROUPS, INPUTS, PRESSING, SCALINGS, cases, factorial, world
 
 
 @pytest.fixture(scope="module")
@@ -154,7 +93,7 @@ def test_sensitivity_is_that_to_the_inputs(exact: GroupedGP) -> None:
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"groups": GROUPS[:2]}, "input 'charge' is in no group"),
+        ({"groups": GROUPS[:2]}, "input 'charge' is in no group and no scale"),
         ({"groups": (*GROUPS, Group(Input("x", 0, 1), {"heat": 1.0}))}, "'heat' is no input"),
         ({"groups": (*GROUPS[:2], Group(Input("root", 0, 1), {"charge": 0.5}))}, "'charge' from -2e-06 on has no such"),
         ({"groups": (GROUPS[0], Group(Input("pressing", 1e9, 2e9), PRESSING), GROUPS[2])}, "beyond its range"),

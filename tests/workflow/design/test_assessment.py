@@ -159,7 +159,13 @@ def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: 
     assert "volume_fraction at the upper end of the range asked for" in answer["status"].item()
     words = spoken.verdict(answer)
     assert words.stops == "volume fraction at its upper end as asked for (0.7) stops it."
-    assert words.idle == "Radius does not matter to the goal."
+    assert words.idle.startswith("Radius does not matter to the goal: the least is taken at which every limit has 1 % ")
+    # which is the least radius that leaves 1 % to the limit, by the exact solver
+    at = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "volume_fraction": 0.7}
+    radius = float(answer["value"].sel(factor="radius"))
+    pressure = solve({**at, "radius": [radius, 0.999 * radius]})["peak_pressure"].values / 500e6
+    assert pressure[0] <= 0.99 + 1e-6
+    assert pressure[1] > 0.99 or radius == pytest.approx(0.02)
     # what a little more would bring, from the exact solver
     at = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "radius": 0.1}
     strokes = np.log(np.abs(solve({**at, "volume_fraction": 0.7 * np.array([0.9999, 1.0001])})["stroke_per_volt"]))

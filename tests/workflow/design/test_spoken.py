@@ -31,6 +31,7 @@ def design(
             "beyond": more.get("beyond", ""),
             "elasticity": (("factor", "term"), elasticity),
             "value": ("factor", [0.2, 1e4]),
+            "tolerance": ("factor", ["", ""]),
             "edge": ("factor", list(edge)),
             "matters": ("factor", more.get("matters", [True, True])),
         },
@@ -44,7 +45,9 @@ def test_a_limit_or_nothing_stops_a_recommended_design() -> None:
     assert str(held) == "Recommended: tension behind the contact of 50 MPa stops it."
     free = spoken.verdict(design([1e-9, 5e6, 1e6], [50e6, 500e6], [[0.0, 1, 0], [0, 2, 0]], matters=[False, True]))
     assert (
-        str(free) == "Recommended: best within the ranges, and no limit stops it. Radius does not matter to the goal."
+        str(free)
+        == "Recommended: best within the ranges, and no limit stops it. Radius does not matter to the goal: the "
+        "least is taken at which every limit has 1 % of room, or as much as it can."
     )
 
 

@@ -26,7 +26,7 @@ surrogate: {outputs: [voltage_sensitivity, charge_sensitivity, trailing_tension,
 validation: {cases: 20, calibration: 200, tolerance: 1e-3}
 """
 LIMIT = 50e6
-OVER = {"volume_fraction": {}, "radius": {}}
+OVER = ["volume_fraction", "radius"]
 FRICTION = np.linspace(0.1, 0.4, 5)
 
 

@@ -8,9 +8,19 @@ import pytest
 from solver import Material, find, solve
 from workflow.dataset import factorial
 from workflow.learning import constants
-from workflow.study.model import Study, load, named
+from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
+FILM = """\
+title: A film on steel
+fixed: {composite: fibrous, volume_fraction: 0.5, friction: 0.1, radius: 0.05, interface_electric: grounded,
+        interface_magnetic: grounded}
+categories: {base: [rigid, steel]}
+factors:
+  thickness: {low: 2e-4, high: 6e-4, levels: 6, scale: log}
+  load: {low: 2e4, high: 1e5, levels: 6, scale: log}
+surrogate: {outputs: [depth, contact_trailing, voltage]}
+"""
 LAYERS = """\
 title: layers
 fixed: {base: copper, radius: 0.05, friction: 0.1}
@@ -24,8 +34,10 @@ factors:
 
 
 @pytest.fixture(scope="module")
-def film() -> Study:
-    return named("film")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    path = tmp_path_factory.mktemp("film") / "film.yaml"
+    path.write_text(FILM, encoding="utf-8")
+    return load(path)
 
 
 def test_families_and_their_priors(film: Study) -> None:
@@ -53,12 +65,12 @@ def test_materials_of_layers_and_bases(tmp_path: Path) -> None:
 def test_a_moved_study_is_solved_with_moved_constants(film: Study) -> None:
     asked = constants.uncertain(film, {"steel modulus": 0.1, "steel poisson": None, "BaTiO3 e33": 0.2})
     moved = constants.moved(film, asked, np.array([1.0, -1.0, 0.5]))
-    at = {"volume_fraction": 0.5, "friction": 0.2, "thickness": 3e-4, "radius": 0.05, "load": 5e4, "charge": 0.0}
+    at = {"thickness": 3e-4, "load": 5e4}
     found = factorial.exact(moved, {**at, "base": "steel"})
     ceramic = find("BaTiO3").plain() | {"e33": 18.6 * np.exp(0.1), "alternatives": []}
     base = Material.isotropic(200e9 * np.exp(0.1), 0.28, name="steel")
     exact = solve(
-        {**at, "base": base, "interface_electric": "grounded", "interface_magnetic": "grounded"},
+        {**film.fixed, **at, "base": base},
         phases=(Material.from_mapping(ceramic), "CoFe2O4"),
     )
     for name in ("voltage", "depth", "capacitance"):

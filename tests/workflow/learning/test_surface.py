@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from solver import solve
-from surrogate import GridGP, OutOfBoxError, load, save
+from surrogate import GaussianProcess, GridGP, OutOfBoxError, load, save
 from workflow.dataset import factorial
 from workflow.learning import surface, training
 from workflow.study import model as studies
@@ -36,7 +36,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 
 @pytest.fixture(scope="module")
-def models(study: Study, tmp_path_factory: pytest.TempPathFactory) -> tuple[GridGP, GridGP]:
+def models(study: Study, tmp_path_factory: pytest.TempPathFactory) -> tuple[GridGP, GaussianProcess]:
     path = tmp_path_factory.mktemp("model") / "surface.nc"
     save(surface.fit(study), path)
     fields = load(path)
@@ -44,7 +44,7 @@ def models(study: Study, tmp_path_factory: pytest.TempPathFactory) -> tuple[Grid
     return fields, training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
 
 
-def test_fields_are_the_exact_ones_up_to_the_edges(study: Study, models: tuple[GridGP, GridGP]) -> None:
+def test_fields_are_the_exact_ones_up_to_the_edges(study: Study, models: tuple[GridGP, GaussianProcess]) -> None:
     random = np.random.default_rng(3)
     points = {
         i.name: xr.DataArray(i.from_unit(random.uniform(-1, 1, 200)), dims="case") for i in factorial.inputs(study)
@@ -62,14 +62,14 @@ def test_fields_are_the_exact_ones_up_to_the_edges(study: Study, models: tuple[G
         assert bool((found[f"{name}_std"] >= 0).all())
 
 
-def test_intervals_of_the_regular_parts_hold(study: Study, models: tuple[GridGP, GridGP]) -> None:
+def test_intervals_of_the_regular_parts_hold(study: Study, models: tuple[GridGP, GaussianProcess]) -> None:
     table = surface.validate(study, models[0])
     np.testing.assert_allclose(table["coverage"], 0.95, rtol=0, atol=0.025)
     assert float(table["worst_decile_coverage"].min()) >= 0.85
     assert float(table["max_error"].max()) < 1e-4
 
 
-def test_points_and_positions_are_checked(models: tuple[GridGP, GridGP]) -> None:
+def test_points_and_positions_are_checked(models: tuple[GridGP, GaussianProcess]) -> None:
     point = {"volume_fraction": 0.5, "friction": [0.1, 0.2], "load": 1e4, "charge": 0.0, "radius": 0.05}
     assert dict(surface.predict(*models, point, np.array([0.0, 0.5])).sizes) == {"friction": 2, "position": 2}
     with pytest.raises(ValueError, match="positions: 1 is not under the punch"):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from solver import solve
-from surrogate import GridGP
+from surrogate import GaussianProcess
 from tests.surrogate.hypervolume import hypervolume
 from workflow.cli import questions
 from workflow.dataset import factorial
@@ -28,7 +28,7 @@ def study() -> Study:
 
 
 @pytest.fixture(scope="module")
-def model(study: Study) -> GridGP:
+def model(study: Study) -> GaussianProcess:
     made = training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
     made.calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
     return made
@@ -46,7 +46,7 @@ def dense(material: str, profile: str, radii: int = 2000) -> tuple[np.ndarray, n
     return abs(exact[SENSITIVITY]).min("friction").values, exact[TENSION].max("friction").values
 
 
-def test_every_combination_is_learned(study: Study, model: GridGP) -> None:
+def test_every_combination_is_learned(study: Study, model: GaussianProcess) -> None:
     assert study.cases == 10 * 12 * 12 * 8
     point = {"friction": 0.23, "radius": 0.031, "load": 2.2e4}
     answer = model.predict(point)
@@ -59,7 +59,7 @@ def test_every_combination_is_learned(study: Study, model: GridGP) -> None:
             assert found.attrs["units"] == exact[name].attrs["units"]
 
 
-def test_the_chosen_combination_is_the_best_of_all(study: Study, model: GridGP) -> None:
+def test_the_chosen_combination_is_the_best_of_all(study: Study, model: GaussianProcess) -> None:
     answer = search.solve_target(study, "voltage", model)
     best = {}
     for kinds in product(MATERIALS, PROFILES):
@@ -79,7 +79,7 @@ def test_the_chosen_combination_is_the_best_of_all(study: Study, model: GridGP) 
         assert listed[", ".join(kinds)] == pytest.approx(value, rel=1e-3)
 
 
-def test_choices_of_numbers_and_names_together(study: Study, model: GridGP) -> None:
+def test_choices_of_numbers_and_names_together(study: Study, model: GaussianProcess) -> None:
     answer = search.solve_target(study, "charge", model)
     assert answers.kinds(answer) == [("material", "PZT-5H", "variable"), ("profile", "cylinder", "given")]
     assert answer.sizes["choice"] == 20
@@ -89,7 +89,7 @@ def test_choices_of_numbers_and_names_together(study: Study, model: GridGP) -> N
     assert "charge,given,profile,,,,cylinder,,," in rows
 
 
-def test_the_front_is_that_of_all_combinations(study: Study, model: GridGP) -> None:
+def test_the_front_is_that_of_all_combinations(study: Study, model: GaussianProcess) -> None:
     answer = search.solve_target(study, "front", model)
     found = answer["front_exact"].values * [1, -1]
     everything = np.concatenate([np.stack(dense(*kinds), -1) for kinds in product(MATERIALS, PROFILES)]) * [1, -1]
@@ -103,7 +103,7 @@ def test_the_front_is_that_of_all_combinations(study: Study, model: GridGP) -> N
         assert tension[np.abs(sensitivity - value[0]).argmin()] == pytest.approx(value[1], rel=0.02)
 
 
-def test_a_read_out_of_one_combination(study: Study, model: GridGP) -> None:
+def test_a_read_out_of_one_combination(study: Study, model: GaussianProcess) -> None:
     tried = readout_trial.trial(study, study.readout["voltage"], model)
     assert float(tried["coverage"].sel(factor="load")) == pytest.approx(0.95, abs=0.035)
     assert float(tried["width"].sel(factor="load")) < 0.01

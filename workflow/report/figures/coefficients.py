@@ -21,11 +21,12 @@ def figure(validation: xr.Dataset) -> Figure:
     validation
         ``coefficient`` over (output, input, mode), ``kinked`` over (output, input), attribute ``tolerance``.
     """
-    names = [str(name) for name in validation["input"].values]
+    along = "axis" if "axis" in validation.dims else "input"  # groups take the place of the inputs
+    names = [str(name) for name in validation[along].values]
     rows = -(-len(names) // _COLUMNS)
     made, axes = plt.subplots(rows, _COLUMNS, figsize=(11, 2.7 * rows), squeeze=False, sharey=True)
     for ax, name in zip(axes.flat, names, strict=False):
-        one = validation.sel(input=name)
+        one = validation.sel({along: name})
         sizes = one["coefficient"].transpose("mode", "output").values
         sizes = np.maximum(sizes[~np.isnan(sizes).all(axis=1)], _FLOOR)
         for line, output in zip(ax.semilogy(sizes, color=BLUE, lw=0.7, alpha=0.45), one["output"].values, strict=True):

@@ -129,7 +129,7 @@ def _contact(answer: xr.Dataset) -> Figure:
     inside = [name for name in ("von_mises", "stress_xx") if f"inside_{name}" in answer]
     figure = plt.figure(figsize=(10.4, 5.2))
     # apart, so that a colour bar below makes no gap above
-    above, under = figure.subfigures(2, 1, height_ratios=[1, 1.15])
+    above, under = figure.subfigures(2, 1, height_ratios=[1, 1.15], squeeze=False)[:, 0]
     X = answer["position"].values
     for name, ax in zip(surface, above.subplots(1, len(surface)), strict=True):
         values = answer[f"field_{name}"].values

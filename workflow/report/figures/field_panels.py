@@ -40,19 +40,22 @@ def fields(slabs: Sequence[xr.Dataset]) -> Figure:
     starts = np.cumsum([0, *(slab.sizes[first] for slab in slabs)])
     sizes = {first: int(starts[-1]), **{name: slabs[0].sizes[name] for name in others[1:]}}
     # categories have no middle: the first of their names
-    places = {name: size // 2 if name in FACTORS else 0 for name, size in sizes.items()}
+    places = {name: size // 2 if slabs[0][name].dtype.kind in "iuf" else 0 for name, size in sizes.items()}
     holds = int(np.searchsorted(starts, places[first], side="right")) - 1
     chosen = slabs[holds].isel({**places, first: places[first] - starts[holds]})
-    held = ", ".join(f"{name.replace('_', ' ')} {_said(name, chosen[name].item())}" for name in places)
+    held = ", ".join(
+        f"{name.replace('_', ' ')} {_said(name, chosen[name].item(), chosen[name].attrs.get('units'))}"
+        for name in places
+    )
     figure = _field_panels(chosen, varied)
     figure.suptitle(f"one case a curve: {held}", fontsize=9)
     return figure
 
 
-def _said(factor: str, value: float | str) -> str:
+def _said(factor: str, value: float | str, units: str | None = None) -> str:
     if isinstance(value, str):
         return value
-    return HALF_PLANE if np.isnan(value) else numbers.shown(value, FACTORS[factor].units, digits=4)
+    return HALF_PLANE if np.isnan(value) else numbers.shown(value, units or FACTORS[factor].units, digits=4)
 
 
 @styled

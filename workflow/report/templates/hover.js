@@ -3,7 +3,7 @@
 
 const TIP_MARGIN = 8; // pixels between the words and the end of the page
 const tip = Object.assign(document.createElement("div"), { className: "tip", hidden: true });
-document.body.append(tip);
+document.querySelector("main").append(tip);
 
 function showTip(lines, event) {
   tip.replaceChildren(...lines.filter(Boolean).map((line) => Object.assign(document.createElement("div"), { textContent: line })));

@@ -6,8 +6,25 @@ function readArray(stored) {
   return { shape: stored.shape, data: new Float64Array(bytes.buffer) };
 }
 
+// Whole numbers by groups of seven bits, times a number for the row and one for the column (surrogate/gp/packing.py).
+function readCore(stored) {
+  const [r, modes, s] = stored.shape, text = atob(stored.data), data = new Float64Array(r * modes * s);
+  const rows = readArray(stored.rows).data, columns = readArray(stored.columns).data;
+  let place = 0;
+  for (let n = 0; n < data.length; n++) {
+    let whole = 0, size = 1, byte;
+    do {
+      byte = text.charCodeAt(place++);
+      whole += (byte & 127) * size;
+      size *= 128;
+    } while (byte > 127);
+    data[n] = (whole % 2 ? -(whole + 1) / 2 : whole / 2) * rows[Math.floor(n / (modes * s))] * columns[n % s];
+  }
+  return { shape: stored.shape, data };
+}
+
 function loadSurrogate(plain) {
-  const model = { ...plain, cores: plain.cores.map(readArray) };
+  const model = { ...plain, cores: plain.cores.map(readCore) };
   for (const name of ["offset", "scale", "amplitude", "variance"]) if (plain[name]) model[name] = readArray(plain[name]);
   if (plain.calibration) {
     model.calibration = {};
@@ -18,7 +35,14 @@ function loadSurrogate(plain) {
   return model;
 }
 
+function logit(share) {
+  return Math.log(share / (1 - share));
+}
+
 function toUnit(input, value) {
+  if (input.scale === "logit") {
+    return (2 * (logit(value) - logit(input.low))) / (logit(input.high) - logit(input.low)) - 1;
+  }
   if (input.scale === "log") return (2 * Math.log(value / input.low)) / Math.log(input.high / input.low) - 1;
   return (2 * (value - input.low)) / (input.high - input.low) - 1;
 }
@@ -28,6 +52,7 @@ function fromUnit(input, t) {
   if (t >= 1) return input.high;
   const share = (t + 1) / 2;
   if (input.scale === "log") return input.low * Math.exp(share * Math.log(input.high / input.low));
+  if (input.scale === "logit") return 1 / (1 + Math.exp(-logit(input.low) - share * (logit(input.high) - logit(input.low))));
   return input.low + share * (input.high - input.low);
 }
 
@@ -76,6 +101,32 @@ function correct(correction, t, mean) {
   });
 }
 
+// Means, standard deviations and ends of the intervals of all outputs at scaled coordinates t, one an input.
+function predict(model, t) {
+  return model.groups ? predictGrouped(model, t) : predictAlone(model, t);
+}
+
+// The arithmetic of surrogate/gp/grouping.py: axes, scales and added logarithms are products of powers of the inputs.
+function predictGrouped(model, t) {
+  const g = model.groups, X = model.inputs.map((input, k) => fromUnit(input, t[k]));
+  const product = (powers, values) => powers.reduce((all, power, k) => (power ? all * Math.pow(values[k], power) : all), 1);
+  const along = model.axes.map((axis, a) => {
+    const value = g.axis_constant[a] * product(g.axis_power[a], X);
+    return toUnit(axis, Math.min(Math.max(value, axis.low), axis.high));
+  });
+  const found = predictAlone(model, along), relative = X.map((x, k) => x / g.reference[k]);
+  const added = Math.log(product(g.added_power, relative));
+  found.mean.forEach((learnt, p) => {
+    const scale = product(g.scale_power[p], relative), sign = g.logarithm[p];
+    const mean = scale * (sign ? sign * Math.exp(sign * learnt) : learnt + g.added_coefficient[p] * added);
+    const size = sign ? Math.abs(mean) : scale;
+    for (const end of ["lower", "upper"]) found[end][p] = mean + (found[end][p] - learnt) * size;
+    found.std[p] *= size;
+    found.mean[p] = mean;
+  });
+  return found;
+}
+
 // Features of every factor at scaled coordinates t, one an input, and the means that they make, not corrected.
 function contracted(model, t) {
   const modes = new Array(t.length);
@@ -88,13 +139,14 @@ function contracted(model, t) {
 
 // Means of all outputs.
 function means(model, t) {
+  if (model.groups) return predictGrouped(model, t).mean;
   const { mean } = contracted(model, t);
   if (model.correction) correct(model.correction, t, mean);
   return mean;
 }
 
-// Means, standard deviations and ends of the intervals of all outputs.
-function predict(model, t) {
+// The same of a model whose axes are its inputs.
+function predictAlone(model, t) {
   const { parts, mean } = contracted(model, t);
   const count = model.outputs.length, std = new Float64Array(count);
   const lower = new Float64Array(count), upper = new Float64Array(count);

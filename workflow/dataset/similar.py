@@ -1,0 +1,194 @@
+"""Similar cases: the factors at which the groups of a study are solved, and how all other cases follow from these."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from solver import solve
+from solver.similarity import QUANTITY_WEIGHTS, scale_powers
+from surrogate import Group, Grouping, Input, Scaling
+from surrogate.gp.grouping import middle
+from surrogate.levels.counts import decays
+from workflow.study import grouped
+from workflow.study.categories import Kinds, output
+from workflow.study.datum import length
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+
+Array = NDArray[np.float64]
+_GAIN = 0.5  # of the predicted error, from which on a logarithm is worth it
+#: Lengths by which a case is measured, the first that it has.
+_LENGTHS = ("thickness", "radius", "width", "datum")
+
+
+def middles(study: Study) -> dict[str, float]:
+    """The middle of every factor's range on its own scale."""
+    return {name: middle(Input(name, axis.low, axis.high, axis.scale)) for name, axis in study.factors.items()}
+
+
+def factors(study: Study, axes: Mapping[str, Array]) -> dict[str, xr.DataArray | float]:
+    """Factors of the cases over the axes of a study with groups.
+
+    Every axis varies the first factor of its product, all others are in the middle of their ranges.
+
+    Parameters
+    ----------
+    study
+        A study with groups.
+    axes
+        Levels of every axis.
+
+    Returns
+    -------
+    dict
+        Every factor over the dimensions of the axes that it varies with.
+    """
+    leads = grouped.leads(study.products.values(), study.factors)
+    along = {name: xr.DataArray(np.asarray(values), dims=name) for name, values in axes.items()}
+    found: dict[str, Any] = {name: value for name, value in middles(study).items() if name not in leads.values()}
+    found |= {name: value for name, value in study.numbers.items() if name not in study.factors}
+    waiting = list(study.products)
+    while waiting:
+        ready = [name for name in waiting if _others(study, leads, name) <= found.keys()]
+        if not ready:
+            raise ValueError(f"groups: {', '.join(waiting)}: each needs a factor that another varies")
+        for name in ready:
+            powers = study.products[name].powers
+            rest = along[name]
+            for factor in _others(study, leads, name):
+                rest = rest / found[factor] ** powers[factor]
+            lead = powers[leads[name]]
+            found[leads[name]] = rest if lead == 1 else rest ** (1 / lead)
+            waiting.remove(name)
+    return {name: found[name] for name in study.factors}
+
+
+def _others(study: Study, leads: Mapping[str, str], axis: str) -> set[str]:
+    return set(study.products[axis].powers) - {leads[axis]}
+
+
+def grouping(
+    study: Study, inputs: Sequence[Input], axes: Sequence[Input], weights: Mapping[str, str] | None = None
+) -> Grouping:
+    """How the study's outputs follow from what is learned over its groups.
+
+    Parameters
+    ----------
+    study
+        A study with groups.
+    inputs, axes
+        Its factors and the axes of its data set, and any further input that is an axis too.
+    weights
+        Names of the outputs with that of the quantity or field as which they scale; by default the study's outputs.
+    """
+    names = [one.name for one in inputs]
+    groups = tuple(_group(study, one, names) for one in axes)
+    scalings = (
+        {name: Scaling(scale(study, of)) for name, of in weights.items()}
+        if weights is not None
+        else {
+            output(name, kinds): Scaling(scale(study, name), _coefficient(study, name, kinds))
+            for kinds in study.combinations
+            for name in study.outputs
+        }
+    )
+    added = {name: -power for name, power in scale(study, "contact_trailing").items()}
+    used = any(one.coefficient for one in scalings.values())
+    return Grouping(tuple(inputs), groups, scalings, added if used else {}, middles(study))
+
+
+def _group(study: Study, axis: Input, names: Sequence[str]) -> Group:
+    """An axis as the surrogate knows it: powers of its inputs, and the constant that fixed factors make."""
+    if axis.name not in study.products:
+        return Group(axis, {axis.name: 1.0})
+    powers = study.products[axis.name].powers
+    fixed = [study.numbers[name] ** power for name, power in powers.items() if name not in names]
+    return Group(axis, {name: float(power) for name, power in powers.items() if name in names}, float(np.prod(fixed)))
+
+
+def with_logarithms(grouping: Grouping, study: Study, learned: xr.Dataset) -> Grouping:
+    """The grouping with the logarithms that are learned: those that the study names, or that decay faster.
+
+    Parameters
+    ----------
+    grouping, study
+        The grouping without any, and its study.
+    learned
+        The factorial, with the factors of its cases as coordinates.
+
+    Raises
+    ------
+    InputError
+        The logarithm that the study names of what changes sign.
+    """
+    asked = study.surrogate.log
+    names = [
+        output(name, kinds) for kinds in study.combinations for name in study.outputs if asked is None or name in asked
+    ]
+    signs = {name: _sign(learned[name].values) for name in names}
+    for name, sign in signs.items():
+        if asked is not None and not sign:
+            low, high = float(learned[name].min()), float(learned[name].max())
+            raise InputError(
+                f"{study.path}: surrogate: log: {name!r} is from {low:g} to {high:g}: no logarithm of what changes sign"
+            )
+    possible = {name: sign for name, sign in signs.items() if sign and not grouping.scalings[name].coefficient}
+    logs = _replaced(grouping, possible)
+    if asked is None:
+        plain, bent = (_errors(one, learned, list(possible)) for one in (grouping, logs))
+        logs = _replaced(grouping, {name: sign for name, sign in possible.items() if bent[name] < _GAIN * plain[name]})
+    return logs
+
+
+def _sign(values: Array) -> int:
+    return int(np.sign(values.flat[0])) if (values > 0).all() or (values < 0).all() else 0
+
+
+def _replaced(grouping: Grouping, signs: Mapping[str, int]) -> Grouping:
+    scalings = {name: replace(one, logarithm=signs.get(name, 0)) for name, one in grouping.scalings.items()}
+    return replace(grouping, scalings=scalings)
+
+
+def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> dict[str, float]:
+    """Predicted interpolation error of every output on the factorial's levels, over the range of its scaled values."""
+    if not names:
+        return {}
+    axes = {one.name: learned[one.name] for one in grouping.axes}
+    data = grouping.reduced(learned, names).assign_coords(axes)
+    found = {}
+    for name, along in decays(data, grouping.axes, names).items():
+        values, sign = data[name].values, grouping.scalings[name].logarithm
+        # an error of the logarithm is one of the value, relative
+        sizes = np.exp(sign * values)
+        size = sizes.max() * np.ptp(values) / np.ptp(sizes) if sign and np.ptp(values) else 1.0
+        found[name] = float(size * sum(one.error(len(one.coefficients)) for one in along.values()))
+    return found
+
+
+def scale(study: Study, quantity: str) -> dict[str, float]:
+    """Powers of the study's factors that a quantity is proportional to, at the same groups.
+
+    A load and a length make every scale; what is fixed of them is the same in all cases.
+    """
+    if QUANTITY_WEIGHTS[quantity] == QUANTITY_WEIGHTS["pressure_exponent"]:
+        return {}
+    known = {*study.factors, *study.fixed, *(["thickness"] if study.body else []), "datum"}
+    own = next(name for name in _LENGTHS if name in known)
+    powers = scale_powers(quantity, "load", own)
+    return {name: power for name, power in powers.items() if name in study.factors and power}
+
+
+def _coefficient(study: Study, name: str, kinds: Kinds) -> float:
+    """What the logarithm of a length is multiplied by in a quantity that the groups tell but for the datum."""
+    if name not in study.added:
+        return 0.0
+    datum = length(study)
+    if datum is None:
+        return 0.0
+    here = {**{key: value for key, value in study.fixed.items() if key != "datum"}, **middles(study), **kinds}
+    found = study.solved(solve, {**here, "datum": datum * np.array([1.0, np.e])})[name].values
+    return float(found[1] - found[0])

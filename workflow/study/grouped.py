@@ -1,0 +1,191 @@
+"""Groups of a study: axes of its data set that are products of powers of its factors, and whether these tell all cases.
+
+Two cases with the same groups must be similar (`solver.similarity`): one is the other in another size, or more strongly
+pressed. Otherwise a surrogate over the groups would give one answer to two questions.
+"""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from scipy.linalg import null_space
+
+from solver.similarity import Weight, weight_of
+from surrogate import Input
+from surrogate.data.inputs import Scale
+from surrogate.gp.grouping import span
+from workflow.language.expressions import Expression, Name, Operation, Power
+from workflow.language.factors import FACTORS
+from workflow.language.grammar import parse
+from workflow.study.sections import Axis, Group
+
+_SAME = 1e-9
+_DECADE = 10.0  # a product that spans more than this is spread in its logarithm
+
+
+@dataclass(frozen=True)
+class Product:
+    """A product of whole powers of factors.
+
+    Attributes
+    ----------
+    powers : mapping of str to int
+        Power of every factor in it; the first is the one that the cases of the data set vary for it.
+    name : str
+        What the axis is called in files.
+    units, text : str
+        Its unit and how it is written.
+    """
+
+    powers: Mapping[str, int]
+    name: str
+    units: str
+    text: str
+
+    @property
+    def lone(self) -> bool:
+        """Whether it is one factor, as it is."""
+        return list(self.powers.values()) == [1]
+
+
+@cache
+def product(text: str) -> Product:
+    """Read a product as ``load * radius / thickness^2``; ValueError, in one line, for what is none.
+
+    Examples
+    --------
+    >>> one = product("load * radius / thickness^2")
+    >>> one.name, one.units, dict(one.powers)
+    ('load_radius_per_thickness2', 'Pa', {'load': 1, 'radius': 1, 'thickness': -2})
+    """
+    try:
+        tree = parse(text)
+        powers = {name: power for name, power in _powers(text, tree).items() if power}
+    except ValueError as error:
+        raise ValueError(f"groups: {error}") from None
+    for name in powers:
+        if name not in FACTORS:
+            raise ValueError(f"groups: {text!r}: {name!r} is no factor")
+    if not powers:
+        raise ValueError(f"groups: {text!r}: is 1")
+    above = [_called(name, power) for name, power in powers.items() if power > 0]
+    below = [_called(name, -power) for name, power in powers.items() if power < 0]
+    name = "_".join(above or ["one"]) + ("_per_" + "_".join(below) if below else "")
+    return Product(powers, name, str(tree.unit() or 1), re.sub(r"\s+", " ", text.strip()))
+
+
+def _called(name: str, power: int) -> str:
+    return name if power == 1 else f"{name}{power}"
+
+
+def _powers(text: str, node: Expression) -> dict[str, int]:
+    if isinstance(node, Name):
+        return {node.name: 1}
+    if isinstance(node, Power):
+        return {name: power * node.exponent for name, power in _powers(text, node.base).items()}
+    if isinstance(node, Operation) and node.symbol in "*/":
+        found, sign = _powers(text, node.left), 1 if node.symbol == "*" else -1
+        for name, power in _powers(text, node.right).items():
+            found[name] = found.get(name, 0) + sign * power
+        return found
+    raise ValueError(f"{text!r}: only products and quotients of whole powers of factors make a group")
+
+
+def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> dict[str, Axis]:
+    """Axes of the data set by name, over the ranges that the box gives; ValueError, in one line, for bad groups."""
+    found: dict[str, Axis] = {}
+    for text, group in groups.items():
+        one = product(text)
+        _check_names(one, factors, fixed)
+        if one.name in found:
+            raise ValueError(f"groups: {text}: is given twice")
+        low, high = span(_inputs(one, factors, fixed), dict(one.powers))
+        scale = group.scale or _usual(one, factors, low, high)
+        shown = f"{low:g} to {high:g} [{one.units}]"
+        if (scale == "log" and low <= 0) or (scale == "logit" and not 0 < low < high < 1):
+            needs = "> 0" if scale == "log" else "between 0 and 1"
+            raise ValueError(f"groups: {text}: scale: {scale} needs a range {needs}, this one is {shown}")
+        found[one.name] = Axis(low=low, high=high, levels=group.levels, scale=scale)
+    return found
+
+
+def _check_names(one: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> None:
+    for name, power in one.powers.items():
+        if name not in factors and not fixed.get(name):
+            raise ValueError(f"groups: {one.text}: {name!r} is none of the factors, nor fixed at a number but 0")
+        low = factors[name].low if name in factors else fixed[name]
+        if low <= 0 and power < 0:
+            raise ValueError(f"groups: {one.text}: divides by {name!r}, which is from {low:g} on; must be > 0")
+    if not any(name in factors for name in one.powers):
+        raise ValueError(f"groups: {one.text}: holds none of the factors")
+
+
+def _inputs(one: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> list[Input]:
+    room = 1e-12  # a fixed factor has no range
+    ends = {
+        name: (factors[name].low, factors[name].high) if name in factors else (fixed[name], fixed[name] * (1 + room))
+        for name in one.powers
+    }
+    return [Input(name, min(pair), max(pair)) for name, pair in ends.items()]
+
+
+def _usual(one: Product, factors: Mapping[str, Axis], low: float, high: float) -> Scale:
+    """The scale of a group that says none: its factor's own, or a logarithm over more than a decade."""
+    if one.lone:
+        return factors[next(iter(one.powers))].scale
+    return "log" if low > 0 and high / low > _DECADE else "linear"
+
+
+def leads(products: Iterable[Product], factors: Mapping[str, Axis]) -> dict[str, str]:
+    """The factor that cases of the data set vary for each axis, by the axis: its first one that has a range.
+
+    Raises ValueError, in one line, where two axes would vary the same.
+    """
+    found: dict[str, str] = {}
+    for one in products:
+        first = next(name for name in one.powers if name in factors)
+        if first in found.values():
+            raise ValueError(f"groups: {one.text}: begins with {first!r} as another group does; begin with another")
+        found[one.name] = first
+    return found
+
+
+def unlike(products: Sequence[Product], factors: Sequence[str], fixed: Mapping[str, Weight]) -> dict[str, float] | None:
+    """A change of the factors that no group sees, and that is no similarity; None where there is none.
+
+    Parameters
+    ----------
+    products
+        The groups.
+    factors
+        Names of what varies.
+    fixed
+        Weights of what does not vary, and would have to for a similar case.
+
+    Returns
+    -------
+    dict or None
+        What each factor is multiplied by.
+    """
+    A = np.array([[one.powers.get(name, 0) for name in factors] for one in products], dtype=np.float64)
+    W = np.array([[weight.size, weight.strength] for weight in map(weight_of, factors)])
+    kept = np.array([[weight.size, weight.strength] for weight in fixed.values()]).reshape(-1, 2)
+    similar = W @ (null_space(kept) if len(kept) else np.eye(2))
+    unseen = null_space(A)
+    rest = unseen - similar @ np.linalg.lstsq(similar, unseen, rcond=None)[0]
+    if not unseen.size or np.abs(rest).max() < _SAME:
+        return None
+    worst = unseen[:, int(np.abs(rest).max(axis=0).argmax())]
+    worst = worst / worst[np.abs(worst).argmax()]
+    return {name: 10.0**power for name, power in zip(factors, worst.tolist(), strict=True) if abs(power) > _SAME}
+
+
+def refusal(change: Mapping[str, float]) -> str:
+    """What is wrong with groups that do not see a change, in one line."""
+    shown = " and ".join(f"{name} x {by:.3g}" for name, by in change.items())
+    return (
+        f"groups: {shown} is in no group, and is another contact: under similarity lengths (also the radius and the "
+        "datum) go together, and load and charges with length squared over radius, as load * radius / thickness^2"
+    )
