@@ -429,6 +429,8 @@ class Study(Strict):
             raise ValueError("surrogate: method: cross learns no fields, and its kernel is chebyshev")
         if self.groups:
             raise ValueError("groups: surrogate: method: cross stands on the factors themselves, not on groups")
+        if self.dataset.peaks:
+            raise ValueError("dataset: peaks: surrogate: method: cross learns no largest stresses; must be false")
         if self.block > self.dataset.budget:
             raise ValueError(
                 f"factors: {self.block} cases at a place are more than dataset: budget: {self.dataset.budget}"
