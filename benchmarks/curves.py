@@ -32,13 +32,13 @@ Array = NDArray[np.float64]
 THICKNESS, RADIUS = 1e-3, 1.0
 BASES = {"rigid": (RIGID, 100.0, 6.0), "steel": ("steel", 70.0, 11.0)}
 #: Tables, then loads and charges of each, and the grids of levels that are compared.
-GRIDS = {"interface": ((10, 4, 16, 3, 2), (13, 5, 21, 4, 3)), "film": ((10, 4, 16, 2, 2),)}
+GRIDS = {"interface": ((10, 4, 16, 3, 2), (13, 5, 21, 4, 3)), "film": ((9, 4, 16, 2, 2),)}
 _OUTPUTS = {
     "interface": ("interface_shear", "interface_shear_position", "interface_tension"),
     "film": ("film_peak_von_mises", "film_peak_principal_tension"),
 }
-_NODES, _LEAST = 38, 0.04
-_PLACES, _TOGETHER = 40, 50
+_NODES, _LEAST = 30, 0.04
+_PLACES, _TOGETHER = 15, 100
 
 
 def inputs(base: str) -> list[Input]:
@@ -99,9 +99,11 @@ def fresh(base: str, region: str, places: int, together: int, seed: int) -> xr.D
     """Random cases, some at a time of one composition and friction, over `case`."""
     random, groups = np.random.default_rng(seed), inputs(base)
     columns: dict[str, list[Array]] = {}
-    for _ in range(places):
+    # few as the places are, each lies in a part of its own of either axis
+    spread = [2 * (random.permutation(places) + random.uniform(size=places)) / places - 1 for _ in range(2)]
+    for k in range(places):
         u = random.uniform(-1, 1, (5, together))
-        u[0], u[1] = u[0, 0], u[1, 0]
+        u[:2] = np.array(spread)[:, k, None]
         values = [one.from_unit(row) for one, row in zip(groups, u, strict=True)]
         part = solved(base, region, (float(values[0][0]), float(values[1][0])), values[2], np.stack(values[3:], -1))
         part |= {one.name: value for one, value in zip(groups, values, strict=True)}
