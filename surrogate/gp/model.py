@@ -134,6 +134,7 @@ class GaussianProcess(Predictive):
         model = cls.restore(stored, inputs, outputs)
         model.calibration_ = Calibration.restore(stored, model.parts, len(inputs), len(outputs))
         return model
+
     @property
     def members(self) -> Mapping[str, "GaussianProcess"]:
         """Models that it is made of, by the names of `MEMBERS`: a file holds them too."""
