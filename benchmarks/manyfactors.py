@@ -1,10 +1,11 @@
 """Films of many factors: cross approximation and a sparse grid side by side, from as many tables of the solver.
 
-``python -m benchmarks.manyfactors [TOLERANCE]`` takes the study `config/two_layers.yaml`: a place in its five crossed
-factors is a table, at which all levels of the other three are solved. Errors are those at fresh places in the box.
+``python -m benchmarks.manyfactors [TOLERANCE [STUDY.yaml]]`` takes `config/two_layers.yaml`: a place in its five
+crossed factors is a table, at which all levels of the others are solved. Errors are those at fresh places in the box.
 """
 
 import sys
+from pathlib import Path
 from time import process_time
 
 import numpy as np
@@ -22,9 +23,9 @@ from workflow.study.model import Study, load
 _FRESH = 40
 
 
-def measure(tolerance: float = 1e-3) -> dict[str, float]:
+def measure(tolerance: float = 1e-3, path: str | Path = ROOT / "config" / "two_layers.yaml") -> dict[str, float]:
     """Places, seconds of processor time, and errors over range: largest of all quantities, their median, voltage."""
-    study = load(ROOT / "config" / "two_layers.yaml")
+    study = load(path)
     study = study.model_copy(
         update={"validation": study.validation.model_copy(update={"tolerance": tolerance, "cases": _FRESH})}
     )
@@ -36,7 +37,6 @@ def measure(tolerance: float = 1e-3) -> dict[str, float]:
     a_place = (process_time() - start) / _FRESH
     low, spread = truth.min(axis=(0, 1)), np.ptp(truth, axis=(0, 1))
 
-    data: xr.Dataset | None = None
     start = process_time()
     parts: list[xr.Dataset] = []
     while "place" in (places := training.places(study, parts)).sizes:
@@ -88,4 +88,5 @@ def blocks(study: Study, cases: xr.Dataset) -> Array:
 
 
 if __name__ == "__main__":
-    print(printed(measure(*map(float, sys.argv[1:]))))
+    tolerance, *files = sys.argv[1:] or ["1e-3"]
+    print(printed(measure(float(tolerance), *files[:1])))

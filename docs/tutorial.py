@@ -21,6 +21,7 @@ from docs.notebook import Part, parts
 FOLDER = Path(__file__).parent / "tutorials"
 ROOT = FOLDER.parents[1]
 PAGES = sorted(FOLDER.glob("*.md"))
+ON_QUICKSTART = {"measured", "million"}  # what needs results/quickstart
 
 
 def follow(page: str, folder: Path) -> Iterator[tuple[Part, str]]:

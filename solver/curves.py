@@ -28,6 +28,8 @@ class Region:
         coordinate of the region.
     down, down_at
         The same of every row of panels; of an interface one point.
+    size
+        The size by which the stresses scale.
     """
 
     fields: tuple[str, ...]
@@ -35,11 +37,18 @@ class Region:
     across_at: tuple[float, ...]
     down: tuple[int, ...] = (1,)
     down_at: tuple[float, ...] = (0.0, 0.0)
+    size: str = "mean_pressure"
 
     @property
-    def size(self) -> int:
+    def points(self) -> int:
         """Number of points."""
         return sum(self.down) * sum(self.across)
+
+    @property
+    def sizes(self) -> tuple[str, ...]:
+        """What every field scales by from case to case; empty where by nothing."""
+        own = {"position": "", "depth": "half_length"}
+        return tuple(own.get(field, self.size) for field in self.fields)
 
     def by_panel(self, values: Array) -> Array:
         """Values at all points across and down, (..., down, across), in the order of the points; (..., point)."""
@@ -120,7 +129,10 @@ _FILM = (-3.0, -2.0, -1.0, -0.75, -0.4, 0.4, 0.75, 1.0, 2.0, 3.0)
 REGIONS: dict[str, Region] = {
     "body": Region((*_STRESSES, "depth"), (8, 9, 11, 11, 9, 13, 9, 11, 11, 9, 8), _BODY, (9, 9), (0.0, 0.5, 1.0)),
     "interface": Region(
-        ("stress_xy", "stress_yy", "position"), (24, 24, 40, 24, 24), (-5.0, -3.0, -1.0, 1.0, 3.0, 5.0)
+        ("stress_xy", "stress_yy", "position"),
+        (24, 24, 40, 24, 24),
+        (-5.0, -3.0, -1.0, 1.0, 3.0, 5.0),
+        size="load_over_thickness",
     ),
     "film": Region(_STRESSES, (10, 14, 11, 11, 16, 11, 11, 14, 10), _FILM, (9, 9), (-1.0, 0.0, 1.0)),
     "base": Region(_STRESSES, (10, 14, 11, 11, 16, 11, 11, 14, 10), _FILM, (9, 9), (-1.0, 0.0, 1.0)),
@@ -140,17 +152,18 @@ FOLLOWS: dict[str, Peak] = {
     "base_peak_principal_tension": Peak("base", TENSION),
 }
 
-#: What a field of any region is, and by which size of the contact it scales: a stress by the mean pressure.
-FIELDS: dict[str, tuple[Described, str]] = {
-    **{name: (Described("Pa", f"sigma_{name[-2:]} on the panels"), "mean_pressure") for name in _STRESSES},
-    "depth": (Described("m", "depth of the points"), "half_length"),
-    "position": (Described("1", "position X = (x - c)/h of the points"), ""),
+#: What a field of any region is.
+FIELDS: dict[str, Described] = {
+    **{name: Described("Pa", f"sigma_{name[-2:]} at the points of the panels") for name in _STRESSES},
+    "depth": Described("m", "depth of the points"),
+    "position": Described("1", "position X = (x - c)/h of the points"),
 }
 
-#: Sizes of the contact, smooth and positive.
+#: Sizes of a case, smooth and positive, by which fields scale.
 SIZES: dict[str, Described] = {
     "mean_pressure": Described("Pa", "load over the width of the contact"),
     "half_length": Described("m", "half the width of the contact, h"),
+    "load_over_thickness": Described("Pa", "load over the thickness of the film"),
 }
 
 
@@ -167,4 +180,4 @@ def _line(counts: tuple[int, ...], ends: tuple[float, ...]) -> Array:
 
 def described(region: str) -> dict[str, Described]:
     """The variables of a region: unit and meaning by name, ``<region>_<field>``."""
-    return {f"{region}_{field}": FIELDS[field][0] for field in REGIONS[region].fields}
+    return {f"{region}_{field}": FIELDS[field] for field in REGIONS[region].fields}

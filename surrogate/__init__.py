@@ -9,6 +9,7 @@ from surrogate.data.points import OutOfBoxError
 
 if TYPE_CHECKING:
     from surrogate.gp.crossgp import CrossGP
+    from surrogate.gp.curvegp import CurveGP
     from surrogate.gp.gridgp import GridGP
     from surrogate.gp.groupedgp import GroupedGP
     from surrogate.gp.grouping import Group, Grouping, Scaling
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CrossGP",
+    "CurveGP",
     "FactorialRegressor",
     "FormatError",
     "GaussianProcess",
@@ -38,6 +40,7 @@ __all__ = [
 # imported when asked for: scikit-learn, on which they stand, takes longer to import than most jobs take for their work
 _MODELS = {
     "CrossGP": "gp.crossgp",
+    "CurveGP": "gp.curvegp",
     "FactorialRegressor": "use.estimator",
     "GaussianProcess": "gp.model",
     "GridGP": "gp.gridgp",

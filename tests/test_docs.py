@@ -255,8 +255,9 @@ def test_a_tutorial_is_a_notebook_too(site: Path) -> None:
         assert f"({page.stem}.ipynb)" in said
 
 
-def test_the_tutorial_on_the_quickstart_says_what_is_printed(project: Project) -> None:
-    page = (tutorial.FOLDER / "million.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("name", sorted(tutorial.ON_QUICKSTART))
+def test_a_tutorial_on_the_quickstart_says_what_is_printed(name: str, project: Project) -> None:
+    page = (tutorial.FOLDER / f"{name}.md").read_text(encoding="utf-8")
     assert tutorial.told(page, project.folder) == page
 
 

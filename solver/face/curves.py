@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver.curves import FOLLOWS, REGIONS, SIZES, described
+from solver.curves import REGIONS, SIZES, described
 from solver.face.bodies import body_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
@@ -36,9 +36,9 @@ def solve_curves(
     Returns
     -------
     xarray.Dataset
-        ``mean_pressure`` and ``half_length`` over the factors' dimensions, and ``<region>_<field>`` over these and
-        ``<region>_point`` for the regions that every case has: a half-plane its ``body``, a film its ``interface``, a
-        homogeneous one ``film``, one on an elastic base ``base``. SI units.
+        ``solver.curves.SIZES`` that every case has over the factors' dimensions, and ``<region>_<field>`` over these
+        and ``<region>_point`` for the regions that every case has: a half-plane its ``body``, a film its ``interface``,
+        a homogeneous one ``film``, one on an elastic base ``base``. SI units.
 
     Raises
     ------
@@ -64,20 +64,15 @@ def solve_curves(
     def part(cases: Cases) -> xr.Dataset:
         body, coordinates = body_of(cases), cases.coordinates
         values = body.curves(regions)
-        found = cases.labelled({name: values[name] for name in SIZES}, SIZES, _OF)
+        found = cases.labelled({name: values[name] for name in SIZES if name in values}, SIZES, _OF)
         for name in regions:
             table = described(name)
             if not values.keys() >= table.keys():
                 continue
             attrs = {"units": "1", "long_name": f"number of a point of the panels over the {name}"}
-            axis = {f"{name}_point": xr.Variable(f"{name}_point", np.arange(REGIONS[name].size), attrs)}
+            axis = {f"{name}_point": xr.Variable(f"{name}_point", np.arange(REGIONS[name].points), attrs)}
             found |= cases.labelled({one: values[one] for one in table}, table, _OF, axis)
             coordinates |= axis
         return xr.Dataset(found, coordinates)
 
     return cases.solved("exact stresses inside a magneto-electro-elastic body below a sliding punch", part)
-
-
-def peaks_of(curves: Mapping[Any, Any]) -> list[str]:
-    """Peaks that follow from the curves that are there."""
-    return [name for name, peak in FOLLOWS.items() if described(peak.region).keys() <= curves.keys()]

@@ -1,4 +1,4 @@
-"""Stresses of films, of their bases and on their lowest interface on panels tied to the contact: what peaks follow from.
+"""Stresses of films, of their bases and on their interface on panels tied to the contact: what peaks follow from.
 
 They are those of the tables in which the peaks are searched (module `peaks`), at fewer points in the bodies.
 """

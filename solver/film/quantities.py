@@ -127,7 +127,11 @@ def curves(films: Films, regions: Sequence[str]) -> dict[str, Array]:
     """
     films.require_one_length()
     half_length = films.thickness * films.gather(lambda c: c.half_width)
-    out = {"mean_pressure": films.load / (2 * half_length), "half_length": half_length}
+    out = {
+        "mean_pressure": films.load / (2 * half_length),
+        "half_length": half_length,
+        "load_over_thickness": films.load / films.thickness,
+    }
     for places, of, own in _peak_tables(films):
         for region in regions:
             if region == "interface" or region in _bodies(films.kind):

@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 
 from surrogate.data.arrays import Array
 
+#: Rows that a model is corrected by, at most: the cost grows with their cube.
+MOST_ROWS = 1000
+
 
 @dataclass(frozen=True)
 class Measurements:

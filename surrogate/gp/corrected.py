@@ -8,11 +8,13 @@ import xarray as xr
 
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input, unit_coordinates
-from surrogate.data.measurements import Measurements
+from surrogate.data.measurements import MOST_ROWS, Measurements
 from surrogate.gp.discrepancy import Discrepancy
 from surrogate.gp.distribution import NOMINAL, Normal
 from surrogate.gp.draws import Draw, mixture, moments
 from surrogate.gp.model import GaussianProcess
+
+_MOST_DRAWS = 64  # that a file may hold
 
 
 class CorrectedGP(GaussianProcess):
@@ -218,6 +220,8 @@ class CorrectedGP(GaussianProcess):
         error = found["measured_error"]
         output, row = (found[f"measured_{name}"].astype(np.intp) for name in ("output", "row"))
         points = stored["row_point"].transpose("row", "input").values
+        if len(points) > MOST_ROWS or stored.sizes["draw"] > _MOST_DRAWS:
+            raise ValueError(f"more than {MOST_ROWS} measured rows, or than {_MOST_DRAWS} draws")
         if not (set(output.tolist()) <= set(range(len(outputs))) and set(row.tolist()) <= set(range(len(points)))):
             raise ValueError("a measured value is of no output or no row")
         rows = Measurements(points, row, output, found["measured_value"], np.where(error > 0, error, np.nan))

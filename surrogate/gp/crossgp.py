@@ -16,6 +16,8 @@ from surrogate.gp.tensortrain import TensorTrain, compress
 
 #: The dimension of the places that are asked for.
 PLACE = "place"
+# Error of the compressed train over the outputs' ranges, of `compression`, which is over their standard deviations.
+SMALL = 0.1
 
 
 class CrossGP(GridGP):
@@ -63,6 +65,8 @@ class CrossGP(GridGP):
     ...     places = model.ask(data)
     >>> float(model.fit(data).predict({"x": 0.3, "y": 0.8, "z": 0.5})["f"].round(4))
     0.9113
+    >>> model.whole, len(model.blocks(data)) == model.places_
+    (('z',), True)
     """
 
     def __init__(
@@ -184,9 +188,12 @@ class CrossGP(GridGP):
         rest: Any = last.reshape(*last.shape[:2], *(self.levels[name] for name in self.whole), last.shape[-1])
         for k, basis in enumerate(bases[len(cores) :], start=1):
             rest = np.moveaxis(np.tensordot(rest, basis, (k, 0)), -1, k)
-        split = compress(rest.reshape(-1, *rest.shape[2:]), 0.0).cores
+        # rows before the last core interpolate, so that an error of its entries is about one of all
+        small = SMALL * self.compression
+        split = compress(rest.reshape(-1, *rest.shape[2:]), small * float(np.sqrt(last.size))).cores
         first = split[0].reshape(*last.shape[:2], -1)
-        return TensorTrain((*cores, first, *split[1:]))
+        whole = TensorTrain((*cores, first, *split[1:]))
+        return whole.only(range(last.shape[-1]), small * float(np.sqrt(self._cases())))
 
     def _standardise(self, train: TensorTrain, found: Crossed) -> None:
         """Take the outputs' means and standard deviations from the train, then kernels and variance as on a grid."""
@@ -208,5 +215,4 @@ class CrossGP(GridGP):
         points = [one.to_unit(levels) for one, levels in zip(self.inputs_, self.levels_, strict=True)]
         self._choose(points, [grams[k] for k in back])
         whole = TensorTrain((*train.cores[:-1], train.cores[-1] / spread))
-        weights = [self.factors_[k].weights for k in self.order_]
-        self.train_ = whole.only(range(len(spread)), float(np.sqrt(self._allowed()))).scaled(weights)
+        self.train_ = whole.scaled([self.factors_[k].weights for k in self.order_])

@@ -7,14 +7,17 @@ polynomials (module `panels`). Its derivatives follow from those of the coeffici
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from typing import ClassVar, Self
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from storage.described import described
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
+from surrogate.data.meanings import MEANINGS
 from surrogate.gp.curves import Basis, Curves, Largest
 from surrogate.gp.engines import engine
 from surrogate.gp.following import followed, following
@@ -42,6 +45,8 @@ class CurveGP(GaussianProcess):
         All outputs in order; those not in `largest` are plain variables of the data set.
     attrs : mapping, optional
         `units` and `long_name` of the outputs in `largest`.
+    logarithms : bool
+        Learn the logarithm of every size; else the size itself, by a process that knows better.
     error : float
         Root-mean-square error, relative to a field, that the low-rank basis and the compression of its scores may make.
 
@@ -60,6 +65,7 @@ class CurveGP(GaussianProcess):
     >>> a, points = Input("a", -1, 1), gauss_points(32)
     >>> grid = xr.Dataset(coords={"a": a.levels(12), "point": np.arange(32)})
     >>> x = xr.DataArray(points, dims="point")
+    >>> from surrogate.gp.panels import Panels
     >>> hills = Curves(("height",), ("",), Panels((32,)), "point")
     >>> highest = Largest(0, Measure(np.ones((1, 1)), np.zeros((1, 1, 1))))
     >>> model = CurveGP(lambda names: GridGP(inputs=[a]), [hills], {"top": highest}, ["top"])
@@ -81,10 +87,11 @@ class CurveGP(GaussianProcess):
         largest: Mapping[str, Largest],
         outputs: Sequence[str],
         attrs: Mapping[str, dict[str, str]] | None = None,
+        logarithms: bool = True,
         error: float = 1e-7,
     ) -> None:
         self.smooth, self.curves, self.largest = smooth, tuple(curves), dict(largest)
-        self.outputs, self.attrs, self.error = tuple(outputs), attrs, error
+        self.outputs, self.attrs, self.logarithms, self.error = tuple(outputs), attrs, logarithms, error
 
     def fit(self, X: xr.Dataset) -> Self:
         """Fit to a data set that holds the plain outputs, the sizes and the fields, as the process takes its own.
@@ -95,14 +102,15 @@ class CurveGP(GaussianProcess):
             As that process; sizes that are not positive, fields that do not fit their panels.
         """
         plain = [name for name in self.outputs if name not in self.largest]
-        parts = {name: X[name] for name in plain}
+        parts: dict[str, xr.DataArray] = {name: X[name] for name in plain}
         for size in self._sizes():
             if not (X[size] > 0).all():
                 raise ValueError(f"size {size!r} is not positive in some case")
-            parts[f"log {size}"] = np.log(X[size])
+            parts[self._learnt(size)] = X[size].copy(data=np.log(X[size].values)) if self.logarithms else X[size]
         bases = []
         for number, curves in enumerate(self.curves):
-            values, like = curves.shapes(X), X[curves.fields[0]].isel({curves.dim: 0}, drop=True)
+            like: xr.DataArray = X[curves.fields[0]].isel({curves.dim: 0}, drop=True)
+            values = curves.shapes(X)
             bases.append(Basis.of(values, self.error))
             parts |= {
                 f"score {number} {k}": like.copy(data=row.reshape(like.shape)).drop_attrs()
@@ -112,7 +120,7 @@ class CurveGP(GaussianProcess):
         data = xr.Dataset(parts, {name: X[name] for name in kept if not set(X[name].dims) & self._dims()})
         smooth = self.smooth(list(parts)).fit(data)
         self.bases_, self.calibration_ = tuple(bases), None
-        allowed = {f"log {size}": self.error for size in self._sizes()}
+        allowed = {f"log {size}": self.error for size in self._sizes()}  # of a size itself, none
         for number, basis in enumerate(bases):
             allowed |= {f"score {number} {k}": basis.error(self.error) for k in range(len(basis.vectors))}
         self._take(smooth.thinned(allowed), dict(self.attrs or {}))
@@ -121,12 +129,15 @@ class CurveGP(GaussianProcess):
     def _take(self, smooth: GaussianProcess, attrs: Mapping[str, dict[str, str]]) -> None:
         """Stand on a fitted process."""
         self.smooth_, self.inputs_, self.outputs_ = smooth, smooth.inputs_, self.outputs
-        self.attrs_ = {name: attrs.get(name, {}) if name in self.largest else smooth.attrs_[name] for name in self.outputs}
+        self.attrs_ = {
+            name: attrs.get(name, {}) if name in self.largest else smooth.attrs_[name] for name in self.outputs
+        }
         rows = {name: k for k, name in enumerate(smooth.outputs_)}
         self._plain = [(k, rows[name]) for k, name in enumerate(self.outputs) if name not in self.largest]
-        self._size_rows = {size: rows[f"log {size}"] for size in self._sizes()}
+        # of a model of some outputs, only what these need is there
+        self._size_rows = {size: rows[name] for size in self._sizes() if (name := self._learnt(size)) in rows}
         self._score_rows = [
-            np.array([rows[f"score {number} {k}"] for k in range(len(basis.vectors))])
+            np.array([rows[name] for k in range(len(basis.vectors)) if (name := f"score {number} {k}") in rows])
             for number, basis in enumerate(self.bases_)
         ]
         self._landscapes = [
@@ -136,6 +147,9 @@ class CurveGP(GaussianProcess):
 
     def _sizes(self) -> list[str]:
         return sorted({size for curves in self.curves for size in curves.sizes if size})
+
+    def _learnt(self, size: str) -> str:
+        return f"log {size}" if self.logarithms else size
 
     def _dims(self) -> set[str]:
         return {curves.dim for curves in self.curves}
@@ -156,7 +170,7 @@ class CurveGP(GaussianProcess):
             parts.append(smooth._variance(t, weights)[rows].mean(axis=1))
         share = np.array([part / part.max() for part in parts if part.any()])
         best = int(np.log(np.maximum(share, 1e-30)).sum(axis=0).argmax()) if share.size else 0
-        return smooth.outputs_[rows[best]]
+        return smooth.outputs_[int(rows[best])]
 
     # -- answers -------------------------------------------------------------------------------------------------------
     @property
@@ -179,8 +193,8 @@ class CurveGP(GaussianProcess):
         for start in range(0, smooth.shape[1], _BLOCK):
             some = slice(start, start + _BLOCK)
             for number in range(len(self.curves)):
-                scores, land = smooth[self._score_rows[number], some], self._landscapes[number]
                 for measure, names in self._searches(number):
+                    scores, land = smooth[self._score_rows[number], some], self._landscapes[number]
                     summit = land.summit(scores, measure)
                     for name in names:
                         place = self.largest[name].place
@@ -191,7 +205,10 @@ class CurveGP(GaussianProcess):
     def _searches(self, number: int) -> Iterator[tuple[Measure, list[str]]]:
         """Measures of curves, and the outputs that each of them gives."""
         for measure in dict.fromkeys(one.measure for one in self.largest.values() if one.curves == number):
-            yield measure, [name for name, one in self.largest.items() if one.measure is measure and one.curves == number]
+            yield (
+                measure,
+                [name for name, one in self.largest.items() if one.measure is measure and one.curves == number],
+            )
 
     def _size_of(self, name: str) -> str:
         one = self.largest[name]
@@ -200,7 +217,10 @@ class CurveGP(GaussianProcess):
     def _size(self, name: str, smooth: Array) -> Array:
         """What an output scales by; (B,)."""
         size = self._size_of(name)
-        return np.exp(smooth[self._size_rows[size]]) if size else np.ones(smooth.shape[1])
+        if not size:
+            return np.ones(smooth.shape[1])
+        learnt = smooth[self._size_rows[size]]
+        return np.asarray(np.exp(learnt) if self.logarithms else learnt)
 
     def _spread(self, smooth: Array) -> Array:
         """How large an output's standard deviation is over that of its witness; (p, B)."""
@@ -233,13 +253,30 @@ class CurveGP(GaussianProcess):
                         slope *= self._size(name, smooth[:, some])
                         k = self.outputs.index(name)
                         if size := self._size_of(name):
-                            slope += mean[k, some] * slopes[:, self._size_rows[size], some]
+                            row = self._size_rows[size]
+                            share = 1.0 if self.logarithms else 1 / smooth[row, some]
+                            slope += mean[k, some] * share * slopes[:, row, some]
                         out[:, k, some] = slope
         return out
 
     def _slope_variances(self, t: Array, weights: Array) -> Array:
         smooth, _ = self.smooth_._mean_variance(t, None)
         return self._witness._slope_variances(t, weights) * self._spread(smooth) ** 2
+
+    def only(self, outputs: Sequence[str]) -> Self:
+        """Return the model of some outputs; means agree within `error`, and cost less to ask for."""
+        part = copy(self)
+        part.outputs = tuple(outputs)
+        part.largest = {name: one for name, one in self.largest.items() if name in outputs}
+        used = {one.curves for one in part.largest.values()}
+        names = [name for name in outputs if name not in self.largest]
+        sizes = {self._size_of(name) for name in part.largest} - {""}
+        names += [self._learnt(size) for size in sorted(sizes)]
+        names += [self.smooth_.outputs_[row] for number in sorted(used) for row in self._score_rows[number]]
+        part._take(self.smooth_.only(names), self.attrs_)
+        columns = [self.outputs.index(name) for name in outputs]
+        part.calibration_ = None if self.calibration_ is None else self.calibration_.only(columns)
+        return part
 
     # -- calibration ---------------------------------------------------------------------------------------------------
     def uncalibrated(self) -> Self:
@@ -255,11 +292,12 @@ class CurveGP(GaussianProcess):
         known, left = np.zeros_like(smooth), errors.copy()
         for k, row in self._plain:
             known[row] = errors[k]
-        whole = all(field in dataset for curves in self.curves for field in (*curves.fields, *filter(None, curves.sizes)))
+        asked = {name for curves in self.curves for name in (*curves.fields, *curves.sizes) if name}
+        whole = asked <= dataset.keys()
         true = smooth + known
         if whole:
             for size, row in self._size_rows.items():
-                true[row] = np.log(dataset[size].values)
+                true[row] = np.log(dataset[size].values) if self.logarithms else dataset[size].values
             for number, curves in enumerate(self.curves):
                 true[self._score_rows[number]] = self.bases_[number].scores(curves.shapes(dataset))
             known = true - smooth
@@ -274,17 +312,22 @@ class CurveGP(GaussianProcess):
 
     # -- files ---------------------------------------------------------------------------------------------------------
     def state(self) -> xr.Dataset:
-        """Return what a file must hold beside inputs, outputs and probes: that of the smooth process under `smooth_`."""
-        smooth = self.smooth_.stored()
+        """Return what a file must hold beside inputs, outputs and probes: the smooth process's under `smooth_`."""
+        smooth = described(self.smooth_.stored(), "", "", MEANINGS)
         under = smooth.rename({name: f"smooth_{name}" for name in (*smooth.variables, *smooth.sizes)})
         under.attrs = {f"smooth_{name}": value for name, value in smooth.attrs.items()}
         inner = {
             "smooth_output": ("smooth_output", list(self.smooth_.outputs_)),
             "smooth_output_units": ("smooth_output", [self._attr(name, "units") for name in self.smooth_.outputs_]),
-            "smooth_output_long_name": ("smooth_output", [self._attr(name, "long_name") for name in self.smooth_.outputs_]),
+            "smooth_output_long_name": (
+                "smooth_output",
+                [self._attr(name, "long_name") for name in self.smooth_.outputs_],
+            ),
         }
-        return under.assign(inner).assign(following(self.curves, self.bases_, self.largest)).assign_attrs(
-            smooth_engine=self.smooth_.engine, error=self.error
+        return (
+            under.assign(inner)
+            .assign(following(self.curves, self.bases_, self.largest))
+            .assign_attrs(smooth_engine=self.smooth_.engine, error=self.error, logarithms=int(self.logarithms))
         )
 
     def _attr(self, name: str, key: str) -> str:
@@ -297,7 +340,9 @@ class CurveGP(GaussianProcess):
         if attrs["smooth_engine"] == cls.engine:
             raise ValueError("largest values of largest values are none")
         curves, bases, largest = followed(stored, list(outputs))
-        model = cls(_unfitted, curves, largest, list(outputs), outputs, float(attrs["error"]))
+        model = cls(
+            _unfitted, curves, largest, list(outputs), outputs, bool(attrs["logarithms"]), float(attrs["error"])
+        )
         own = stored[[name for name in stored.variables if str(name).startswith("smooth_")]]
         plain = own.rename({name: str(name).removeprefix("smooth_") for name in (*own.variables, *own.sizes)})
         plain.attrs = {key.removeprefix("smooth_"): value for key, value in attrs.items() if key.startswith("smooth_")}

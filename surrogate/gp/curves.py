@@ -1,6 +1,5 @@
 """Fields over panels of which largest values are asked for: what they are called, and their low-rank basis."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Self
 
@@ -144,7 +143,7 @@ class Basis:
         }
 
     @classmethod
-    def restore(cls, stored: Mapping[str, xr.DataArray], number: int, panels: Panels) -> Self:
+    def restore(cls, stored: xr.Dataset, number: int, panels: Panels) -> Self:
         """Return the basis in a file; ValueError names what is inconsistent."""
         mean, vectors, scales = (stored[f"curve_{part}_{number}"].values for part in ("mean", "vectors", "scales"))
         fits = vectors.ndim == 3 and vectors.shape[1:] == mean.shape and scales.shape == mean.shape[:1]

@@ -41,7 +41,8 @@ def following(curves: Sequence[Curves], bases: Sequence[Basis], largest: Mapping
 
 def followed(stored: xr.Dataset, outputs: Sequence[str]) -> tuple[list[Curves], list[Basis], dict[str, Largest]]:
     """Return curves, their bases and what follows from them; ValueError names what is inconsistent."""
-    curves, bases = [], []
+    curves: list[Curves] = []
+    bases: list[Basis] = []
     while f"curve_field_{len(curves)}" in stored:
         k = len(curves)
         across, down = (tuple(stored[f"curve_{way}_{k}"].values.tolist()) for way in ("across", "down"))
@@ -57,7 +58,7 @@ def followed(stored: xr.Dataset, outputs: Sequence[str]) -> tuple[list[Curves], 
         k = len(measures)
         measures.append(Measure(stored[f"measure_linear_{k}"].values, stored[f"measure_root_{k}"].values))
     columns = [stored[f"largest_{part}"].values.tolist() for part in ("output", "curves", "measure", "place")]
-    largest = {}
+    largest: dict[str, Largest] = {}
     for name, own, measure, place in zip(*columns, strict=True):
         if name not in outputs or not (0 <= own < len(curves) and 0 <= measure < len(measures)):
             raise ValueError(f"what follows as {name!r} is not there")

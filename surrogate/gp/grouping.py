@@ -2,7 +2,7 @@
 
 Where a model of the world scales, its outputs depend on fewer numbers than it has inputs:
 
-    output(x) = scale(x) (f(axes(x)) + coefficient log added(x)),   or   sign scale(x) exp(f(axes(x)))
+    output(x) = scale(x) (f(axes(x)) + coefficient log added(x)),   or   sign scale(x) exp(sign f(axes(x)))
 
 with axes, scale and added products of powers of the inputs x, and f what is to be learnt. Nothing here knows why.
 """
@@ -68,7 +68,7 @@ class Grouping:
     inputs : sequence of Input
         What the user asks by: the box.
     groups : sequence of Group
-        The training axes; every input occurs in one of them, or nothing could depend on it but by a product.
+        The training axes.
     scalings : mapping of str to Scaling
         How every output follows.
     added : mapping of str to float
@@ -79,7 +79,7 @@ class Grouping:
     Raises
     ------
     ValueError
-        One line: an unknown input, an input in no group, a broken power or a logarithm of an input that is not
+        One line: an unknown input, one in no group and no scale, a broken power or a logarithm of an input that is not
         positive, an axis whose range does not hold the box.
     """
 
@@ -95,9 +95,10 @@ class Grouping:
         for name in (*used, *self.added, *(name for one in self.scalings.values() for name in one.powers)):
             if name not in names:
                 raise ValueError(f"groups: {name!r} is no input; the inputs are {', '.join(names)}")
+        scaled = {*self.added, *(name for one in self.scalings.values() for name in one.powers)}
         for name in names:
-            if name not in used:
-                raise ValueError(f"groups: input {name!r} is in no group")
+            if name not in used | scaled:
+                raise ValueError(f"groups: input {name!r} is in no group and no scale")
         for group in self.groups:
             self._check_positive(group.axis.name, {k: p for k, p in group.powers.items() if p < 0 or p != int(p)})
             low, high = sorted(group.constant * end for end in span(self.inputs, group.powers))
@@ -167,14 +168,14 @@ class Grouping:
             if (found[k] * sign <= 0).any():
                 low, high = values[k].min(), values[k].max()
                 raise ValueError(f"output {name!r} is from {low:g} to {high:g}: no logarithm of what changes sign")
-            found[k] = np.log(found[k] * sign)
+            found[k] = sign * np.log(found[k] * sign)  # grows with the output
         return np.asarray(found - self.additions(X, outputs))
 
     def told(self, learnt: Array, X: Array, outputs: Sequence[str]) -> Array:
         """Return the outputs of what is learnt, (p, n), at points (n, d): the inverse of `learnt`."""
         found, signs = learnt + self.additions(X, outputs), self.logarithms(outputs)
         for k in np.flatnonzero(signs):
-            found[k] = signs[k] * np.exp(found[k])
+            found[k] = signs[k] * np.exp(signs[k] * found[k])
         return np.asarray(found * self.scales(X, outputs))
 
     def reduced(self, dataset: xr.Dataset, outputs: Sequence[str]) -> xr.Dataset:

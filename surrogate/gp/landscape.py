@@ -16,7 +16,7 @@ from surrogate.gp.measure import Measure
 from surrogate.gp.panels import Indices, Panels, jets, rows
 
 # Hills that are climbed, and how far below the highest they may lie: between points that are scanned one is higher.
-CLIMBED, RIVAL = 4, 0.05
+CLIMBED, RIVAL = 4, 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +88,7 @@ class Landscape:
     def sensitivity(self, scores: Array, measure: Measure, summit: Summit, place: int) -> Array:
         """Return how what is largest, or what a field is there, changes with the scores, (rank, B): (rank, B).
 
-        The measure at its maximum changes as it does at a place that stays; the place moves so that it stays stationary.
+        The measure at its maximum changes as at a place that stays; the place moves so that it stays stationary.
 
         Parameters
         ----------
@@ -129,9 +129,7 @@ class Landscape:
         curvature = np.where(free[:, :, None] & free[:, None], curvature, np.eye(2))
         moved = -np.linalg.pinv(curvature, hermitian=True) @ np.where(free[..., None], push, 0.0)
         return np.asarray(
-            each[:, :, place, 0, 0]
-            + jet[:, place, 0, 1, None] * moved[:, 0]
-            + jet[:, place, 1, 0, None] * moved[:, 1]
+            each[:, :, place, 0, 0] + jet[:, place, 0, 1, None] * moved[:, 0] + jet[:, place, 1, 0, None] * moved[:, 1]
         )
 
     def _highest(self, ones: Array, measure: Measure, curves: Indices, points: Indices) -> Summit:
@@ -173,7 +171,7 @@ class Landscape:
 
     @cached_property
     def _by_panel(self) -> list[Array]:
-        """The same at as many points of every panel, so that all are climbed at once; (1 + rank, field, down, across)."""
+        """The same at as many points of every panel: all are climbed at once; (1 + rank, field, down, across)."""
         most_down, most_across = (gauss_points(count) for count in self._shape)
         found = []
         for down, across, part in self.panels.parts:

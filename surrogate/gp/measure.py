@@ -75,6 +75,6 @@ class Measure:
         return Bent(every[rows, which], self.linear[which] + along, np.where(norm[..., None] > _TINY, bend, 0.0))
 
 
-def _product(row: Array, s: Array) -> Array | float:
+def _product(row: Array, s: Array) -> Array:
     """A combination of fields, (B, n); terms that are zero cost nothing."""
-    return sum(weight * s[:, k] for k, weight in enumerate(row.tolist()) if weight)
+    return np.asarray(sum(weight * s[:, k] for k, weight in enumerate(row.tolist()) if weight))

@@ -75,11 +75,11 @@ class GaussianProcess(Predictive):
     >>> model.sample({"x": 0.2, "y": 1.5}, n=5, seed=0)["f"].shape
     (5,)
     >>> lower, upper = model.interval_array(np.array([[0.2, 1.5]]))
-    >>> bool((lower < upper).all()), model.distribution.cases
-    (True, 300)
+    >>> bool((lower < upper).all()), model.calibrated, model.distribution.cases
+    (True, True, 300)
     >>> model.check_level(0.9)
-    >>> model.only(["g"]).outputs_, model.uncalibrated().calibration_
-    (('g',), None)
+    >>> model.only(["g"]).outputs_, model.thinned({"f": 1e-3}).outputs_, model.uncalibrated().calibration_
+    (('g',), ('f', 'g'), None)
     """
 
     engine: ClassVar[str]
@@ -134,6 +134,7 @@ class GaussianProcess(Predictive):
         model = cls.restore(stored, inputs, outputs)
         model.calibration_ = Calibration.restore(stored, model.parts, len(inputs), len(outputs))
         return model
+
     @property
     def members(self) -> Mapping[str, "GaussianProcess"]:
         """Models that it is made of, by the names of `MEMBERS`: a file holds them too."""

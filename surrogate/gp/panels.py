@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cache, cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,14 +50,13 @@ class Panels:
         """Number of points down and across of every panel, and its points."""
         shapes = [(down, across) for down in self.down for across in self.across]
         ends = np.cumsum([0, *(down * across for down, across in shapes)]).tolist()
-        return tuple(
-            (*shape, slice(*pair)) for shape, pair in zip(shapes, zip(ends[:-1], ends[1:], strict=True), strict=True)
-        )
+        return tuple((*shape, slice(*pair)) for shape, pair in zip(shapes, pairwise(ends), strict=True))
 
     @cached_property
     def scan(self) -> "Scan":
         """The points at which hills are looked for."""
-        kept = [(_some(down), _some(across)) for down, across, _ in self.parts]
+        some = np.arange if self.down == (1,) else _some  # along one coordinate all of them
+        kept = [(some(down), some(across)) for down, across, _ in self.parts]
         points = [
             (part.start + own_rows[:, None] * across + columns).ravel()
             for (_, across, part), (own_rows, columns) in zip(self.parts, kept, strict=True)
@@ -137,7 +137,7 @@ def rows(count: int, places: Array) -> Array:
 
 @cache
 def _derived(count: int) -> Array:
-    """From values at the points to the Chebyshev coefficients of the polynomial and two derivatives; (count, 3 count)."""
+    """From values at the points to Chebyshev coefficients of the polynomial and two derivatives; (count, 3 count)."""
     series = 2 / count * chebyshev(gauss_points(count), count)
     series[0] /= 2
     padded = [np.polynomial.chebyshev.chebder(series, m) if count > m else np.zeros((0, count)) for m in (0, 1, 2)]

@@ -22,6 +22,7 @@ GROUPS = (
 )
 SCALINGS = {
     "length": Scaling({"thickness": 1.0}, logarithm=1),
+    "cold": Scaling({"thickness": 1.0}, logarithm=-1),
     "voltage": Scaling({"load": 1.0}),
     "depth": Scaling({"load": 1.0}, coefficient=0.3 * MIDDLE["load"]),
     "intensity": Scaling({"load": 1.0, "thickness": -0.5}),
@@ -39,6 +40,7 @@ def world(x: xr.Dataset, rough: float = 0.0) -> xr.Dataset:
     return xr.Dataset(
         {
             "length": thickness * np.exp(0.3 * g - 0.01 * z**2 + bend),
+            "cold": -thickness * np.exp(0.1 * g * z + bend),
             "voltage": load * (g * z - tau * (1 + z) + 0.1 * tau**2 + bend),
             "depth": load * (1 + g**2 + tau * z + bend + 0.3 * np.log(MIDDLE["thickness"] / thickness)),
             "intensity": load * thickness**-0.5 * (g**3 - z**3 + bend),

@@ -106,7 +106,7 @@ def _output(name: str, one: Mapping[str, Any], card: Mapping[str, Any]) -> dict[
     attrs = one["attributes"]
     field = _field(name, f"{attrs['long_name']}, in {attrs['units']}", "sc:Float")
     return field | (
-        {"isArray": True, "arrayShape": str(len(card["positions"]))} if one["count"] > card["cases"] else {}
+        {"isArray": True, "arrayShape": str(one["count"] // card["cases"])} if one["count"] > card["cases"] else {}
     )
 
 

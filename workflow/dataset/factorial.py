@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver import solve
+from solver import solve, solve_curves
 from solver.names import ALL_QUANTITIES
 from surrogate import Grouping, Input, chebyshev_levels
 from workflow.dataset import similar
@@ -41,18 +41,18 @@ def axis_inputs(study: Study) -> list[Input]:
     ]
 
 
-def grouping(study: Study) -> Grouping:
-    """How what the surrogate learns follows from a study's groups; ValueError of a study without."""
-    return similar.grouping(study, inputs(study), axis_inputs(study))
+def grouping(study: Study, learned: xr.Dataset | None = None) -> Grouping:
+    """How what the surrogate learns follows from a study's groups; logarithms are chosen where it has the factorial."""
+    plain = similar.grouping(study, inputs(study), axis_inputs(study))
+    return plain if learned is None else similar.with_logarithms(plain, study, learned)
 
 
-def trained(study: Study, quantities: xr.Dataset) -> xr.Dataset:
+def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
     """What is learned of the factorial over its axes: the outputs, or with groups the outputs over their scales."""
-    data = learned(study, quantities)
-    if not study.groups:
+    if by is None:
         return data
     own = {name: data[name] for name in study.axes}
-    return grouping(study).reduced(with_factors(study, data), [str(name) for name in data.data_vars]).assign_coords(own)
+    return by.reduced(with_factors(study, data), [str(name) for name in data.data_vars]).assign_coords(own)
 
 
 def with_factors(study: Study, data: xr.Dataset) -> xr.Dataset:
@@ -123,25 +123,30 @@ def exact(
     *,
     peaks: bool | None = None,
     regular: bool = False,
+    curves: bool = False,
 ) -> xr.Dataset:
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
     ``axes`` hold factors, or of a study with groups all of its axes: then the factors of the cases are coordinates.
     With the largest stresses of the body where ``peaks``, by default where the data set has them; with the regular
-    parts of the surface fields where ``regular``. Without what is no number in some cases, which no file would hold.
+    parts of the surface fields where ``regular``; with the curves that the surrogate learns where ``curves``. Without
+    what is no number in some cases, which no file would hold.
     """
     grouped = axes.keys() >= study.products.keys() and not study.factors.keys() >= study.products.keys()
     over = list(study.products) if grouped else []
     own = similar.factors(study, {name: axes[name] for name in over}) if over else {}
     rest = {name: values for name, values in axes.items() if name not in over}
     rest |= {name: kinds for name, kinds in study.categories.items() if name not in axes}
+    factors = {**study.fixed, **own, **rest}
     solved = study.solved(
         solve,
-        {**study.fixed, **own, **rest},
+        factors,
         positions,
         peaks=study.dataset.peaks if peaks is None else peaks,
         regular=regular,
     )
+    if curves and study.regions:
+        solved = solved.merge(study.solved(solve_curves, factors, study.regions), combine_attrs="override")
     if over:
         along = {name: (name, np.asarray(axes[name]), _axis_attrs(study, name)) for name in over}
         solved = solved.assign_coords(along).transpose(*over, ...)

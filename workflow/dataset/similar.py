@@ -1,6 +1,7 @@
 """Similar cases: the factors at which the groups of a study are solved, and how all other cases follow from these."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,15 @@ from solver import solve
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers
 from surrogate import Group, Grouping, Input, Scaling
 from surrogate.gp.grouping import middle
+from surrogate.levels.counts import decays
 from workflow.study import grouped
 from workflow.study.categories import Kinds, output
 from workflow.study.datum import length
 from workflow.study.model import Study
+from workflow.study.reading import InputError
 
 Array = NDArray[np.float64]
+_GAIN = 0.5  # of the predicted error, from which on a logarithm is worth it
 #: Lengths by which a case is measured, the first that it has.
 _LENGTHS = ("thickness", "radius", "width", "datum")
 
@@ -104,6 +108,65 @@ def _group(study: Study, axis: Input, names: Sequence[str]) -> Group:
     powers = study.products[axis.name].powers
     fixed = [study.numbers[name] ** power for name, power in powers.items() if name not in names]
     return Group(axis, {name: float(power) for name, power in powers.items() if name in names}, float(np.prod(fixed)))
+
+
+def with_logarithms(grouping: Grouping, study: Study, learned: xr.Dataset) -> Grouping:
+    """The grouping with the logarithms that are learned: those that the study names, or that decay faster.
+
+    Parameters
+    ----------
+    grouping, study
+        The grouping without any, and its study.
+    learned
+        The factorial, with the factors of its cases as coordinates.
+
+    Raises
+    ------
+    InputError
+        The logarithm that the study names of what changes sign.
+    """
+    asked = study.surrogate.log
+    names = [
+        output(name, kinds) for kinds in study.combinations for name in study.outputs if asked is None or name in asked
+    ]
+    signs = {name: _sign(learned[name].values) for name in names}
+    for name, sign in signs.items():
+        if asked is not None and not sign:
+            low, high = float(learned[name].min()), float(learned[name].max())
+            raise InputError(
+                f"{study.path}: surrogate: log: {name!r} is from {low:g} to {high:g}: no logarithm of what changes sign"
+            )
+    possible = {name: sign for name, sign in signs.items() if sign and not grouping.scalings[name].coefficient}
+    logs = _replaced(grouping, possible)
+    if asked is None:
+        plain, bent = (_errors(one, learned, list(possible)) for one in (grouping, logs))
+        logs = _replaced(grouping, {name: sign for name, sign in possible.items() if bent[name] < _GAIN * plain[name]})
+    return logs
+
+
+def _sign(values: Array) -> int:
+    return int(np.sign(values.flat[0])) if (values > 0).all() or (values < 0).all() else 0
+
+
+def _replaced(grouping: Grouping, signs: Mapping[str, int]) -> Grouping:
+    scalings = {name: replace(one, logarithm=signs.get(name, 0)) for name, one in grouping.scalings.items()}
+    return replace(grouping, scalings=scalings)
+
+
+def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> dict[str, float]:
+    """Predicted interpolation error of every output on the factorial's levels, over the range of its scaled values."""
+    if not names:
+        return {}
+    axes = {one.name: learned[one.name] for one in grouping.axes}
+    data = grouping.reduced(learned, names).assign_coords(axes)
+    found = {}
+    for name, along in decays(data, grouping.axes, names).items():
+        values, sign = data[name].values, grouping.scalings[name].logarithm
+        # an error of the logarithm is one of the value, relative
+        sizes = np.exp(sign * values)
+        size = sizes.max() * np.ptp(values) / np.ptp(sizes) if sign and np.ptp(values) else 1.0
+        found[name] = float(size * sum(one.error(len(one.coefficients)) for one in along.values()))
+    return found
 
 
 def scale(study: Study, quantity: str) -> dict[str, float]:

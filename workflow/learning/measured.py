@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from solver import MaterialError
 from surrogate import GaussianProcess
-from surrogate.data.measurements import Measurements
+from surrogate.data.measurements import MOST_ROWS, Measurements
 from surrogate.gp.corrected import CorrectedGP
 from surrogate.gp.distribution import NOMINAL, Normal
 from surrogate.use import learning
@@ -19,8 +19,8 @@ from workflow.study.reading import InputError
 
 Array = NDArray[np.float64]
 
-#: Rows that may be learnt from.
-FEWEST, MOST = 10, 1000
+#: Rows that may be learnt from, at least.
+FEWEST = 10
 _WRONG_UNIT = 30.0  # measured over predicted values, as a factor, by which no constant changes a quantity
 
 
@@ -56,8 +56,8 @@ def learn(
         the constants explain nowhere.
     """
     count = len(np.unique(rows.row))
-    if not FEWEST <= count <= MOST:
-        raise InputError(f"{count} rows with a measured value; must be {FEWEST} to {MOST}")
+    if not FEWEST <= count <= MOST_ROWS:
+        raise InputError(f"{count} rows with a measured value; must be {FEWEST} to {MOST_ROWS}")
     unknowns = len(constants) + len(rows.outputs)
     if len(rows.value) < unknowns:
         raise InputError(

@@ -10,6 +10,7 @@ from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.levels import counts, lines
 from surrogate.use import validation
 from workflow.dataset import batches, factorial
+from workflow.learning import curves
 from workflow.study.model import Study
 
 #: Error allowed to the compressed mean of a cross approximation, of its tolerance.
@@ -28,18 +29,22 @@ def compression(study: Study) -> float:
 def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     """Gaussian process of the study's outputs on its factorial, or on what a cross approximation asked for of it."""
     if study.groups:
-        grouping, data = factorial.grouping(study), factorial.with_factors(study, factorial.learned(study, quantities))
-        grouped = GroupedGP(grouping, study.surrogate.kernel, compression=compression(study))
+        data = factorial.with_factors(study, factorial.learned(study, quantities))
+        by = factorial.grouping(study, data)
+        grouped = GroupedGP(by, study.surrogate.kernel, compression=compression(study))
         grouped.made_from_ = study.physics
         return grouped.fit(data)
-    inputs = factorial.inputs(study)
-    model = (
-        crossing(study)
-        if study.crossed
-        else GridGP(study.surrogate.kernel, inputs, study.learned, compression=compression(study))
-    )
+    if curves.given(study, quantities):  # some outputs follow from them
+        model: GaussianProcess = curves.model(study, compression(study))
+    else:
+        model = crossing(study) if study.crossed else process(study, study.learned)
     model.made_from_ = study.physics
-    return model.fit(factorial.learned(study, quantities))
+    return model.fit(curves.learned(study, quantities))
+
+
+def process(study: Study, outputs: Sequence[str]) -> GridGP:
+    """The process of some outputs on the study's factorial, not fitted."""
+    return GridGP(study.surrogate.kernel, factorial.inputs(study), outputs, compression=compression(study))
 
 
 def crossing(study: Study) -> CrossGP:
@@ -78,12 +83,13 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
         ``case``, the decay of the factorial's coefficients, and the tolerance that the study asks for.
     """
     points = {name: cases[name] for name in study.factors}
-    if study.crossed:
-        decays = lines.decays(crossing(study), factorial.learned(study, quantities))
-    else:
-        decays = counts.decays(factorial.trained(study, quantities), factorial.axis_inputs(study), study.learned)
     cases, quantities = factorial.learned(study, cases), factorial.learned(study, quantities)
-    if study.groups:
+    by = model.grouping if isinstance(model, GroupedGP) else None
+    if study.crossed:
+        decays = lines.decays(crossing(study), quantities)
+    else:
+        decays = counts.decays(factorial.scaled(study, quantities, by), factorial.axis_inputs(study), study.learned)
+    if by is not None:
         quantities = factorial.with_factors(study, quantities)
     predicted = model.predict(points)
     table = validation.validate(model, cases, None if study.crossed else quantities)
@@ -99,4 +105,5 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     out = out.assign(evidence.rename(input="axis") if study.groups else evidence)
     out = out.assign_coords(units=("output", [cases[name].attrs["units"] for name in names]))
     table = described(out, "errors of the surrogate on exact cases", SOURCE, MEANINGS)
-    return table.assign_attrs(tolerance=study.validation.tolerance)
+    logs = [] if by is None else [name for name, one in by.scalings.items() if one.logarithm]
+    return table.assign_attrs(tolerance=study.validation.tolerance, **({"logarithms": "; ".join(logs)} if logs else {}))

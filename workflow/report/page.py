@@ -40,7 +40,7 @@ _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
 #: Scripts of the page, in the order in which they need each other.
 _SCRIPTS = (
     "contents.js", "numbers.js", "hover.js", "surrogate.js", "stack.js", "chart.js", "fields.js", "explore.js",
-    "share.js", "whatif.js",
+    "share.js", "whatif.js", "effects.js",
 )  # fmt: skip
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
@@ -111,6 +111,8 @@ def page(
         "readouts": [],
         "scripts": [_script(name) for name in _SCRIPTS],
         "effects": list(study.effects.vary) if study.effects else [],
+        "effects_table": tables.effects(study, folder) if study.effects else [],
+        "changed": tables.CHANGED,
         "verification": tables.verification(folder) if study.verification else None,
     }
     if study.factors:
@@ -162,7 +164,8 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
     if content["readouts"]:
         says["readout"] = sentences.readout(content["readouts"])
     if study.effects:
-        says["effects"] = sentences.effects(study)
+        says["effects"] = sentences.strongest(content["effects_table"])
+        says["varied"] = sentences.effects(study)
     if content["verification"]:
         says["speed"] = sentences.speed(content["verification"]["timings"])
     return says

@@ -115,6 +115,16 @@ def effects(study: Study) -> str:
     return f"Varied one at a time: {'; '.join(spans)}."
 
 
+def strongest(rows: Sequence[Row]) -> str:
+    """Which factor of a parametric study moves each quantity of its summary most, and how far."""
+    parts = []
+    for name in dict.fromkeys(name for row in rows for name in row["spans"]):
+        row = max(rows, key=lambda row: row["shares"].get(name, 0.0))
+        ends = " to ".join(titles.value(name, end, 3) for end in row["spans"][name])
+        parts.append(f"{titles.title(name)} changes most with {titles.title(row['name'])} ({ends})")
+    return f"{capital('; '.join(parts))}."
+
+
 def provenance(given: Row) -> str:
     """What the numbers can be traced to."""
     return (

@@ -17,8 +17,10 @@ from workflow.language.statements import limit
 from workflow.report import sentences
 from workflow.report.verdict import findings
 from workflow.study.datum import meaning
-from workflow.study.model import CHECK_GROUPS
+from workflow.study.model import CHECK_GROUPS, Study
 
+#: Quantities that the summary of a parametric study tells.
+CHANGED = ("peak_pressure", "trailing_tension", "depth", "voltage")
 _JUDGED = ("coverage", "worst_decile_coverage", "worst_corner_coverage", "pit_distance", "crps")
 _INTERVALS = (*_JUDGED, *(f"raw_{key}" for key in _JUDGED), "raw_max_error")
 
@@ -124,11 +126,33 @@ def validation(folder: Path) -> dict[str, Any]:
         "rows": rows,
         "levels": levels,
         "tolerance": tolerance,
+        "logarithms": str(data.attrs.get("logarithms", "")).split("; ") if "logarithms" in data.attrs else [],
         "worst": worst,
         "uncorrected": before if any(row["raw_max_error"] != row["error"] for row in rows) else None,
         "crps_over_raw": float((data["crps"] / data["raw_crps"]).median()),
         "cases": data.sizes["case"],
     }
+
+
+def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
+    """What each factor of a parametric study does to a few quantities: their least and largest over its values."""
+    assert study.effects is not None
+    rows = []
+    for factor, values in study.effects.vary.items():
+        data = read_whole(folder / "fields" / f"effect_{factor}.nc")
+        named = isinstance(values[0], str)
+        said = [value if isinstance(value, str) else titles.value(factor, value, 3) for value in values]
+        known = [name for name in CHANGED if name in data and factor in data[name].dims]  # not every punch has all
+        own = {name: data[name].isel({factor: slice(len(values))}) for name in known}
+        spans = {name: (float(one.min()), float(one.max())) for name, one in own.items() if one.notnull().all()}
+        over = ", ".join(said) if named else f"{said[0]} to {said[-1]}"
+        rows.append({"name": factor, "over": over, "spans": spans, "shares": _shares(spans)})
+    return rows
+
+
+def _shares(spans: dict[str, tuple[float, float]]) -> dict[str, float]:
+    """How far each goes over its larger end."""
+    return {name: (high - low) / max(abs(low), abs(high), np.finfo(float).tiny) for name, (low, high) in spans.items()}
 
 
 def readout(name: str, path: Path) -> dict[str, Any]:

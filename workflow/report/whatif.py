@@ -135,6 +135,8 @@ def _target(study: Study, name: str, target: Target, answer: xr.Dataset) -> dict
         f"{factor.replace('_', ' ')} {' to '.join(shown(end, FACTORS[factor].units, 4) for end in ends)}"
         for factor, ends in ranges.items()
     ]
+    if target.tolerance:
+        over.append(f"the tolerances of {titles.listed([titles.title(one) for one in target.tolerance])}")
     return {
         "name": name,
         "limits": limits,
@@ -142,8 +144,19 @@ def _target(study: Study, name: str, target: Target, answer: xr.Dataset) -> dict
         "variables": target.continuous,
         "over": " and ".join(over),
         "scenarios": {factor: values.tolist() for factor, values in corners.values.items()},
+        "offsets": {factor: values.tolist() for factor, values in corners.offsets.items()},
+        "tolerances": {factor: list(target.tolerances[factor]) for factor in corners.offsets},
         "count": corners.count,
+        "few": _few(corners),
     }
+
+
+def _few(corners: scenarios.Scenarios) -> list[int]:
+    """Scenarios over which the map counts: all while they are few, else those at ends of every range."""
+    levels = [*corners.values.values(), *corners.offsets.values()]
+    ends = [(one == one.min()) | (one == one.max()) for one in levels]
+    many = corners.count > scenarios.SEARCHED[1]
+    return np.flatnonzero(np.all(ends, axis=0)).tolist() if many else list(range(corners.count))
 
 
 def _goal(target: Target, answer: xr.Dataset, over: str, constants: Mapping[str, float]) -> dict[str, Any]:

@@ -60,13 +60,16 @@ def product(text: str) -> Product:
     >>> one.name, one.units, dict(one.powers)
     ('load_radius_per_thickness2', 'Pa', {'load': 1, 'radius': 1, 'thickness': -2})
     """
-    tree = parse(text)
-    powers = {name: power for name, power in _powers(text, tree).items() if power}
+    try:
+        tree = parse(text)
+        powers = {name: power for name, power in _powers(text, tree).items() if power}
+    except ValueError as error:
+        raise ValueError(f"groups: {error}") from None
     for name in powers:
         if name not in FACTORS:
-            raise ValueError(f"{text!r}: {name!r} is no factor")
+            raise ValueError(f"groups: {text!r}: {name!r} is no factor")
     if not powers:
-        raise ValueError(f"{text!r}: is 1")
+        raise ValueError(f"groups: {text!r}: is 1")
     above = [_called(name, power) for name, power in powers.items() if power > 0]
     below = [_called(name, -power) for name, power in powers.items() if power < 0]
     name = "_".join(above or ["one"]) + ("_per_" + "_".join(below) if below else "")
@@ -94,10 +97,7 @@ def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mappin
     """Axes of the data set by name, over the ranges that the box gives; ValueError, in one line, for bad groups."""
     found: dict[str, Axis] = {}
     for text, group in groups.items():
-        try:
-            one = product(text)
-        except ValueError as error:
-            raise ValueError(f"groups: {error}") from None
+        one = product(text)
         _check_names(one, factors, fixed)
         if one.name in found:
             raise ValueError(f"groups: {text}: is given twice")
@@ -108,9 +108,6 @@ def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mappin
             needs = "> 0" if scale == "log" else "between 0 and 1"
             raise ValueError(f"groups: {text}: scale: {scale} needs a range {needs}, this one is {shown}")
         found[one.name] = Axis(low=low, high=high, levels=group.levels, scale=scale)
-    for name in factors:
-        if not any(name in product(text).powers for text in groups):
-            raise ValueError(f"groups: factor {name!r} is in none of them")
     return found
 
 

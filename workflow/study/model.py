@@ -13,6 +13,7 @@ import xarray as xr
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from solver import Material, solve
+from solver.curves import FOLLOWS
 from solver.film.powerlaw import SMOOTH
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, FILM_PEAKS, OF_A_FILM, PEAKS, TABLED
 from solver.similarity import Weight, weight_of
@@ -203,6 +204,17 @@ class Study(Strict):
     def added(self) -> frozenset[str]:
         """Quantities whose logarithm of the datum is added exactly: of a film's groups, the depth on its base."""
         return frozenset({"depth"} if self.on_film else set()) & self._hanging
+
+    @property
+    def regions(self) -> list[str]:
+        """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
+
+        None where it stands on groups or on a cross approximation: it then learns the largest stresses themselves.
+        """
+        if self.groups or self.crossed or not self.surrogate.curves:
+            return []
+        followed = [FOLLOWS[name].region for name in self.outputs if name in FOLLOWS]
+        return list(dict.fromkeys(followed))
 
     @property
     def learned(self) -> list[str]:
@@ -417,6 +429,8 @@ class Study(Strict):
             raise ValueError("surrogate: method: cross learns no fields, and its kernel is chebyshev")
         if self.groups:
             raise ValueError("groups: surrogate: method: cross stands on the factors themselves, not on groups")
+        if self.dataset.peaks:
+            raise ValueError("dataset: peaks: surrogate: method: cross learns no largest stresses; must be false")
         if self.block > self.dataset.budget:
             raise ValueError(
                 f"factors: {self.block} cases at a place are more than dataset: budget: {self.dataset.budget}"
@@ -429,6 +443,10 @@ class Study(Strict):
                 raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
             if name in ALL_PEAKS and not self.dataset.peaks:
                 raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
+        for name in self.surrogate.log or []:
+            if not self.groups or name not in self.outputs:
+                needs = "is not one of surrogate.outputs" if self.groups else "needs groups"
+                raise ValueError(f"surrogate: log: {name!r} {needs}")
         if self.surrogate.fields and self.on_film:
             raise ValueError("surrogate: fields: only those of half-planes are learned")
         if self.surrogate.fields and any(self.fixed.get(name, usual) != usual for name, usual in _SMOOTH.items()):

@@ -95,6 +95,13 @@ class Surrogate(Strict):
     )
     kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
     outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
+    curves: bool = Field(
+        True, description="learn largest stresses by the curves that they follow from, which have no kinks as they have"
+    )
+    log: list[QuantityName] | None = Field(
+        None,
+        description="over groups, quantities whose logarithm is learned; null: those whose coefficients fall faster so",
+    )
     fields: int = Field(0, ge=0, le=200, description="angles at which the fields under a cylinder are learned; 0: none")
 
 

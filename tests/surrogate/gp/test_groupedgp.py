@@ -93,7 +93,7 @@ def test_sensitivity_is_that_to_the_inputs(exact: GroupedGP) -> None:
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"groups": GROUPS[:2]}, "input 'charge' is in no group"),
+        ({"groups": GROUPS[:2]}, "input 'charge' is in no group and no scale"),
         ({"groups": (*GROUPS, Group(Input("x", 0, 1), {"heat": 1.0}))}, "'heat' is no input"),
         ({"groups": (*GROUPS[:2], Group(Input("root", 0, 1), {"charge": 0.5}))}, "'charge' from -2e-06 on has no such"),
         ({"groups": (GROUPS[0], Group(Input("pressing", 1e9, 2e9), PRESSING), GROUPS[2])}, "beyond its range"),

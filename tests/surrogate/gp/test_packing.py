@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from xarray import ufuncs
 
 from surrogate import GridGP, Input
 from surrogate.data.arrays import Array
@@ -40,8 +41,8 @@ def model() -> GridGP:
         xr.DataArray(one.levels(n), dims=one.name, coords={one.name: one.levels(n)})
         for one, n in zip(inputs, (14, 9, 8), strict=True)
     )
-    bent, small = np.tanh(3 * a * c) + 1e6 * np.log(b), 1e-9 * np.exp(a * b / 10) * np.cos(c)
-    values: dict[str, xr.DataArray] = {"bent": bent, "small": small}
+    bent, small = ufuncs.tanh(3 * a * c) + 1e6 * ufuncs.log(b), 1e-9 * ufuncs.exp(a * b / 10) * ufuncs.cos(c)
+    values = {"bent": bent, "small": small}
     data = xr.Dataset({name: one.transpose("a", "b", "c").assign_attrs(units="1") for name, one in values.items()})
     return GridGP("chebyshev", inputs, list(map(str, data))).fit(data)
 

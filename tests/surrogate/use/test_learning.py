@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 from scipy.stats import multivariate_normal
 
-from surrogate import GridGP, Input, load, save
+from storage.netcdf import read_whole, write_whole
+from surrogate import FormatError, GridGP, Input, load, save
 from surrogate.data.measurements import Measurements
 from surrogate.gp.corrected import CorrectedGP
 from surrogate.gp.discrepancy import Discrepancy
@@ -220,6 +222,33 @@ def test_a_stored_model_gives_the_same_answers(device: Device, found: Learnt, tm
     )
     save(again, tmp_path / "b.nc")
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("changed", "reason"),
+    [
+        ({"measured_output": np.full(33, 2)}, "a measured value is of no output or no row"),
+        ({"measured_row": np.zeros(33, int)}, "an output is measured twice in a row"),
+        ({"draw_noise": np.full((16, 33), -1.0)}, "inconsistent"),
+        ({"draw_mean": np.zeros((16, 3))}, "the stored predictions probe_mean do not come out again"),
+        ({"effect_engine": "corrected"}, "unknown engine 'corrected'; known are grid"),
+    ],
+)
+def test_an_inconsistent_file_is_refused(
+    changed: dict[str, Any], reason: str, device: Device, found: Learnt, tmp_path: Path
+) -> None:
+    rows = device.rows()
+    assert len(rows.value) == 33
+    save(corrected(found, rows), tmp_path / "a.nc")
+    stored = read_whole(tmp_path / "a.nc")
+    for name, value in changed.items():
+        if name in stored:
+            stored[name] = (stored[name].dims, value, stored[name].attrs)
+        else:
+            stored.attrs[name] = value
+    write_whole(stored, tmp_path / "b.nc")
+    with pytest.raises(FormatError, match=reason):
+        load(tmp_path / "b.nc")
 
 
 def test_what_rows_do_not_tell_stays_as_it_was(found: Learnt) -> None:

@@ -359,6 +359,7 @@ def test_a_probability_is_not_judged_at_one_point(ran: Project, tmp_path: Path) 
 def test_the_page_knows_which_limits_a_point_decides(ran: Project, limit: str, judged: bool) -> None:
     config = load(ran.folder / "config/small.yaml")
     changed = {"worst_case": {}, "uncertain": {"friction": {"normal": [0.2, 0.03]}}, "subject_to": [limit]}
+    changed |= {"tolerance": {"radius": "5 %"}}
     target = Target.model_validate(config.design["sensor"].model_dump() | changed)
     answer = read_whole(ran.folder / "results/small/design/sensor.nc").isel(term=[0, 1])
     answer = answer.assign_coords(term=[str(answer["term"].values[0]), limit])
@@ -367,7 +368,11 @@ def test_the_page_knows_which_limits_a_point_decides(ran: Project, limit: str, j
     found = whatif.content(config.model_copy(update={"design": {"one": target}}), model, quantities, [answer])
     assert found is not None
     (case,) = found["cases"]
-    assert case["over"] == "friction 0.11 to 0.29"
+    assert case["over"] == "friction 0.11 to 0.29 and the tolerances of radius"
+    assert case["tolerances"] == {"radius": [0.0, 0.05]}
+    built = list(zip(case["scenarios"]["friction"], case["offsets"]["radius"], strict=True))
+    assert len(set(built)) == case["count"] == 49
+    assert sorted(built[k] for k in case["few"]) == pytest.approx([(0.11, -1), (0.11, 1), (0.29, -1), (0.29, 1)])
     assert [one["judged"] for one in case["limits"]] == [judged]
 
 

@@ -107,7 +107,13 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
                 use = part & shown
                 if use.any():
                     ax.plot(
-                        X[use], curve[use], color=colour, ls=style, lw=1.4, label=text if part[X.size // 2] else None
+                        X[use],
+                        curve[use],
+                        color=colour,
+                        ls=style,
+                        lw=1.4,
+                        gid=text,  # which the page's script tells of every part
+                        label=text if part[X.size // 2] else None,
                     )
         ax.set_ylabel(label)
         _bounded(ax, curves[:, away])

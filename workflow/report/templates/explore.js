@@ -52,7 +52,7 @@ function startMap(panel, root) {
     const goals = cells.map(({ goal }) => goal).filter(Number.isFinite), low = Math.min(...goals), high = Math.max(...goals);
     const image = context.createImageData(CELLS, CELLS);
     cells.forEach(({ goal, broken }, k) => {
-      const i = k % CELLS, j = CELLS - 1 - Math.floor(k / CELLS), shade = broken ? 0.35 : 1; // broken ones are pale
+      const i = k % CELLS, j = CELLS - 1 - Math.floor(k / CELLS), shade = broken ? 0.35 : 1; // broken ones are faint
       const colour = Number.isFinite(goal) ? viridis(high > low ? (goal - low) / (high - low) : 0.5) : [128, 128, 128];
       image.data.set([...colour, 255 * shade], 4 * (j * CELLS + i));
     });
@@ -60,7 +60,7 @@ function startMap(panel, root) {
     const { title, units } = panel.goal, [x, y] = axes().map((k) => inputs[k]);
     const ends = ({ low: a, high: b, units: u }) => `${said(a, u, 3)} to ${said(b, u, 3)}`;
     root.querySelector(".scale").textContent = `${title}: ${said(low, units, 3)} (dark) to ${said(high, units, 3)} (bright)`;
-    root.querySelector(".axes").textContent = `across: ${spaced(x.name)} ${ends(x)}; up: ${spaced(y.name)} ${ends(y)}`;
+    root.querySelector(".axes").textContent = `Across: ${spaced(x.name)} ${ends(x)}; up: ${spaced(y.name)} ${ends(y)}`;
     canvas.setAttribute("aria-label", `map of ${title} over ${spaced(x.name)} and ${spaced(y.name)}; the sliders do the same as a click on it`);
   }
 

@@ -101,7 +101,7 @@ function hideTip() {
     svg.addEventListener("pointerleave", leave);
   }
 
-  for (const svg of document.querySelectorAll("svg.figure")) {
-    if (svg.matches("[data-field]") || svg.querySelector("metadata.hover")) watch(svg);
+  for (const svg of document.querySelectorAll("svg.figure, svg.chart")) {
+    if (svg.matches(".chart") || svg.querySelector("metadata.hover")) watch(svg);
   }
 })();

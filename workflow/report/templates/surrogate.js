@@ -118,7 +118,7 @@ function predictGrouped(model, t) {
   const added = Math.log(product(g.added_power, relative));
   found.mean.forEach((learnt, p) => {
     const scale = product(g.scale_power[p], relative), sign = g.logarithm[p];
-    const mean = scale * (sign ? sign * Math.exp(learnt) : learnt + g.added_coefficient[p] * added);
+    const mean = scale * (sign ? sign * Math.exp(sign * learnt) : learnt + g.added_coefficient[p] * added);
     const size = sign ? Math.abs(mean) : scale;
     for (const end of ["lower", "upper"]) found[end][p] = mean + (found[end][p] - learnt) * size;
     found.std[p] *= size;

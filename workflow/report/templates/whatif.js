@@ -92,10 +92,16 @@ function startWhatIf(root) {
     });
   }
 
-  // The scaled coordinates of each scenario of a target at a point.
-  function scenarios(target, t) {
-    return Array.from({ length: target.count }, (_, s) =>
-      model.inputs.map((input, k) => (input.name in target.scenarios ? toUnit(input, target.scenarios[input.name][s]) : t[k])));
+  // The scaled coordinates of some scenarios of a target at a point: what it must stand, and what is off as built.
+  function scenarios(target, t, some = Array.from({ length: target.count }, (_, s) => s)) {
+    const built = (input, k, offset) => {
+      const value = fromUnit(input, t[k]), [absolute, share] = target.tolerances[input.name];
+      return Math.min(Math.max(toUnit(input, value * (1 + share * offset) + absolute * offset), -1), 1);
+    };
+    return some.map((s) => model.inputs.map((input, k) => {
+      if (input.name in target.scenarios) return toUnit(input, target.scenarios[input.name][s]);
+      return input.name in target.offsets ? built(input, k, target.offsets[input.name][s]) : t[k];
+    }));
   }
 
   // Values of every name in each scenario at the point, and how far the intervals of the quantities reach from their means.
@@ -121,7 +127,7 @@ function startWhatIf(root) {
   // The goal at scaled coordinates t, over the scenarios where it counts at worst, and whether some limit is broken there.
   function judged(t) {
     const target = data.cases[chosen], { tree, worst, maximise } = goal();
-    const all = target ? scenarios(target, t).map((one) => values(one)) : [values(t)];
+    const all = target ? scenarios(target, t, target.few).map((one) => values(one)) : [values(t)];
     const found = worst ? all.map((one) => evaluate(tree, one)) : [evaluate(tree, values(t))];
     const limits = target ? target.limits.filter((one) => one.judged) : [];
     const broken = limits.some(({ tree: of, value, upper }) => all.some((one) => (upper ? evaluate(of, one) > value : evaluate(of, one) < value)));

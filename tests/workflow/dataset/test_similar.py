@@ -1,0 +1,67 @@
+"""Cases of films that follow by similarity from the stored ones, with no interpolation between, against the solver."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workflow.dataset import factorial, similar
+from workflow.study.model import Study, load
+from workflow.study.reading import InputError
+
+STUDY = """\
+title: Films in groups
+fixed: {composite: fibrous, volume_fraction: 0.4, friction: 0.2, interface_magnetic: grounded}
+categories: {base: [rigid, steel]}
+factors:
+  thickness: {low: 2e-4, high: 1e-3, scale: log}
+  radius: {low: 0.03, high: 0.1, scale: log}
+  load: {low: 2e4, high: 5e4, scale: log}
+  charge: {low: -1e-6, high: 2e-6}
+groups:
+  load * radius / thickness^2: {levels: 4}
+  charge / load: {levels: 3}
+validation: {cases: 20, calibration: 40}
+"""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    path = tmp_path_factory.mktemp("similar") / "films.yaml"
+    path.write_text(STUDY, encoding="utf-8")
+    return load(path)
+
+
+def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study) -> None:
+    """The depth on steel too, whose logarithm of the datum is added."""
+    case = {"thickness": 2.3e-4, "radius": 0.08, "load": 2.2e4, "charge": 1.7e-6}
+    grouping = factorial.grouping(study)
+    X = np.array([[case[name] for name in study.factors]])
+    axes = dict(zip(study.axes, grouping.coordinates(X)[0][:, None], strict=True))
+    stored, true = (factorial.learned(study, factorial.exact(study, one)) for one in (axes, case))
+    at = similar.factors(study, axes)
+    near = np.array([[np.asarray(at[name]).item() for name in study.factors]])
+    assert near[0, 0] == pytest.approx(np.sqrt(2e-4 * 1e-3))
+    values = np.array([[stored[name].item()] for name in study.learned])
+    told = grouping.told(grouping.learnt(values, near, study.learned), X, study.learned)
+    for name, found in zip(study.learned, told[:, 0], strict=True):
+        assert found == pytest.approx(true[name].item(), rel=1e-7), name
+    assert grouping.scalings["depth[steel]"].coefficient > 0
+    assert grouping.scalings["depth[rigid]"].coefficient == pytest.approx(0, abs=1e-12 * true["depth[rigid]"].item())
+
+
+def test_what_hangs_on_the_datum_otherwise_is_not_learned(study: Study, tmp_path: Path) -> None:
+    assert study.added == {"depth"}
+    assert not {"blocked_load_per_volt", "blocked_load_per_ampere"} & set(study.outputs)
+    path = tmp_path / "asked.yaml"
+    path.write_text(STUDY + "surrogate: {outputs: [blocked_load_per_volt]}\n", encoding="utf-8")
+    with pytest.raises(InputError, match="groups: blocked_load_per_volt hang on the datum, which is in no group"):
+        load(path)
+
+
+def test_blocks_of_the_data_set_are_over_the_axes(study: Study) -> None:
+    data = factorial.exact(study, factorial.axes(study))
+    assert data["voltage"].dims == ("load_radius_per_thickness2", "charge_per_load", "base")
+    assert data["load_radius_per_thickness2"].attrs["units"] == "Pa"
+    charged, own = data["charge"] / data["load"], data["charge_per_load"]
+    np.testing.assert_allclose(charged, own.broadcast_like(charged), rtol=1e-12)

@@ -1,0 +1,186 @@
+"""Groups in a study: which are told apart, what is refused in one line, and similar cases that the data set holds."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from storage.netcdf import write_whole
+from surrogate import GroupedGP
+from workflow.dataset import datacard, factorial, levels, similar
+from workflow.learning import training
+from workflow.study import grouped
+from workflow.study.model import Study, load
+from workflow.study.reading import InputError
+
+STUDY = """\
+title: A half-plane in groups
+fixed: {composite: fibrous, datum: 0.5}
+factors:
+  volume_fraction: {low: 0.2, high: 0.8}
+  friction: {low: 0.0, high: 0.4}
+  radius: {low: 0.02, high: 0.2, scale: log}
+  load: {low: 5e3, high: 5e4, scale: log}
+  charge: {low: -1e-6, high: 2e-6}
+groups:
+  volume_fraction: {levels: 8, scale: logit}
+  friction: {levels: 4}
+  load * radius / datum^2: {levels: 5}
+  charge / load: {levels: 3}
+dataset: {slabs: 2, positions: {inside: 6, outside: 2}}
+surrogate: {outputs: [depth, voltage, peak_pressure, trailing_tension, blocked_load_per_volt, contact_trailing]}
+validation: {cases: 300, calibration: 600, tolerance: 1e-3}
+"""
+
+
+def study(text: str, folder: Path) -> Study:
+    path = folder / "study.yaml"
+    path.write_text(text, encoding="utf-8")
+    return load(path)
+
+
+@pytest.fixture(scope="module")
+def half_plane(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    return study(STUDY, tmp_path_factory.mktemp("grouped"))
+
+
+@pytest.fixture(scope="module")
+def model(half_plane: Study) -> GroupedGP:
+    made = training.fit(half_plane, factorial.exact(half_plane, factorial.axes(half_plane)))
+    assert isinstance(made, GroupedGP)
+    return made.calibrate(factorial.learned(half_plane, factorial.cases(half_plane, "calibration")))
+
+
+def test_axes_are_the_groups_over_the_box(half_plane: Study) -> None:
+    assert list(half_plane.axes) == ["volume_fraction", "friction", "load_radius_per_datum2", "charge_per_load"]
+    pressed, charged = half_plane.axes["load_radius_per_datum2"], half_plane.axes["charge_per_load"]
+    np.testing.assert_allclose([pressed.low, pressed.high], [5e3 * 0.02 / 0.25, 5e4 * 0.2 / 0.25], rtol=1e-9)
+    np.testing.assert_allclose([charged.low, charged.high], [-1e-6 / 5e3, 2e-6 / 5e3], rtol=1e-12)
+    assert (pressed.scale, charged.scale, half_plane.axes["volume_fraction"].scale) == ("log", "linear", "logit")
+    assert half_plane.cases == 8 * 4 * 5 * 3
+    assert list(half_plane.factors) == ["volume_fraction", "friction", "radius", "load", "charge"]
+
+
+def test_stored_cases_have_the_values_of_the_groups(half_plane: Study) -> None:
+    axes = factorial.levels(half_plane)
+    found = similar.factors(half_plane, axes)
+    assert found["radius"] == pytest.approx(np.sqrt(0.02 * 0.2))
+    load, charge = xr.DataArray(found["load"]), xr.DataArray(found["charge"])
+    np.testing.assert_allclose(load * found["radius"] / 0.25, axes["load_radius_per_datum2"], rtol=1e-12)
+    np.testing.assert_allclose((charge / load).isel(load_radius_per_datum2=2), axes["charge_per_load"], rtol=1e-12)
+
+
+def test_what_the_surrogate_says_in_the_factors_is_exact(half_plane: Study, model: GroupedGP) -> None:
+    fresh = factorial.cases(half_plane, "validation")
+    table = training.validate(half_plane, factorial.exact(half_plane, factorial.axes(half_plane)), fresh, model)
+    assert float(table.max_error.max()) < 1e-4
+    assert float(np.abs(table.coverage - 0.95).max()) < 0.05
+    assert list(table.axis.values) == list(half_plane.axes)
+    assert list(model.box) == list(half_plane.factors)
+
+
+def test_logarithms_are_chosen_by_decay_and_refused_of_signs(tmp_path: Path) -> None:
+    wide = STUDY.replace("low: 0.02, high: 0.2", "low: 0.005, high: 0.2").replace("5e3, high: 5e4", "3e3, high: 3e5")
+    wide = wide.replace("datum: 0.5", "datum: 1.0")
+    half_plane = study(wide, tmp_path)
+    data = factorial.exact(half_plane, factorial.axes(half_plane))
+    learned = factorial.with_factors(half_plane, factorial.learned(half_plane, data))
+    chosen = factorial.grouping(half_plane, learned)
+    assert chosen.scalings["blocked_load_per_volt"].logarithm == -1
+    assert chosen.scalings["depth"].logarithm == 0
+    named = study(wide.replace("surrogate: {", "surrogate: {log: [trailing_tension], "), tmp_path)
+    logs = {name: one.logarithm for name, one in factorial.grouping(named, learned).scalings.items()}
+    assert logs.pop("trailing_tension") == 1
+    assert not any(logs.values())
+    signs = study(wide.replace("surrogate: {", "surrogate: {log: [voltage], "), tmp_path)
+    wrong = learned.assign(voltage=learned["voltage"] - learned["voltage"].mean())
+    with pytest.raises(InputError, match=r"surrogate: log: 'voltage' is from -.* to .*: no logarithm"):
+        factorial.grouping(signs, wrong)
+
+
+def test_open_levels_are_chosen_over_the_groups(tmp_path: Path) -> None:
+    text = STUDY.replace("load * radius / datum^2: {levels: 5}", "load * radius / datum^2: {}")
+    opened = study(text.replace("tolerance: 1e-3", "tolerance: 1e-2"), tmp_path)
+    assert opened.open
+    chosen = levels.choose(opened)
+    assert list(chosen.input.values) == list(opened.axes)
+    assert 2 <= int(chosen["levels"].sel(input="load_radius_per_datum2")) < 9
+
+
+def test_open_scales_are_those_along_which_coefficients_fall_fastest(half_plane: Study, tmp_path: Path) -> None:
+    text = STUDY.replace("volume_fraction: {levels: 8, scale: logit}", "volume_fraction: {}")
+    text = text.replace("tolerance: 1e-3", "tolerance: 1e-4").replace("low: 0.2, high: 0.8", "low: 0.05, high: 0.95")
+    text = text.replace("{levels: 5}", "{levels: 7}").replace("{levels: 3}", "{levels: 5}")
+    opened = study(text.replace("friction: {levels: 4}", "friction: {levels: 6}"), tmp_path)
+    chosen = levels.choose(opened)
+    assert str(chosen["scale"].sel(input="volume_fraction").item()) == "logit"
+    write_whole(chosen, tmp_path / "levels.nc")
+    closed = levels.with_levels(opened, [tmp_path / "levels.nc"])
+    assert closed.axes["volume_fraction"].scale == "logit"
+    assert closed.axes["volume_fraction"].levels == int(chosen["levels"].sel(input="volume_fraction"))
+    assert closed.axes["load_radius_per_datum2"] == half_plane.axes["load_radius_per_datum2"].model_copy(
+        update={"levels": 7}
+    )
+
+
+def test_the_card_says_how_a_case_follows(half_plane: Study) -> None:
+    told = "\n".join(datacard._stored(datacard._groups(half_plane)))
+    assert "| load_radius_per_datum2 | load * radius / datum^2 | 400 | 40000 | 5 | log |" in told
+    assert "Stored cases have radius = 0.0632456" in told
+    assert "- load^0.5 radius^-0.5: peak_pressure, trailing_tension, leading_compression" in told
+    assert "- load^1: depth, voltage, magnetic_potential" in told
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("datum^2: {levels: 5}", "datum: {levels: 5}", None),  # the datum is fixed: another scale, the same group
+        ("load * radius / datum^2", "load / radius", "depth, voltage, blocked_load_per_volt hang on the datum"),
+        (
+            "charge / load",
+            "charge / load^2",
+            r"groups: radius x 0.316 and load x 3.16 and charge x 10 is in no group, and is",
+        ),
+        ("load * radius / datum^2", "load", "depth, voltage, blocked_load_per_volt hang on the datum"),
+        ("charge / load", "charge / friction", "divides by 'friction', which is from 0 on"),
+        ("charge / load", "charge + load", "groups: 'charge . load': 'C m-1' and 'N m-1' cannot be added"),
+        ("charge / load", "abs(charge) / load", "only products and quotients of whole powers"),
+        ("charge / load", "voltage / load", "groups: 'voltage / load': 'voltage' is no factor"),
+        ("charge / load", "charge / thickness", "'thickness' is none of the factors"),
+        ("charge / load: {levels: 3}", "charge / load: {levels: 3, scale: log}", r"scale: log needs a range > 0"),
+        ("load * radius / datum^2: {levels: 5}", "load * radius: {levels: 5, scale: logit}", "between 0 and 1"),
+        (
+            "charge / load: {levels: 3}",
+            "radius * load: {levels: 3}",
+            "charge x 10 is in no group, and is another contact",
+        ),
+        ("charge / load: {levels: 3}", "load / datum: {levels: 3}", "begins with 'load' as another group does"),
+        ("low: 0.02,", "levels: 4, low: 0.02,", "factors: radius: levels: of a study with groups they stand in groups"),
+        ("charge / load", "load / charge", "divides by 'charge'"),
+        ("charge / load", "load^2 / load^2", "is 1"),
+        ("outputs: [depth,", "log: [depth2], outputs: [depth,", "depth2"),
+    ],
+)
+def test_bad_groups_are_refused_in_one_line(old: str, new: str, says: str | None, tmp_path: Path) -> None:
+    assert old in STUDY
+    if says is None:
+        assert study(STUDY.replace(old, new), tmp_path).cases == 480
+        return
+    with pytest.raises(InputError, match=says) as caught:
+        study(STUDY.replace(old, new), tmp_path)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_half_plane_without_the_datum_in_a_group_is_told_what_hangs_on_it(tmp_path: Path) -> None:
+    """Without a datum load and radius scale away: contact and stresses are told without any group that holds them."""
+    text = STUDY.replace("  load * radius / datum^2: {levels: 5}\n", "")
+    with pytest.raises(InputError, match=r"groups: .*depth.* hang on the datum, which is in no group"):
+        study(text, tmp_path)
+    without = text.replace("depth, voltage, ", "").replace("blocked_load_per_volt, ", "")
+    assert study(without, tmp_path).outputs == ["peak_pressure", "trailing_tension", "contact_trailing"]
+
+
+def test_a_product_is_read_as_written() -> None:
+    one = grouped.product("charge / (load * radius^2)")
+    assert (dict(one.powers), one.name) == ({"charge": 1, "load": -1, "radius": -2}, "charge_per_load_radius2")
