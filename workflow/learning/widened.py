@@ -55,7 +55,7 @@ def made(study: Study, target: Target, wider: Mapping[str, tuple[float, float]])
     if study.open:
         raise InputError(f"design: the ranges are wider than the study's, whose levels are open; {lines(study, wider)}")
     axes = {name: _widened(axis, *wider.get(name, (axis.low, axis.high))) for name, axis in study.factors.items()}
-    cases = prod(axis.levels or 0 for axis in axes.values()) * len(study.combinations)
+    cases = prod(axis.levels or 1 for axis in axes.values()) * len(study.combinations)
     if cases > _MOST:
         raise InputError(f"design: ranges this wide take {cases} cases, more than {_MOST}; {lines(study, wider)}")
     names = [name for name in study.outputs if name in target.names()]
@@ -81,6 +81,8 @@ def _widened(axis: Axis, low: float, high: float) -> Axis:
     """An axis over a wider range, with as many levels to its length."""
     if (low, high) == (axis.low, axis.high):
         return axis
+    if axis.levels is None:  # of a study with groups, whose own they are
+        return axis.model_copy(update={"low": low, "high": high})
     if axis.scale == "log" and low <= 0:
         raise InputError(f"design: {low:g} must be positive on a log scale")
     ratio = (high - low) / (axis.high - axis.low)
