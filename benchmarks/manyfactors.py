@@ -88,4 +88,5 @@ def blocks(study: Study, cases: xr.Dataset) -> Array:
 
 
 if __name__ == "__main__":
-    print(printed(measure(*map(float, sys.argv[1:2]), *sys.argv[2:3])))
+    tolerance, *files = sys.argv[1:] or ["1e-3"]
+    print(printed(measure(float(tolerance), *files[:1])))

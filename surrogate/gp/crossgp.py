@@ -65,6 +65,8 @@ class CrossGP(GridGP):
     ...     places = model.ask(data)
     >>> float(model.fit(data).predict({"x": 0.3, "y": 0.8, "z": 0.5})["f"].round(4))
     0.9113
+    >>> model.whole, len(model.blocks(data)) == model.places_
+    (('z',), True)
     """
 
     def __init__(

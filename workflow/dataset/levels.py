@@ -10,6 +10,7 @@ import xarray as xr
 from storage.described import described
 from storage.netcdf import read_whole
 from surrogate.data.meanings import MEANINGS, SOURCE
+from surrogate.levels.counts import decays
 from surrogate.levels.pilot import explore
 from workflow.dataset import factorial
 from workflow.run.joblog import log
@@ -18,6 +19,8 @@ from workflow.study.grouped import product
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 
+#: Levels along an axis whose scale is chosen, and of every other one.
+_TRIED, _ACROSS = 11, 3
 _MEANINGS = {
     "levels": "number of levels of every input",
     "pilot_levels": "number of levels of every input in the last pilot",
@@ -45,6 +48,7 @@ def choose(study: Study) -> xr.Dataset:
     InputError
         An output that the study asks for by name is kinked: no tolerance can be promised for it.
     """
+    study = _with_scales(study)
     given = {name: axis.levels for name, axis in study.axes.items() if axis.levels is not None}
 
     def solve(axes: dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]) -> xr.Dataset:
@@ -75,21 +79,54 @@ def choose(study: Study) -> xr.Dataset:
         extrapolated=("input", [int(name in choice.extrapolated) for name in names]),
         predicted_error=("output", list(choice.error.values())),
     )
+    if study.groups:
+        chosen["scale"] = "input", [study.axes[name].scale for name in names]
     title = "numbers of levels chosen for a tolerance"
     return described(chosen, title, SOURCE, MEANINGS | _MEANINGS).assign_attrs(
         tolerance=tolerance, budget=budget, pilot_cases=pilot.cases
     )
 
 
+def _with_scales(study: Study) -> Study:
+    """The study with a scale for every open group that says none: that along which coefficients fall fastest."""
+    for text, group in study.groups.items():
+        if group.scale is None and group.levels is None:
+            axis = study.axes[product(text).name]
+            scales = [
+                "linear",
+                *(["log"] if axis.low > 0 else []),
+                *(["logit"] if 0 < axis.low < axis.high < 1 else []),
+            ]
+            tried = [_with_scale(study, text, scale) for scale in scales]
+            study = min(tried, key=lambda one: _error_along(one, product(text).name))
+            log.info("%s: a %s scale", text, study.groups[text].scale)
+    return study
+
+
+def _with_scale(study: Study, text: str, scale: str) -> Study:
+    groups = {**study.groups, text: study.groups[text].model_copy(update={"scale": scale})}
+    return study.model_copy(update={"groups": groups})
+
+
+def _error_along(study: Study, name: str) -> float:
+    """Largest predicted error of any output on a line of `_TRIED` levels of one axis."""
+    inputs = factorial.axis_inputs(study)
+    axes = {one.name: one.levels(_TRIED if one.name == name else _ACROSS) for one in inputs}
+    data = factorial.scaled(study, factorial.learned(study, factorial.exact(study, axes)), factorial.grouping(study))
+    return max(along[name].error(_TRIED) for along in decays(data, inputs).values())
+
+
 def with_levels(study: Study, files: Sequence[str | Path]) -> Study:
     """The study with the chosen level counts in place; ``files`` holds ``levels.nc``, nothing where none are open."""
     if not files:
         return study
-    chosen = read_whole(Path(files[0]))["levels"]
-    counts = {str(name): int(chosen.sel(input=name)) for name in chosen["input"].values}
+    chosen = read_whole(Path(files[0]))
+    counts = {str(name): int(chosen["levels"].sel(input=name)) for name in chosen["input"].values}
     parts: dict[str, Any] = {"factors": {}, "groups": {}}
     for text, group in study.groups.items():
-        parts["groups"][text] = group.model_copy(update={"levels": counts[product(text).name]})
+        name = product(text).name
+        scale = str(chosen["scale"].sel(input=name).item())
+        parts["groups"][text] = group.model_copy(update={"levels": counts[name], "scale": scale})
     for name, axis in study.factors.items():
         parts["factors"][name] = axis.model_copy(update={"levels": counts[name]}) if not study.groups else axis
     # as many slabs as the rules counted before any level was chosen

@@ -22,6 +22,7 @@ JUDGED = {0: 1, 1: 201, 2: 31, 3: 11}
 DRAWN, DRAWN_TO_JUDGE = 256, 4096
 #: Nodes a worst-case factor beside draws.
 GROUPS = {0: 1, 1: 5}
+_FEW = 9  # nodes of a range up to which a tolerance has three, and five beyond
 _GAUSS = 512  # points by which a distribution's moments are integrated
 
 
@@ -61,20 +62,18 @@ class Scenarios:
 
 def corners(target: Target, nodes: Mapping[int, int]) -> Scenarios:
     """Tensor of Chebyshev-Lobatto nodes over every range: worst cases, tolerances, supports of distributions."""
-    ranges = _every(target)
-    return _parted(target, _tensor(ranges, nodes.get(len(ranges), 3)), 1)
+    return _parted(target, _tensor(_levels(target, nodes)), 1)
 
 
 def along(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Scenarios:
     """The same, in groups: the draws of each are the nodes of some names, all others stand still."""
-    ranges = _every(target)
-    count = nodes.get(len(ranges), 3)
-    rest = _tensor({name: one for name, one in ranges.items() if name not in names}, count)
-    own = _tensor({name: ranges[name] for name in names}, count)
+    levels = _levels(target, nodes)
+    rest = _tensor({name: one for name, one in levels.items() if name not in names})
+    own = _tensor({name: levels[name] for name in names})
     size = len(own[names[0]])
     groups = len(next(iter(rest.values()))) if rest else 1
-    levels = {name: np.repeat(one, size) for name, one in rest.items()}
-    return _parted(target, levels | {name: np.tile(one, groups) for name, one in own.items()}, size)
+    whole = {name: np.repeat(one, size) for name, one in rest.items()}
+    return _parted(target, whole | {name: np.tile(one, groups) for name, one in own.items()}, size)
 
 
 def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Array:
@@ -84,12 +83,10 @@ def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) ->
     are those by which a polynomial through the nodes is integrated: for the uniform one C. W. Clenshaw and A. R.
     Curtis, Numer. Math. 2 (1960) 197.
     """
-    ranges = _every(target)
-    count = nodes.get(len(ranges), 3)
-    parts: list[Array] = []
+    every, parts = _levels(target, nodes), list[Array]()
     for name in names:
-        low, high = ranges[name]
-        levels = _nodes(low, high, count)
+        levels = every[name]
+        low, high = levels[0], levels[-1]
         if len(levels) == 1:
             parts.append(np.ones(1))
             continue
@@ -106,7 +103,7 @@ def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) ->
 def draws(target: Target, count: int) -> Scenarios:
     """Sobol' draws of the distributions, uniform within tolerances, at a few nodes of every worst-case range."""
     ranges = _ranges(target)
-    groups = _tensor(ranges, GROUPS.get(len(ranges), 3))
+    groups = _tensor({name: _nodes(*ends, GROUPS.get(len(ranges), 3)) for name, ends in ranges.items()})
     size = len(next(iter(groups.values()))) if groups else 1
     names = target.random
     # the middle of its cell instead of the corner: no draw is an end of a support
@@ -131,17 +128,20 @@ def _ranges(target: Target) -> dict[str, tuple[float, float]]:
     return {name: (low, high) for name, (low, high) in target.worst_case.items()}
 
 
-def _every(target: Target) -> dict[str, tuple[float, float]]:
-    """Every range: of worst cases, of tolerances, and the supports of distributions."""
+def _levels(target: Target, nodes: Mapping[int, int]) -> dict[str, Array]:
+    """Nodes of every range: of worst cases, of the supports of distributions, and of tolerances, which are short."""
     supports = {name: distribution.support for name, distribution in target.uncertain.items()}
-    return _ranges(target) | supports | dict.fromkeys(target.tolerance, (-1.0, 1.0))
+    ranges = _ranges(target) | supports
+    count = nodes.get(len(ranges) + len(target.tolerance), 3)
+    levels = {name: _nodes(low, high, count) for name, (low, high) in ranges.items()}
+    return levels | dict.fromkeys(target.tolerance, _nodes(-1.0, 1.0, 3 if count <= _FEW else 5))
 
 
 def _nodes(low: float, high: float, count: int) -> Array:
     return np.unique(low + (high - low) * (1 - np.cos(np.pi * np.arange(count) / max(count - 1, 1))) / 2)
 
 
-def _tensor(ranges: Mapping[str, tuple[float, float]], nodes: int) -> dict[str, Array]:
-    """Every combination of the nodes of some ranges, (cases,) each; nothing for no range."""
-    cases = np.array(list(product(*(_nodes(low, high, nodes) for low, high in ranges.values()))), dtype=np.float64)
-    return {name: cases[:, column] for column, name in enumerate(ranges)}
+def _tensor(levels: Mapping[str, Array]) -> dict[str, Array]:
+    """Every combination of the levels of some names, (cases,) each; nothing for no name."""
+    cases = np.array(list(product(*levels.values())), dtype=np.float64)
+    return {name: cases[:, column] for column, name in enumerate(levels)}

@@ -71,10 +71,15 @@ def joined(study: Study, quantities: xr.Dataset, slabs: Sequence[str]) -> xr.Dat
     return quantities.merge(xr.concat(parts, first, data_vars="all"), combine_attrs="override")
 
 
+def given(study: Study, data: xr.Dataset) -> bool:
+    """Whether data have the curves that a study learns, if it learns any."""
+    return bool(study.regions) and set(_names(study)) <= data.keys()
+
+
 def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
     """What the surrogate learns from: the study's outputs, and the curves that the data have."""
     found = factorial.learned(study, data)
-    if not study.regions:
+    if not given(study, data):
         return found
     return found.merge(categories.apart(data, study.categories, _names(study)), combine_attrs="override")
 

@@ -25,6 +25,7 @@ _STEP = 0.25  # prior standard deviations, of the difference that a derivative i
 _STALE = {True: 1.0, False: 0.1}  # how far constants may move until derivatives are taken anew; films: True
 _TOLERANCE = {True: 0.1, False: 0.02}  # over the range of every quantity, for the levels
 _BUDGET, _MOST_LEVELS = 20_000, 6
+_MOST_TABLES = 2000  # of films, 0.1 to 0.5 s each
 _CHECKED, _TOGETHER = 200, 25  # random cases that tell the error; of films, those that share a table
 
 
@@ -39,6 +40,11 @@ class Effects:
         What is uncertain.
     say
         Is told of progress: what is done, of how many.
+
+    Raises
+    ------
+    InputError
+        Effects that would take too many cases, or tables of films.
     """
 
     def __init__(
@@ -46,6 +52,12 @@ class Effects:
     ) -> None:
         self._study, self._model, self._constants, self._say = study, model, constants, say
         self._levels = _levels(study, model)
+        tables = int(np.prod([len(self._levels[name]) for name in study.tabled])) * len(study.combinations)
+        if study.tabled and tables * len(constants) > _MOST_TABLES:
+            raise InputError(
+                f"{study.path}: effects of {len(constants)} constants need {tables} tables of films each, more than "
+                f"{_MOST_TABLES} in all; name fewer constants with --uncertain"
+            )
         say(f"effects of {len(constants)} constants: exact on {self.cases} cases each")
         self._start = self._exact(np.zeros(len(constants)))
         self._at, self._slopes = np.zeros(len(constants)), self._differences(np.zeros(len(constants)), self._start)
@@ -116,7 +128,7 @@ def _levels(study: Study, model: GaussianProcess) -> dict[str, Array]:
     except UnreachableError as error:
         raise InputError(f"{study.path}: effects of constants need too many cases: {error}") from None
     counts = {name: min(n if name in study.tabled else n + 1, _MOST_LEVELS) for name, n in pilot.items()}
-    return {name: model.box[name].levels(counts[name]) for name in study.axes}
+    return {name: model.box[name].levels(counts[name]) for name in dict.fromkeys([*study.tabled, *counts])}
 
 
 def _expanded(solved: xr.Dataset, held: dict[str, str]) -> xr.Dataset:

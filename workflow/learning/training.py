@@ -34,7 +34,7 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
         grouped = GroupedGP(by, study.surrogate.kernel, compression=compression(study))
         grouped.made_from_ = study.physics
         return grouped.fit(data)
-    if study.regions:  # some outputs follow from curves
+    if curves.given(study, quantities):  # some outputs follow from them
         model: GaussianProcess = curves.model(study, compression(study))
     else:
         model = crossing(study) if study.crossed else process(study, study.learned)

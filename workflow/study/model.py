@@ -211,9 +211,9 @@ class Study(Strict):
 
         None where it stands on groups or on a cross approximation: it then learns the largest stresses themselves.
         """
-        if self.groups or self.crossed:
+        if self.groups or self.crossed or not self.surrogate.curves:
             return []
-        followed = [FOLLOWS[name].region for name in self.outputs if name in FOLLOWS and self.surrogate.curves]
+        followed = [FOLLOWS[name].region for name in self.outputs if name in FOLLOWS]
         return list(dict.fromkeys(followed))
 
     @property
@@ -429,6 +429,8 @@ class Study(Strict):
             raise ValueError("surrogate: method: cross learns no fields, and its kernel is chebyshev")
         if self.groups:
             raise ValueError("groups: surrogate: method: cross stands on the factors themselves, not on groups")
+        if self.dataset.peaks:
+            raise ValueError("dataset: peaks: surrogate: method: cross learns no largest stresses; must be false")
         if self.block > self.dataset.budget:
             raise ValueError(
                 f"factors: {self.block} cases at a place are more than dataset: budget: {self.dataset.budget}"

@@ -4,7 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
+from storage.netcdf import write_whole
 from surrogate import GroupedGP
 from workflow.dataset import datacard, factorial, levels, similar
 from workflow.learning import training
@@ -64,7 +66,7 @@ def test_stored_cases_have_the_values_of_the_groups(half_plane: Study) -> None:
     axes = factorial.levels(half_plane)
     found = similar.factors(half_plane, axes)
     assert found["radius"] == pytest.approx(np.sqrt(0.02 * 0.2))
-    load, charge = found["load"], found["charge"]
+    load, charge = xr.DataArray(found["load"]), xr.DataArray(found["charge"])
     np.testing.assert_allclose(load * found["radius"] / 0.25, axes["load_radius_per_datum2"], rtol=1e-12)
     np.testing.assert_allclose((charge / load).isel(load_radius_per_datum2=2), axes["charge_per_load"], rtol=1e-12)
 
@@ -104,6 +106,22 @@ def test_open_levels_are_chosen_over_the_groups(tmp_path: Path) -> None:
     chosen = levels.choose(opened)
     assert list(chosen.input.values) == list(opened.axes)
     assert 2 <= int(chosen["levels"].sel(input="load_radius_per_datum2")) < 9
+
+
+def test_open_scales_are_those_along_which_coefficients_fall_fastest(half_plane: Study, tmp_path: Path) -> None:
+    text = STUDY.replace("volume_fraction: {levels: 8, scale: logit}", "volume_fraction: {}")
+    text = text.replace("tolerance: 1e-3", "tolerance: 1e-4").replace("low: 0.2, high: 0.8", "low: 0.05, high: 0.95")
+    text = text.replace("{levels: 5}", "{levels: 7}").replace("{levels: 3}", "{levels: 5}")
+    opened = study(text.replace("friction: {levels: 4}", "friction: {levels: 6}"), tmp_path)
+    chosen = levels.choose(opened)
+    assert str(chosen["scale"].sel(input="volume_fraction").item()) == "logit"
+    write_whole(chosen, tmp_path / "levels.nc")
+    closed = levels.with_levels(opened, [tmp_path / "levels.nc"])
+    assert closed.axes["volume_fraction"].scale == "logit"
+    assert closed.axes["volume_fraction"].levels == int(chosen["levels"].sel(input="volume_fraction"))
+    assert closed.axes["load_radius_per_datum2"] == half_plane.axes["load_radius_per_datum2"].model_copy(
+        update={"levels": 7}
+    )
 
 
 def test_the_card_says_how_a_case_follows(half_plane: Study) -> None:
