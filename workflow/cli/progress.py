@@ -15,6 +15,7 @@ from workflow.study.model import Study
 _STEPS = {
     "levels": "choosing the levels on pilots",
     "slab": "solving the data set, part {slab}",
+    "batch": "solving round {round} of the cross approximation, part {slab}",
     "quantities": "gathering the quantities",
     "card": "describing the data set",
     "cases": "solving random cases",

@@ -69,7 +69,7 @@ def test_a_step_is_said_by_what_it_does(rule: str, wildcards: dict[str, str], wo
 def test_every_rule_has_words() -> None:
     rules = [line.split()[1].rstrip(":") for file in Path("workflow/rules").glob("*.smk")
              for line in file.read_text(encoding="utf-8").splitlines() if line.startswith("rule ")]  # fmt: skip
-    study, names = load("config/quickstart.yaml"), {"slab": "0", "name": "one", "group": "two"}
+    study, names = load("config/quickstart.yaml"), {"slab": "0", "name": "one", "group": "two", "round": "1"}
     assert len(rules) > 20
     assert all(rule.startswith("figure_") or "drawing" not in step(study, rule, names) for rule in rules)
 
