@@ -7,7 +7,7 @@ BIN    := .venv/bin
 export PYTHONDONTWRITEBYTECODE :=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: run test coverage soak slurm lint docs bench lock schema clean help
+.PHONY: run test coverage soak slurm referees lint docs bench lock schema clean help
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -33,6 +33,9 @@ soak: .venv/dev.stamp  ## a hundred kills, ten thousand hostile files, every che
 slurm: .venv/dev.stamp  ## the quickstart through a Slurm on this machine, compared byte for byte with a local run
 	$(BIN)/python -m pytest -m slurm tests/slurm
 
+referees: .venv/referees.stamp  ## what public referees say of a run's files: CF, Croissant, RO-Crate [STUDY=quickstart]
+	@.venv/referees/bin/python tests/referees.py "results/$(STUDY)"
+
 lint: .venv/dev.stamp  ## ruff, mypy --strict and the import contract
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -49,9 +52,12 @@ lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without dow
 	  --custom-compile-command "make lock" --extra build --extra slurm -c requirements/run.txt pyproject.toml -o requirements/slurm.txt
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	  --custom-compile-command "make lock" --extra build --extra slurm --extra docs --extra dev -c requirements/run.txt pyproject.toml -o requirements/dev.txt
+	$(BIN)/uv pip compile -q --upgrade --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+	  --custom-compile-command "make lock" requirements/referees.in -o requirements/referees.txt
 
-docs: .venv/dev.stamp  ## draw the pictures, list the modules and build the documentation into build/docs
+docs: .venv/dev.stamp  ## draw the pictures, run the quickstart and build the site, with its report, into build/docs
 	$(BIN)/python -m docs
+	$(BIN)/meecontact run quickstart
 	$(BIN)/python -m mkdocs build --strict --quiet --site-dir build/docs
 	@echo "documentation: build/docs/index.html"
 
@@ -61,6 +67,13 @@ schema: .venv/run.stamp  ## write the JSON schema and the documented default of 
 .venv/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Python >= 3.11 is needed; set PYTHON=/path/to/one"; exit 2; }
 	@$(PYTHON) -m venv .venv
+
+# their needs and ours differ: an environment of their own
+.venv/referees.stamp: requirements/referees.txt | .venv/bin/python
+	@echo "installing the referees ($<) into .venv/referees"
+	@$(PYTHON) -m venv .venv/referees
+	@.venv/referees/bin/python -m pip install -q --require-hashes -r $<
+	@touch $@
 
 .venv/%.stamp: requirements/%.txt pyproject.toml | .venv/bin/python
 	@echo "installing the pinned dependencies ($<) into .venv"

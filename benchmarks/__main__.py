@@ -9,6 +9,7 @@ import sys
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 from benchmarks import page
 from benchmarks.history import printed
@@ -38,11 +39,15 @@ def main(names: list[str]) -> int:
         found[name] = import_module(f"benchmarks.{name}").measure()
         print(printed(found[name]))
         print(f"{name}: {perf_counter() - start:.0f} s", flush=True)
-    found |= {"machine": platform.platform(), "processor": platform.machine(), "versions": versions()}
-    write_text(path, json.dumps(found, indent=2) + "\n")
-    write_text(FOLDER / "benchmarks.html", page.page(found))
+        _kept(found, path)  # what was measured stays where a later measurement fails
     print(f"{path}, {FOLDER / 'benchmarks.html'}")
     return 0
+
+
+def _kept(found: dict[str, Any], path: Path) -> None:
+    whole = found | {"machine": platform.platform(), "processor": platform.machine(), "versions": versions()}
+    write_text(path, json.dumps(whole, indent=2) + "\n")
+    write_text(FOLDER / "benchmarks.html", page.page(whole))
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ from workflow.study.model import Study, named
 OPEN = {"precise": (35, 7, 9, 12, 5)}
 DIRECTIONS = 200
 SLAB = 0.1
-SEED = 77
+SEED = 7919
 
 
 @dataclass(frozen=True)

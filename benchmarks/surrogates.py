@@ -205,8 +205,20 @@ def _row(entry: Entry, inputs: list[Input], fresh: xr.Dataset) -> dict[str, Any]
         own = np.abs(mean - truth) <= norm.ppf(0.975) * std, crps(truth, mean, std) / over
         coverage, score = entry.judge(model) if entry.judge else (own[0].mean(axis=0), own[1].mean(axis=0))
         row |= {"coverage": _by_output(coverage), "crps": _by_output(score)}
-    print(f"  {entry.method}, {entry.cases} cases: {fit or 0:.3g} s, {error.max():.2g}", flush=True)
+    print(f"  {told(row)}", flush=True)
     return row
+
+
+def told(row: dict[str, Any]) -> str:
+    """A row of the comparison as a line: worst output of each measure, times in seconds and microseconds."""
+    queries = [("a query's mean", "mean_seconds"), ("with interval", "std_seconds"), ("one alone", "single_seconds")]
+    parts = [] if row["fit_seconds"] is None else [f"fit {row['fit_seconds']:.3g} s"]
+    parts += [f"{what} {1e6 * row[key]:.3g} us" for what, key in queries if row[key] is not None]
+    parts.append(f"largest error {max(row['error'].values()):.2g}")
+    if row["coverage"] is not None:
+        parts.append(f"coverage {min(row['coverage'].values()):.3f} to {max(row['coverage'].values()):.3f}")
+        parts.append(f"CRPS {max(row['crps'].values()):.2g}")
+    return f"{row['method']}, {row['cases']} cases: {', '.join(parts)}"
 
 
 def _grid(study: Study, inputs: list[Input], counts: tuple[int, ...]) -> xr.Dataset:

@@ -3,9 +3,11 @@
 Not a part of ``python -m docs``, whose files are the same on every machine: the last digits of a curve are not.
 """
 
-import os
 import runpy
+import shutil
+from contextlib import chdir
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import matplotlib as mpl
 
@@ -13,11 +15,13 @@ FOLDER = Path(__file__).parent
 
 
 def draw() -> None:
-    """Write the figures into this folder."""
-    os.chdir(FOLDER)
-    with mpl.rc_context({"svg.hashsalt": "meecontact"}):
+    """Write the figures into this folder; what else the scripts write goes."""
+    with TemporaryDirectory() as made, chdir(made), mpl.rc_context({"svg.hashsalt": "meecontact"}):
         for script in sorted((FOLDER.parent / "examples").glob("*.py")):
-            runpy.run_path(str(script))
+            if ".svg" in script.read_text(encoding="utf-8"):
+                runpy.run_path(str(script))
+        for figure in Path(made).glob("*.svg"):
+            shutil.copy(figure, FOLDER)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from solver.face.curves import solve_curves
     from solver.face.interior import solve_interior
     from solver.face.refusal import FactorError
     from solver.face.solution import solve
@@ -33,6 +34,7 @@ __all__ = [
     "limiting_speed",
     "materials",
     "solve",
+    "solve_curves",
     "solve_interior",
 ]
 
@@ -53,6 +55,7 @@ _MODULES = {
     "limiting_speed": "halfplane.speed",
     "materials": "material.library",
     "solve": "face.solution",
+    "solve_curves": "face.curves",
     "solve_interior": "face.interior",
 }
 

@@ -233,7 +233,7 @@ FILM_QUANTITIES: dict[str, Described] = {
 #: Quantities of a film that are searched for and given when asked for, in place of ``PEAKS``.
 FILM_PEAKS: dict[str, Described] = {
     "interface_shear": Described("Pa", "largest abs(sigma_xy) on the upper side of the interface"),
-    "interface_shear_position": Described("1", "where, as (x - c)/h", sparse=True),
+    "interface_shear_position": Described("1", "where, as (x - c)/h"),
     "interface_tension": Described("Pa", "largest sigma_yy on the upper side of the interface, 0 if none is tensile"),
     "interface_tension_position": Described("1", "where, as (x - c)/h", "NaN where none is tensile", sparse=True),
     "film_peak_von_mises": Described("Pa", "largest von Mises stress of the film below depth 0.1 h"),

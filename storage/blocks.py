@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from storage.described import standard
 from storage.netcdf import (
     CHECKSUM,
     COMPRESS_FROM,
@@ -133,7 +134,7 @@ def write_blocks(
         No room or no permission, in the system's words, with the file.
     """
     frame = as_stored(frame.drop_encoding())
-    frame.attrs.setdefault("Conventions", "CF-1.11")
+    frame.attrs |= standard(frame)
     with appearing(Path(path), sealed=True) as partial:
         _write(partial, frame, blocks, chunks)
 

@@ -16,6 +16,7 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
+from storage.described import standard
 from storage.rootunits import as_meant, as_stored
 from storage.sealed import FormatError, appearing, check_seal
 
@@ -65,7 +66,7 @@ def write_whole(dataset: xr.Dataset, path: str | PathLike[str]) -> None:
     """
     plain = as_stored(dataset.drop_encoding())
     plain.attrs.pop(CHECKSUM, None)
-    plain.attrs.setdefault("Conventions", "CF-1.11")
+    plain.attrs |= standard(plain)
     mark = checksum(plain)
     with appearing(Path(path), sealed=True) as partial:
         plain.to_netcdf(partial, mode="w", format="NETCDF4", engine="netcdf4", encoding=encodings(plain))

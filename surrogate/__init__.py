@@ -8,6 +8,8 @@ from surrogate.data.inputs import Input, chebyshev_levels
 from surrogate.data.points import OutOfBoxError
 
 if TYPE_CHECKING:
+    from surrogate.gp.crossgp import CrossGP
+    from surrogate.gp.curvegp import CurveGP
     from surrogate.gp.gridgp import GridGP
     from surrogate.gp.groupedgp import GroupedGP
     from surrogate.gp.grouping import Group, Grouping, Scaling
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
     from surrogate.use.estimator import FactorialRegressor
 
 __all__ = [
+    "CrossGP",
+    "CurveGP",
     "FactorialRegressor",
     "FormatError",
     "GaussianProcess",
@@ -35,6 +39,8 @@ __all__ = [
 
 # imported when asked for: scikit-learn, on which they stand, takes longer to import than most jobs take for their work
 _MODELS = {
+    "CrossGP": "gp.crossgp",
+    "CurveGP": "gp.curvegp",
     "FactorialRegressor": "use.estimator",
     "GaussianProcess": "gp.model",
     "GridGP": "gp.gridgp",

@@ -28,6 +28,7 @@ FILES = {
         "tests/workflow/test_pipeline.py",
         "tests/workflow/cli/test_main.py",
         "tests/workflow/cli/test_questions.py",
+        "tests/workflow/cli/test_serving.py",
         "tests/workflow/design/test_unreached.py",
         "tests/workflow/report/test_datum_effect.py",
         "tests/workflow/report/test_figures.py",
@@ -42,13 +43,14 @@ FILES = {
         "tests/faults/test_tampered.py",
         "tests/faults/test_together.py",
     ),
-    "quickstart_run": ("tests/test_docs.py", "tests/test_documents.py"),
+    "quickstart_run": ("tests/test_docs.py", "tests/test_documents.py", "tests/workflow/report/test_panel.py"),
 }
 
 #: What takes longest begins first, so that the last groups to end are short.
 LONGEST = (
     "tests/faults/test_hostile.py",  # first: it bounds the memory of its process, which no other test may have taken
     *FILES,
+    "tests/test_tutorials.py",
     "tests/workflow/design/test_budget.py",
     "tests/surrogate/use/test_inversion.py",
     "tests/workflow/design/test_question.py",

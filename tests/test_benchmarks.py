@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import benchmarks.__main__ as runner
-from benchmarks import direct, gridrivals, intervals, overhead, page, rivals, surrogates
+from benchmarks import direct, gridrivals, intervals, overhead, page, rivals, scattered, sparse, surrogates
 from benchmarks.rivals import Array
 from surrogate import GridGP
 from surrogate.data.inputs import gauss_points
+from surrogate.gp import finiterank
 from tests.surrogate import functions
 
 
@@ -40,6 +41,21 @@ def test_rivals_on_a_grid_learn_a_smooth_function(name: str, room: float) -> Non
     error = np.abs(mean - smooth(at))
     assert error.max() < room
     assert std is None or (error <= 3 * std + 1e-6).mean() > 0.9
+
+
+def test_the_sparse_grid_learns_blocks_and_keeps_to_its_points() -> None:
+    asked: list[Array] = []
+
+    def blocks(t: Array) -> Array:
+        asked.extend(t)
+        return np.stack([smooth(t), 2 * smooth(t)], axis=1)
+
+    predict = sparse.sparse_grid(blocks, 3, 120)
+    assert 120 <= len(asked) < 126
+    assert len(np.unique(np.round(asked, 12), axis=0)) == len(asked)
+    at = np.random.default_rng(0).uniform(-1, 1, (100, 3))
+    assert np.abs(predict(at) - np.stack([smooth(at), 2 * smooth(at)], axis=1)).max() < 4e-3
+    np.testing.assert_allclose(predict(np.array(asked[:20])), blocks(np.array(asked[:20])), atol=1e-12)
 
 
 def test_the_kronecker_process_is_that_of_the_dense_matrix() -> None:
@@ -91,6 +107,35 @@ def test_the_comparison_measures_errors_on_the_exact_solution(monkeypatch: pytes
     assert text.count("<img") == 2
     assert "Kronecker RBF GP" in text
     assert "At equal accuracy" in text
+
+
+def test_the_comparison_on_scattered_cases_is_with_the_truth_and_tells_who_is_missing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(finiterank, "SUBSET", 150)
+    noisy = {name: scattered.FUNCTIONS[name] for name in ("circuit with noise",)}
+    monkeypatch.setattr(scattered, "FUNCTIONS", noisy)
+    absent = scattered.Method("another", "no_such_package", 10_000, scattered.ours)
+    monkeypatch.setattr(scattered, "METHODS", [scattered.METHODS[0], absent])
+    found = scattered.measure((800,))
+    of = {key.rsplit(": ", 1)[1]: value for key, value in found.items()}
+    assert all(key.startswith("ScatterGP, circuit with noise, 800 cases: ") for key in found)
+    # below the noise of 0.01, and intervals of new cases with it
+    assert 1e-4 < of["root-mean-square error over range"] < 0.007
+    assert of["root-mean-square error over range"] < of["largest error over range"]
+    assert 0.92 < of["coverage"] < 0.98
+    assert "left out, as not installed here: another" in capsys.readouterr().out
+
+
+def test_the_circuit_and_the_kink_are_those_of_their_sources() -> None:
+    # all inputs in the middle: 100, 47.5, 1.75, 1.85, 0.725 kilo-ohms and a gain of 175
+    amplified = 175 * 9.725
+    base = 12 * 47.5 / 147.5 + 0.74
+    want = base * amplified / (amplified + 1.75) + 11.35 * 1.75 / (amplified + 1.75)
+    want += 0.74 * 1.75 * amplified / ((amplified + 1.75) * 1.85)
+    assert scattered.circuit(np.zeros((1, 6)))[0] == pytest.approx(want, rel=1e-14)
+    ends = scattered.kinked(np.array([[-1e-3, 0, 0, 0, 0, 0], [1e-3, 0, 0, 0, 0, 0]]))
+    assert ends == pytest.approx([1e-3, 1e-3])
 
 
 def test_the_comparison_of_intervals_tells_calibrated_from_raw() -> None:

@@ -1,5 +1,6 @@
 """The documentation: every command and every block of Python in it is run, its pictures are the code's, it builds."""
 
+import html
 import io
 import os
 import re
@@ -10,17 +11,23 @@ import sys
 import tokenize
 from collections.abc import Sequence
 from pathlib import Path
+from urllib.parse import unquote
 
+import nbformat
 import pytest
 import yaml
 
-from docs import picture, rooms
+import solver
+import surrogate
+from docs import picture, rooms, tutorial
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
 from workflow.study.model import load
 
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 SHOWN = [ROOT / "README.md", *PAGES]  # the README's Python is run by tests/test_documents.py
+WRITTEN = [*SHOWN, *tutorial.PAGES, *(ROOT / "docs/api").glob("*.md")]
+MADE = {"commands.md", "study.md", "changelog.md"}  # by docs/pages.py
 BLOCK = re.compile(r"```(\w+)\n(.*?)```", re.DOTALL)
 # run elsewhere: a cluster's by `make slurm`
 ELSEWHERE = {"meecontact run quickstart --profile slurm": "tests/slurm/test_slurm.py"}
@@ -146,7 +153,8 @@ def stands(name: str) -> bool:
 
 
 def test_every_module_that_a_text_names_is_there() -> None:
-    pages = [*SHOWN, ROOT / "Makefile", ROOT / "mkdocs.yml", ROOT / ".pre-commit-config.yaml"]
+    root = [ROOT / name for name in ("CONTRIBUTING.md", "Makefile", "mkdocs.yml", ".pre-commit-config.yaml")]
+    pages = [*WRITTEN, *root]
     modules = [path for room in rooms.COLUMNS for path in (ROOT / room).rglob("*.py")]
     astray = {
         (str(path.relative_to(ROOT)), name)
@@ -162,20 +170,108 @@ def test_every_module_that_a_text_names_is_there() -> None:
     assert stands("solver.face.solution.solve")
 
 
-def test_the_documentation_builds_and_needs_no_network(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(tmp_path)]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    pages = list(tmp_path.glob("*.html"))
-    assert {page.stem for page in pages} >= {page.stem for page in PAGES}
+@pytest.fixture(scope="module")
+def site(project: Project) -> Path:
+    """The site of a project in which the quickstart has run."""
+    for name in ("docs", "mkdocs.yml", "CHANGELOG.md"):
+        put = shutil.copytree if (ROOT / name).is_dir() else shutil.copy
+        put(ROOT / name, project.folder / name)
+    project.run("python", "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", "build/docs")
+    return project.folder / "build/docs"
+
+
+def test_the_site_is_whole_and_needs_no_network(site: Path) -> None:
+    pages = list(site.rglob("*.html"))
+    assert {page.stem for page in pages} >= {page.stem for page in WRITTEN} - {"README"}
+    assert (site / "results/quickstart/report.html").is_file()
     for page in pages:
         for tag in re.findall(r"<(?:script|link|img)\b[^>]*>", page.read_text(encoding="utf-8")):
             assert not re.search(r"(?:src|href)=\"(?:https?:)?//", tag), tag
 
 
+def test_every_link_of_the_site_leads_somewhere(site: Path) -> None:
+    """Also those into pages that are made from the code, and to files: MkDocs looks at Markdown only."""
+    texts = {page: page.read_text(encoding="utf-8") for page in site.rglob("*.html") if page.name != "404.html"}
+    places = {page: set(re.findall(r"\b(?:id|name)=\"([^\"]+)\"", text)) for page, text in texts.items()}
+    links = 0
+    for page, text in texts.items():
+        for link in re.findall(r"(?:href|src)=\"([^\"]+)\"", text):
+            path, _, place = unquote(html.unescape(link)).partition("#")
+            if re.match(r"[a-z]+:|//", path):
+                continue
+            target = (page.parent / path.partition("?")[0]).resolve() if path else page
+            assert target.is_file() or (target / "index.html").is_file(), (page.name, link)
+            assert not place or target not in places or place in places[target], (page.name, link)
+            links += 1
+    assert links > 1000
+
+
+def test_the_reference_has_every_public_name(site: Path) -> None:
+    for room in (solver, surrogate):
+        text = (site / f"api/{room.__name__}.html").read_text(encoding="utf-8")
+        assert all(f'id="{room.__name__}.{name}"' in text for name in room.__all__)
+        assert not re.search(r":(?:func|class|meth|mod):", text)
+    said = (site / "commands.html").read_text(encoding="utf-8")
+    assert all(f'id="meecontact-{name}"' in said for name in ("solve", "query", "design", "invert", "run"))
+    assert "worst_case" in (site / "study.html").read_text(encoding="utf-8")
+
+
+def test_search_finds_words_in_a_folder_without_a_server(site: Path) -> None:
+    """The script of the page, with the little of a browser that it needs."""
+    browser = """
+      const [site, words] = process.argv.slice(1), fs = require("fs"), vm = require("vm");
+      const read = (name) => fs.readFileSync(`${site}/${name}`, "utf8");
+      const element = () => ({ dataset: { noResultsText: "none" }, addEventListener: () => {} });
+      const ids = { "mkdocs-search-results": element(), "mkdocs-search-query": element() };
+      const loaded = [];
+      const document = {
+        getElementById: (id) => ids[id], createElement: element, head: { append: (script) => loaded.push(script.src) },
+      };
+      const page = vm.createContext({ document, location: { search: `?q=${words}` }, base_url: ".", URLSearchParams });
+      vm.runInContext(read("search.js"), page);
+      loaded.forEach((name) => vm.runInContext(read(name), page));
+      console.log(ids["mkdocs-search-results"].innerHTML);
+    """
+
+    def found(words: str) -> list[str]:
+        command = ["node", "-e", browser, str(site), words]
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        return re.findall(r'href="\./([^"]+)"', done.stdout)
+
+    assert any("names.html" in one for one in found("trailing_tension"))
+    assert any("theory" in one for one in found("Stroh")[:5])
+    assert any("citing" in one for one in found("cit")[:5])  # the beginning of a word
+    assert not found("nosuchword")
+    assert not found("%5E%2B~")  # nothing of lunr's own grammar
+
+
+def test_a_tutorial_is_a_notebook_too(site: Path) -> None:
+    for page in tutorial.PAGES:
+        book = nbformat.read(site / f"tutorials/{page.stem}.ipynb", as_version=4)
+        nbformat.validate(book)
+        said = page.read_text(encoding="utf-8")
+        code = [cell.source for cell in book.cells if cell.cell_type == "code"]
+        assert len(code) == sum(said.count(f"```{kind}\n") for kind in ("python", "sh", "yaml", "csv"))
+        assert f"({page.stem}.ipynb)" in said
+
+
+@pytest.mark.parametrize("name", sorted(tutorial.ON_QUICKSTART))
+def test_a_tutorial_on_the_quickstart_says_what_is_printed(name: str, project: Project) -> None:
+    page = (tutorial.FOLDER / f"{name}.md").read_text(encoding="utf-8")
+    assert tutorial.told(page, project.folder) == page
+
+
 def test_every_page_is_in_the_navigation() -> None:
-    listed = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))["nav"]
-    assert {name for entry in listed for name in entry.values()} == {page.name for page in PAGES}
+    def listed(entry: object) -> list[str]:
+        if isinstance(entry, str):
+            return [entry]
+        inner = entry.values() if isinstance(entry, dict) else entry
+        return [name for one in inner for name in listed(one)]  # type: ignore[attr-defined]
+
+    nav = re.search(r"^nav:\n(?:  .*\n)+", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
+    assert nav
+    pages = {page.relative_to(ROOT / "docs").as_posix() for page in (ROOT / "docs").rglob("*.md")}
+    assert sorted(listed(yaml.safe_load(nav[0])["nav"])) == sorted([*pages, *MADE])
 
 
 def test_citation_names_the_version() -> None:

@@ -13,7 +13,7 @@ from solver.face.filmbodies import films_of
 from solver.face.refusal import FactorError
 from solver.film.along import fields
 from solver.film.inside import inside
-from solver.film.quantities import peaks, quantities
+from solver.film.quantities import curves, peaks, quantities
 from solver.film.similar import Films
 from solver.film.windows import Kind, critical
 from solver.halfplane.pressing import ContactError
@@ -57,6 +57,12 @@ class OnFilm:
         if (lacks := self._bodies.lacks_c12) is not None:
             raise MaterialError(f"{lacks}: c12: missing; film_peak_von_mises needs it [Pa]")
         return self._put_together(peaks)
+
+    def curves(self, regions: Sequence[str]) -> dict[str, Array]:
+        """Sizes and curves of regions, see ``solver.curves``, that every case has; (...) and (..., point)."""
+        if (lacks := self._bodies.lacks_c12) is not None:
+            raise MaterialError(f"{lacks}: c12: missing; stresses inside the film need it [Pa]")
+        return self._put_together(lambda films: curves(films, regions))
 
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
         """The surface fields at X, the singular ones also in regular form if asked; (..., position)."""

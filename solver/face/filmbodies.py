@@ -96,9 +96,13 @@ class ByStack:
     def __init__(self, cases: Cases) -> None:
         which = cases.values["body"]
         self._stacks: list[Stack] = list(dict.fromkeys(which.flat))
-        place = {stack: number for number, stack in enumerate(self._stacks)}
+        films = [_over_the_top(stack) for stack in self._stacks]
+        self._films = list(dict.fromkeys(films))  # those that differ in size alone share tables
+        number = {film: place for place, film in enumerate(self._films)}
+        place = {stack: number[film] for stack, film in zip(self._stacks, films, strict=True)}
+        top = {stack: stack.top.thickness for stack in self._stacks}
         self._number: NDArray[np.intp] = np.array([place[stack] for stack in which.flat]).reshape(which.shape)
-        self.thickness: Array = np.array([stack.top.thickness for stack in self._stacks])[self._number]
+        self.thickness: Array = np.array([top[stack] for stack in which.flat]).reshape(which.shape)
 
     @property
     def columns(self) -> list[Array]:
@@ -107,9 +111,7 @@ class ByStack:
 
     def film(self, row: Sequence[float]) -> Film:
         """The layers, the top one of unit thickness, and the base, of one row of the columns."""
-        stack = self._stacks[int(row[0])]
-        layers = tuple(Coat.like(layer, stack.top.thickness) for layer in stack.layers)
-        return layers, None if isinstance(stack.base, str) else constants_of(stack.base)
+        return self._films[int(row[0])]
 
     @property
     def lacks_c12(self) -> str | None:
@@ -117,6 +119,12 @@ class ByStack:
         bodies = [layer.material for stack in self._stacks for layer in stack.layers]
         bodies += [stack.base for stack in self._stacks if not isinstance(stack.base, str)]
         return _lacking([(body, np.array(True)) for body in bodies])
+
+
+def _over_the_top(stack: Stack) -> Film:
+    """A stack's layers, lengths over the top one's thickness, and its base."""
+    layers = tuple(Coat.like(layer, stack.top.thickness) for layer in stack.layers)
+    return layers, None if isinstance(stack.base, str) else constants_of(stack.base)
 
 
 def films_of(cases: Cases) -> ByFactors | ByStack:

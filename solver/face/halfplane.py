@@ -10,6 +10,7 @@ from solver.face.cases import Cases
 from solver.face.materials import material_of
 from solver.face.refusal import FactorError
 from solver.halfplane.contact import Contact
+from solver.halfplane.curves import body_curves
 from solver.halfplane.fields import surface_fields
 from solver.halfplane.interior import LINEAR, interior_parts, principal_tension, von_mises
 from solver.halfplane.peaks import peak_principal_tension, peak_von_mises
@@ -64,6 +65,14 @@ class OnHalfPlane:
         largest = peak_von_mises(self.contact)
         tension = peak_principal_tension(self.contact)
         return dict(zip(PEAKS, (largest.value, largest.depth, tension.value), strict=True))
+
+    @np.errstate(all="ignore")
+    def curves(self, regions: Sequence[str]) -> dict[str, Array]:
+        """Sizes and curves of regions, see ``solver.curves``, that a half-plane has; (...) and (..., point)."""
+        self._require_c12(list(PEAKS))
+        half = self.contact.half_width
+        sizes = {"mean_pressure": self.contact.load / (2 * half), "half_length": half}
+        return sizes | (body_curves(self.contact) if "body" in regions else {})
 
     @np.errstate(all="ignore")
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:

@@ -71,6 +71,17 @@ def solve(
         and what is allowed.
     MaterialError
         Unknown or inadmissible material.
+
+    Examples
+    --------
+    >>> answer = solve({"material": "PZT-4", "radius": 0.05, "load": [1e4, 4e4]}, positions=[0.0, 2.0])
+    >>> dict(answer.sizes), answer["voltage"].attrs["units"]
+    ({'load': 2, 'position': 2}, 'V')
+    >>> half = answer["contact_trailing"]  # as the square root of the load
+    >>> float((half[1] / half[0]).round(12))
+    2.0
+    >>> abs(answer["contact_pressure"].sel(position=2.0)).values.tolist()
+    [0.0, 0.0]
     """
     cases = Cases(checked(factors), materials, phases)
     X = None if positions is None else _positions(positions)

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
+from solver.curves import REGIONS, nodes
 from solver.film.contact import FilmContact
 from solver.film.interior import Interior
 from solver.film.stack import StackError
@@ -22,9 +23,9 @@ DEPTH = 0.1  # of the half-length: the least depth of the film's peaks
 WINDOW = 10.0  # thicknesses beside the contact in which the interface is searched
 
 _STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
-_ACROSS = (44, 72, 44)  # nodes of the panels beside, under and beside the contact, of the film
-_DOWN = 16
-_INTERFACE = (24, 24, 40, 24, 24)
+ACROSS = (44, 72, 44)  # nodes of the panels beside, under and beside the contact, of the film
+DOWN = 16
+INTERFACE = REGIONS["interface"].across
 _NEAR = 2.0  # thicknesses, where the two panels of the interface beside the contact meet
 _STEPS = 12
 _STENCIL = np.array([(i, j) for j in (-1, 0, 1) for i in (-1, 0, 1)], dtype=np.float64)
@@ -80,9 +81,9 @@ class PeakTable:
 
     # -- interface -----------------------------------------------------------------------------------------------------
     @cached_property
-    def _interface_series(self) -> Array:
+    def interface_series(self) -> Array:
         """Chebyshev coefficients in log h of (sigma_xy, sigma_yy) on the interface; (node, 2, x, cause)."""
-        found = self._inside(_INTERFACE, self._spans, lambda h: np.array([self._thickness]), ("stress_xy", "stress_yy"))
+        found = self._inside(INTERFACE, self.spans, lambda h: np.array([self._thickness]), ("stress_xy", "stress_yy"))
         return self.table.in_series(found[:, :, 0])
 
     def _inside(
@@ -99,17 +100,17 @@ class PeakTable:
     def _tractions(self) -> Tractions:
         return Tractions.by_cause(self.table.system, self.table.half_lengths)
 
-    def _spans(self, h: float) -> tuple[tuple[float, float], ...]:
+    def spans(self, h: float) -> tuple[tuple[float, float], ...]:
         """Ends of the panels on the interface [m]."""
         near, far = h + _NEAR * self._thickness, h + WINDOW * self._thickness
         return (-far, -near), (-near, -h), (-h, h), (h, near), (near, far)
 
     def interface(self, contact: FilmContact) -> InterfacePeaks:
         """Largest stresses on the lowest interface of contacts read from the same table."""
-        values = self._read(contact, self._interface_series)
-        shear, place = _largest(values[:, 0], contact.half_width, self._spans)
-        other, other_place = _largest(-values[:, 0], contact.half_width, self._spans)
-        tension, tension_place = _largest(values[:, 1], contact.half_width, self._spans)
+        values = self.read(contact, self.interface_series)
+        shear, place = _largest(values[:, 0], contact.half_width, self.spans)
+        other, other_place = _largest(-values[:, 0], contact.half_width, self.spans)
+        tension, tension_place = _largest(values[:, 1], contact.half_width, self.spans)
         pulled = tension > 0
         return InterfacePeaks(
             np.maximum(shear, other),
@@ -120,16 +121,16 @@ class PeakTable:
 
     # -- film ----------------------------------------------------------------------------------------------------------
     @cached_property
-    def _film_series(self) -> Array:
+    def film_series(self) -> Array:
         """Chebyshev coefficients in log h of the four stresses; (node, 4, depth, x, cause)."""
         if DEPTH * self.table.upper >= self._thickness:
             raise StackError(f"film peaks: contacts wider than {1 / DEPTH:g} thicknesses have no film under 0.1 h")
-        share = _map(_DOWN, 0.0, 1.0)
+        share = _map(DOWN, 0.0, 1.0)
         return self._in_body(self._film_spans, lambda h: DEPTH * h * (self._thickness / (DEPTH * h)) ** share)
 
     def _in_body(self, spans: Spans, depths: Callable[[float], Array]) -> Array:
         """Chebyshev coefficients in log h of the four stresses at depths, over panels."""
-        return self.table.in_series(self._inside(_ACROSS, spans, depths, _STRESSES))
+        return self.table.in_series(self._inside(ACROSS, spans, depths, _STRESSES))
 
     def _film_spans(self, h: float) -> tuple[tuple[float, float], ...]:
         """Ends of the panels over the film [m]: beside the contact as far as its width or the thickness lets it be."""
@@ -138,16 +139,16 @@ class PeakTable:
 
     def film(self, contact: FilmContact) -> BodyPeaks:
         """Largest stresses of the film below depth 0.1 h of contacts read from the same table."""
-        return self._body(contact, self._film_series)
+        return self._body(contact, self.film_series)
 
     # -- base ----------------------------------------------------------------------------------------------------------
     @cached_property
-    def _base_series(self) -> Array:
+    def base_series(self) -> Array:
         """As of the film, from the interface to two half-lengths and a thickness below it."""
         if self.table.system.kernel.stack.rigid:
             raise StackError("base peaks: a rigid base has no stresses")
         top = self._thickness * (1 + 1e-9)
-        return self._in_body(self._base_spans, lambda h: _map(_DOWN, top, 2 * (self._thickness + h)))
+        return self._in_body(self._base_spans, lambda h: _map(DOWN, top, 2 * (self._thickness + h)))
 
     def _base_spans(self, h: float) -> tuple[tuple[float, float], ...]:
         """Ends of the panels over the base [m]."""
@@ -156,37 +157,33 @@ class PeakTable:
 
     def base(self, contact: FilmContact) -> BodyPeaks:
         """Largest stresses of the half-plane below the film, of contacts read from the same table."""
-        return self._body(contact, self._base_series)
+        return self._body(contact, self.base_series)
 
     def _body(self, contact: FilmContact, series: Array) -> BodyPeaks:
         count = contact.load.size
         largest = np.empty((2, count))
         for start in range(0, count, _CHUNK):
             some = slice(start, start + _CHUNK)
-            stresses = self._read(contact, series, some)
+            stresses = self.read(contact, series, some)
             for number, measure in enumerate((von_mises, principal_tension)):
                 largest[number, some] = _largest_measure(stresses, measure)
         return BodyPeaks(*largest)
 
-    def _read(self, contact: FilmContact, series: Array, some: slice = slice(None)) -> Array:
+    def read(self, contact: FilmContact, series: Array, some: slice = slice(None)) -> Array:
+        """What some contacts read from a series of this table is at their half-lengths and causes; (case, ...)."""
         polynomials = self.table.polynomials(np.log(contact.half_width[some]))
         weights = np.einsum("cn,cq->cnq", polynomials, contact.causes.values[some]).reshape(len(polynomials), -1)
         flat = np.moveaxis(series, -1, 1).reshape(weights.shape[1], -1)
         return np.asarray((weights @ flat).reshape(-1, *series.shape[1:-1]))
 
 
-def _nodes(count: int) -> Array:
-    """Chebyshev points on [-1, 1], rising."""
-    return np.asarray(-np.cos(np.pi * (np.arange(count) + 0.5) / count))
-
-
 def _map(count: int, start: float, end: float) -> Array:
-    return np.asarray((start + end) / 2 + (end - start) / 2 * _nodes(count))
+    return np.asarray((start + end) / 2 + (end - start) / 2 * nodes(count))
 
 
-def _to_series(count: int) -> Array:
+def to_series(count: int) -> Array:
     """From values at the points to Chebyshev coefficients; (coefficient, point)."""
-    matrix = 2 / count * np.polynomial.chebyshev.chebvander(_nodes(count), count - 1).T
+    matrix = 2 / count * np.polynomial.chebyshev.chebvander(nodes(count), count - 1).T
     matrix[0] /= 2
     return np.asarray(matrix, dtype=np.float64)
 
@@ -195,12 +192,12 @@ def _largest(values: Array, half: Array, spans: Spans) -> tuple[Array, Array]:
     """Largest value over the panels of the interface, and its X; (case,) each. Values (case, x)."""
     best, place = np.full(half.size, -np.inf), np.zeros(half.size)
     start = 0
-    for panel, count in enumerate(_INTERFACE):
+    for panel, count in enumerate(INTERFACE):
         own = values[:, start : start + count]
         start += count
-        series = own @ _to_series(count).T
+        series = own @ to_series(count).T
         slope, bend = (np.asarray(np.polynomial.chebyshev.chebder(series, n, axis=1), np.float64) for n in (1, 2))
-        local = _nodes(count)[np.argmax(own, 1)]
+        local = nodes(count)[np.argmax(own, 1)]
         reach = np.pi / count
         for _ in range(_STEPS):
             first, second = _series_at(slope, local), _series_at(bend, local)
@@ -225,15 +222,15 @@ def _series_at(series: Array, local: Array) -> Array:
 def _largest_measure(stresses: Array, measure: Measure) -> Array:
     """Largest measure over the panels of the film; (case,). Stresses (case, 4, depth, x)."""
     best = np.full(len(stresses), -np.inf)
-    down, start = _to_series(_DOWN), 0
-    for count in _ACROSS:
+    down, start = to_series(DOWN), 0
+    for count in ACROSS:
         own = stresses[..., start : start + count]
         start += count
         nodal = measure(*np.moveaxis(own, 1, 0)).reshape(len(own), -1)
         v, u = np.divmod(np.argmax(nodal, 1), count)
-        series = down @ own @ _to_series(count).T
-        place = np.stack([_nodes(_DOWN)[v], _nodes(count)[u]], -1)
-        best = np.maximum(best, _climbed(series, place, measure, np.pi / np.array([_DOWN, count])))
+        series = down @ own @ to_series(count).T
+        place = np.stack([nodes(DOWN)[v], nodes(count)[u]], -1)
+        best = np.maximum(best, _climbed(series, place, measure, np.pi / np.array([DOWN, count])))
     return best
 
 

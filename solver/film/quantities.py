@@ -1,17 +1,18 @@
 """Every quantity of films by its name: those of a half-plane that a contact has, and those that only a film has."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from solver.arrays import Array
 from solver.film.contact import FilmContact
 from solver.film.crest import peak_pressure
-from solver.film.peaks import DEPTH
+from solver.film.curves import region_curves
+from solver.film.peaks import DEPTH, PeakTable
 from solver.film.similar import Films
 from solver.film.stack import StackError
 from solver.film.table import RangeError
-from solver.film.windows import Kind, peak_window
+from solver.film.windows import Indices, Kind, peak_window
 
 _STEPS = 20
 _CLOSE = 1e-9  # of a charge: the next step is of its square
@@ -105,20 +106,10 @@ def peaks(films: Films) -> dict[str, Array]:
         A graded film, whose stresses are not tabulated.
     """
     kind = films.kind
-    stack = kind.stack()
-    if stack.top.graded:
-        raise StackError("peaks: are not given of a film that is graded")
     names = ["interface_shear", "interface_shear_position", "interface_tension", "interface_tension_position"]
     names += [f"{body}_peak_{of}" for body in _bodies(kind) for of in ("von_mises", "principal_tension")]
     out = {name: np.empty(films.load.size) for name in names}
-    for places, number, contact in films.parts:
-        if np.any(contact.half_width > 0.99 / DEPTH * stack.thickness):
-            widest = np.max(contact.half_width) / stack.thickness
-            raise RangeError(
-                f"contact: half-length over thickness {widest:g} is too wide for peaks; must be < {1 / DEPTH:g}"
-            )
-        of = peak_window(kind, number)
-        own = FilmContact(of.table, contact.profile, contact.load, contact.charges, contact.datum)
+    for places, of, own in _peak_tables(films):
         interface = of.interface(own)
         found = [interface.shear, interface.shear_position, interface.tension, interface.tension_position]
         for body in _bodies(kind):
@@ -127,6 +118,41 @@ def peaks(films: Films) -> dict[str, Array]:
         for name, value in zip(names, found, strict=True):
             out[name][places] = value
     return out
+
+
+def curves(films: Films, regions: Sequence[str]) -> dict[str, Array]:
+    """Sizes of the contacts, and the curves of regions that the cases have, see ``solver.curves``; (case, ...) each.
+
+    Raises as :func:`peaks`.
+    """
+    films.require_one_length()
+    half_length = films.thickness * films.gather(lambda c: c.half_width)
+    out = {
+        "mean_pressure": films.load / (2 * half_length),
+        "half_length": half_length,
+        "load_over_thickness": films.load / films.thickness,
+    }
+    for places, of, own in _peak_tables(films):
+        for region in regions:
+            if region == "interface" or region in _bodies(films.kind):
+                for name, values in region_curves(of, own, region).items():
+                    out.setdefault(name, np.empty((films.load.size, values.shape[1])))[places] = values
+    return out
+
+
+def _peak_tables(films: Films) -> Iterator[tuple[Indices, PeakTable, FilmContact]]:
+    """Cases with the table of stresses of their window, and their contacts in it."""
+    stack = films.kind.stack()
+    if stack.top.graded:
+        raise StackError("peaks: are not given of a film that is graded")
+    for places, number, contact in films.parts:
+        if np.any(contact.half_width > 0.99 / DEPTH * stack.thickness):
+            widest = np.max(contact.half_width) / stack.thickness
+            raise RangeError(
+                f"contact: half-length over thickness {widest:g} is too wide for peaks; must be < {1 / DEPTH:g}"
+            )
+        of = peak_window(films.kind, number)
+        yield places, of, FilmContact(of.table, contact.profile, contact.load, contact.charges, contact.datum)
 
 
 def _bodies(kind: Kind) -> list[str]:

@@ -45,6 +45,12 @@ class Layer:
     ------
     StackError
         Naming the entry, its value and what is allowed.
+
+    Examples
+    --------
+    >>> import solver
+    >>> Layer(solver.find("PZT-4"), 2e-4, electric="grounded").thickness
+    0.0002
     """
 
     material: Material
@@ -85,6 +91,8 @@ class Stack:
     >>> film = Stack([titanate, Layer(solver.find("copper"), 1e-4)], solver.find("silicon"))
     >>> film.name
     'BaTiO3 0.0005 m | copper 0.0001 m | silicon'
+    >>> film.top.material.name, round(film.thickness, 6), film.rigid, film.insulated
+    ('BaTiO3', 0.0006, False, False)
     >>> round(float(solver.solve({"body": film, "radius": 0.05, "load": 1e4})["voltage"]), 2)
     -85.55
 

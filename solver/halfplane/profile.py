@@ -27,6 +27,18 @@ class Profile:
     moment
         Moment int x p dx of the pressure about the origin [N], of a punch with two corners that may tilt: it then
         replaces the constant of the slope.
+
+    Examples
+    --------
+    >>> import solver
+    >>> body = {"material": "PZT-4", "load": 1e5}
+    >>> quartic = Profile.polynomial([0, 0, 0, 1.25e8])  # y = x^4/4 s^-3, s = 2 mm
+    >>> f"{float(solver.solve(body | {'profile': quartic})['contact_trailing']):.4g}"
+    '0.0003545'
+    >>> Profile.cylinder(np.array(0.05)).homogeneous, Profile.half_cylinder(np.array(0.05)).smooth
+    (True, (True, False))
+    >>> Profile.flat(width=np.array(1e-3), slope=np.array(0.0)).homogeneous, Profile.wedge(np.array(0.01)).homogeneous
+    (False, True)
     """
 
     slope: tuple[Array, ...]

@@ -31,6 +31,12 @@ def limiting_speed(material: Material, conducts: BoolArray | tuple[bool, bool] =
     ------
     MaterialError
         A material without density.
+
+    Examples
+    --------
+    >>> import solver
+    >>> f"{float(limiting_speed(solver.find('PZT-4'))):.0f} m/s"
+    '2191 m/s'
     """
     from scipy.optimize import elementwise  # slow to import, and most cases do not ask for a speed
 

@@ -26,6 +26,13 @@ def fibrous(fibre: Material, matrix: Material, fraction: ArrayLike) -> Material:
     -----
     Closed form of theory section 7, with the differences of the phases' bulk moduli cancelled by hand, so that
     equal phases and the fractions 0 and 1 are ordinary values.
+
+    Examples
+    --------
+    >>> import solver
+    >>> half = fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), [0.0, 0.5])
+    >>> half.shape, bool(half.c33[0] == solver.find("CoFe2O4").c33), f"{half.g11[1]:.3g}"
+    ((2,), True, '-5.23e-12')
     """
     v = _fraction(fraction)
     for phase in (fibre, matrix):
@@ -79,6 +86,13 @@ def laminate(first: Material, second: Material, fraction: ArrayLike) -> Material
     ------
     MaterialError
         Fraction outside 0..1, or an inadmissible result.
+
+    Examples
+    --------
+    >>> import solver
+    >>> half = laminate(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
+    >>> f"{float(half.c33):.4g}"
+    '2.234e+11'
     """
     v = _fraction(fraction)
     for phase in (first, second):

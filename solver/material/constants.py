@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
+from html import escape
 from typing import Any, Self
 
 import numpy as np
@@ -64,6 +65,15 @@ class Material:
         What it bears, by the names of ``solver.names.LIMITS``; a limit that is not known is not there.
     alternatives
         Other published values of its constants, set by set: what :meth:`variants` are made of.
+
+    Examples
+    --------
+    >>> soft = Material(c11=126e9, c13=84.1e9, c33=117e9, c44=23e9, e31=-6.5, e33=23.3, e15=17.0, name="soft")
+    >>> soft.check()
+    >>> soft.shape, soft.spread, soft.plain()["e33"]
+    ((), {}, 23.3)
+    >>> float(soft.generalised_stiffness()[2][1, 1])  # T's c33
+    117000000000.0
     """
 
     c11: Array
@@ -105,6 +115,16 @@ class Material:
         ------
         MaterialError
             Naming the entry, its value and what is allowed.
+
+        Examples
+        --------
+        >>> known = {"name": "mine", "c11": 2.7e11, "c13": 1.2e11, "c33": 2.7e11, "c44": 7.7e10}
+        >>> mine = Material.from_mapping(known)
+        >>> Material.from_mapping(mine.plain()).name
+        'mine'
+        >>> Material.from_mapping(known | {"c44": -1.0})
+        Traceback (most recent call last):
+        solver.material.constants.MaterialError: mine: c44 = -1 Pa: must be positive
         """
         known = [entry.name for entry in fields(cls)]
         label = str(mapping.get("name", "material"))
@@ -139,6 +159,12 @@ class Material:
         ------
         MaterialError
             Young's modulus not positive, or Poisson's ratio not within -1 to 0.5.
+
+        Examples
+        --------
+        >>> steel = Material.isotropic(210e9, 0.3, name="steel")
+        >>> f"{float(steel.c44):.4g}"
+        '8.077e+10'
         """
         E, nu = np.asarray(young, np.float64), np.asarray(poisson, np.float64)
         if np.any(bad := ~((nu > -1) & (nu < 0.5))):
@@ -155,13 +181,25 @@ class Material:
         return np.broadcast_shapes(*(getattr(self, name).shape for name in UNITS))
 
     def renamed(self, name: str, source: str = "") -> Self:
-        """The same constants under another name and source."""
+        """The same constants under another name and source.
+
+        Examples
+        --------
+        >>> Material.isotropic(210e9, 0.3).renamed("steel").name
+        'steel'
+        """
         return replace(self, name=name, source=source)
 
     def variants(self) -> list[Self]:
         """The material with the constants of each alternative in place of its own, for which they are named.
 
         Designs and studies may take them by name, as ``BaTiO3 (alternative 1)``: see :func:`solver.find`.
+
+        Examples
+        --------
+        >>> import solver
+        >>> [one.name for one in solver.find("PZT-5H").variants()]
+        ['PZT-5H (alternative 1)']
         """
         found = []
         for k, one in enumerate(self.alternatives, 1):
@@ -188,6 +226,19 @@ class Material:
             "limits": {name: asdict(limit) for name, limit in self.limits.items()},
             "alternatives": [{**one.constants, "source": one.source} for one in self.alternatives],
         }
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: every constant that is not zero, a range where there are cases, and its source."""
+        import pandas as pd  # slow to import, and notebooks only
+
+        constants = {name: getattr(self, name) for name in UNITS}
+        rows = [
+            (name, " to ".join(f"{end:.6g}" for end in np.unique([value.min(), value.max()])), UNITS[name])
+            for name, value in constants.items()
+            if np.any(value) and not np.all(np.isnan(value))
+        ]
+        table = pd.DataFrame(rows, columns=["constant", "value", "unit"]).to_html(index=False, border=0)
+        return f"<p><b>{escape(self.name)}</b> {escape(self.source)}</p>{table}"
 
     def generalised_stiffness(self) -> tuple[Array, Array, Array]:
         """Q, R and T of the Stroh formalism (theory section 2), each (..., 4, 4), rows (u_x, u_y, phi, psi), SI."""

@@ -13,7 +13,13 @@ from solver.material.constants import Material, MaterialError
 
 @cache
 def materials() -> Mapping[str, Material]:
-    """Every built-in material by name; constants and sources stand in ``solver/material/materials.toml``."""
+    """Every built-in material by name; constants and sources stand in ``solver/material/materials.toml``.
+
+    Examples
+    --------
+    >>> "PZT-4" in materials(), materials()["steel"].name
+    (True, 'steel')
+    """
     table = tomllib.loads(files("solver.material").joinpath("materials.toml").read_text(encoding="utf-8"))
     return MappingProxyType({name: Material.from_mapping({"name": name, **entry}) for name, entry in table.items()})
 

@@ -34,6 +34,18 @@ class Input:
     ------
     ValueError
         A range or scale that is not as above; the message names the input and the value.
+
+    Examples
+    --------
+    >>> radius = Input("radius", 0.01, 1.0, "log", units="m")
+    >>> radius.from_unit([-1, 0, 1]).round(12).tolist(), float(radius.to_unit(0.1).round(12))
+    ([0.01, 0.1, 1.0], 0.0)
+    >>> radius.levels(3).round(4).tolist(), radius.range_text()
+    ([0.0136, 0.1, 0.7346], '[0.01, 1] m')
+    >>> radius.attrs
+    {'units': 'm'}
+    >>> float(radius.unit_slope(0.1).round(4))
+    4.3429
     """
 
     name: str
@@ -134,6 +146,11 @@ def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear
     ------
     ValueError
         A bad range, scale or count.
+
+    Examples
+    --------
+    >>> chebyshev_levels(0.0, 1.0, 3).round(4).tolist()
+    [0.067, 0.5, 0.933]
     """
     return Input("level", low, high, scale).levels(count)
 

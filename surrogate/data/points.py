@@ -97,6 +97,12 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
     if not isinstance(points, (Mapping, xr.Dataset)):
         points = _by_name(points, names)
     _check_names(points, names)
+    one = _one_point(points, names)
+    if one is not None:
+        at: dict[Hashable, xr.Variable] = {
+            own.name: xr.Variable((), x, own.attrs) for own, x in zip(inputs, one, strict=True)
+        }
+        return Points(one[None], (), (), at)
     arrays = {name: _as_array(name, points[name], names) for name in names}
     try:
         xr.align(*(array for array in arrays.values() if array.dims), join="exact", copy=False)
@@ -169,6 +175,14 @@ def _by_name(points: Table | ArrayLike, names: Sequence[str]) -> dict[Any, Any]:
             f"{', '.join(names)}; got {got}"
         )
     return {name: _along(column) for name, column in zip(names, array.T, strict=True)}
+
+
+def _one_point(points: Mapping[Any, Any] | xr.Dataset, names: Sequence[str]) -> Array | None:
+    """The point, (d,), where every entry is a plain number, which needs no broadcasting; None otherwise."""
+    if not all(type(points[name]) in (float, int, np.float64) for name in names):
+        return None
+    found = np.array([points[name] for name in names])  # of objects where a whole number is too large
+    return found.astype(np.float64) if found.dtype.kind in "if" and np.isfinite(found).all() else None
 
 
 def _along(column: NDArray[Any]) -> xr.DataArray:

@@ -25,6 +25,7 @@ from surrogate.data.arrays import Array
 from surrogate.gp.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
 from surrogate.gp.guard import SLABS, Guard, fill, unguarded
 from surrogate.gp.quantile import quantile_regression
+from surrogate.gp.sharing import places
 from surrogate.gp.trend import additive, pairwise
 
 MINIMUM = 40
@@ -78,10 +79,14 @@ class Calibration:
         inside = np.clip(t, -1, 1)
         pairs = pairwise(inside)
         count = len(self.trend) - pairs.shape[1]
-        scale = additive(inside, (count - 1) // len(t)) @ self.trend[:count]
+        scale = additive(inside, self.trend_degree(len(t))) @ self.trend[:count]
         scale += pairs @ self.trend[count:]
         scale += self.guard.at(inside)
         return np.exp(scale, out=scale).T
+
+    def trend_degree(self, inputs: int) -> int:
+        """Return the highest degree of a single one of so many inputs in the trend."""
+        return (len(self.trend) - 1 - inputs * (inputs - 1) // 2) // inputs
 
     def only(self, columns: Sequence[int]) -> Self:
         """Return that of some outputs."""
@@ -135,17 +140,6 @@ class Calibration:
         return cls(arrays["weights"], arrays["floor"], arrays["trend"], guard, Tabulated(arrays["quantile"], cases))
 
 
-def sharing(t: Array) -> NDArray[np.intp]:
-    """Return the group of every case, (n,): cases that share those coordinates, (d, n), that have at most n/2 values.
-
-    Cases are cheaper to solve where they share some inputs, and tell less than as many apart.
-    """
-    few = [row for row in t if len(np.unique(row)) <= t.shape[1] / 2]
-    if not few:
-        return np.arange(t.shape[1])
-    return np.unique(np.stack(few), axis=1, return_inverse=True)[1].reshape(-1)
-
-
 def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: NDArray[np.intp]) -> Calibration:
     """Calibrate on held-out cases.
 
@@ -158,14 +152,16 @@ def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: NDArray[n
     t : ndarray, shape (d, n)
         Scaled coordinates of the cases.
     groups : ndarray of int, shape (n,)
-        As `sharing` has them; no group is in two folds of the cross-fitting.
+        As `sharing` has them; no group is in two folds of the cross-fitting. Along inputs that they share, as much is
+        learnt as so many groups can tell.
     """
     outputs, cases = errors.shape
-    degree = 6 if cases >= 1000 else 4 if cases >= 300 else 2 if cases >= 100 else 0
-    A, pairs = additive(t, degree), pairwise(t)
+    degrees = [_degree(count) for count in places(t, groups)]
+    A, pairs = additive(t, max(degrees)), pairwise(t)
     trend = np.zeros((A.shape[1] + pairs.shape[1], outputs))
-    if cases >= PAIRWISE:
-        A = np.concatenate([A, pairs], axis=1)
+    told = [True, *(power <= own for own in degrees for power in range(1, max(degrees) + 1))]
+    told += [cases >= PAIRWISE] * pairs.shape[1]
+    A = np.concatenate([A, pairs], axis=1)[:, told]
     weights, floor = np.ones((len(parts), outputs)), np.zeros(outputs)
     guard, logarithms = unguarded(len(t), outputs), np.full_like(errors, np.nan)
     for p, error in enumerate(errors):
@@ -179,9 +175,9 @@ def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: NDArray[n
             ratio = 0.5 * (np.log(squares) - np.log(shares @ variances))
         ratio = np.maximum(ratio, ratio.max() - DEPTH)
         fitted = quantile_regression(A, ratio, NOMINAL)
-        trend[: len(fitted), p] = fitted
+        trend[told, p] = fitted
         scores = _cross_fitted(A, ratio, fitted, groups)
-        fill(guard, p, scores, float(np.quantile(scores, NOMINAL)), t)
+        fill(guard, p, scores, float(np.quantile(scores, NOMINAL)), t, groups)
         logarithms[p] = scores
     distribution = _distribution(np.sign(errors) * np.exp(logarithms - guard.at(t).T))
     # in standard deviations from here on
@@ -189,6 +185,11 @@ def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: NDArray[n
     one = np.where(one > 0, one, 1.0)
     trend[0] += np.log(one)
     return Calibration(weights, floor, trend, guard, replace(distribution, quantiles=distribution.quantiles / one))
+
+
+def _degree(places: int) -> int:
+    """Degree of the local scale along an input that is known at so many places."""
+    return 6 if places >= 1000 else 4 if places >= 300 else 2 if places >= 100 else 0
 
 
 def _distribution(scores: Array) -> Tabulated:

@@ -18,6 +18,7 @@ from scipy.linalg import solve_triangular
 
 from surrogate.data.arrays import Array
 from surrogate.gp.factors import Features, chebyshev, chebyshev_slopes
+from surrogate.gp.sharing import places
 from surrogate.gp.trend import additive
 
 Indices = NDArray[np.intp]
@@ -128,7 +129,7 @@ class Correction:
         return np.asarray(T[list(self.levels), np.arange(len(self.levels))])
 
 
-def degrees(rho: Sequence[float], cases: int) -> Indices | None:
+def degrees(rho: Sequence[float], cases: int, known_at: Sequence[int] | None = None) -> Indices | None:
     """Choose the terms of the amplitudes: every index with sum_j a_j cost_j up to what the number of cases allows.
 
     Parameters
@@ -137,6 +138,9 @@ def degrees(rho: Sequence[float], cases: int) -> Indices | None:
         Decay of every factor's kernel.
     cases : int
         Held-out cases.
+    known_at : sequence of int, optional
+        Places that the cases have along every factor, fewer where they share it; by default all differ. Terms then
+        have no more different parts along the shared factors than these places allow.
 
     Returns
     -------
@@ -145,10 +149,17 @@ def degrees(rho: Sequence[float], cases: int) -> Indices | None:
     """
     cost = np.minimum(-0.5 * np.log(rho), DEAREST)
     most = min(cases // CASES_A_TERM, MOST_TERMS) // len(cost)
+    shared = [k for k, count in enumerate(known_at or ()) if count < cases]
+    parts: set[tuple[int, ...]] = set()
+    most_parts = min(known_at or [cases]) // CASES_A_TERM // (1 + len(shared)) if shared else 1
     heap: list[tuple[float, tuple[int, ...]]] = [(0.0, (0,) * len(cost))]
     found: list[tuple[float, tuple[int, ...]]] = []
     while heap and heap[0][0] <= COST and len(found) <= most:
         spent, index = heappop(heap)
+        part = tuple(index[k] for k in shared)
+        if part not in parts and len(parts) >= max(most_parts, 1):
+            continue  # nor does any index that follows from it
+        parts.add(part)
         found.append((spent, index))
         # each index is reached once: from the one without its last degree
         last = max((j for j, degree in enumerate(index) if degree), default=0)
@@ -191,7 +202,7 @@ def correct(
     left : ndarray, shape (p, n)
         What a correction from all other groups leaves of the error of each case.
     """
-    indices = degrees(rho, errors.shape[1])
+    indices = degrees(rho, errors.shape[1], places(t, groups).tolist())
     if indices is None:
         return None, errors
     made, left = _fitted(errors[:, :MOST_CASES], t[:, :MOST_CASES], levels, indices, groups[:MOST_CASES])

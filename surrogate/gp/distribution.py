@@ -107,7 +107,11 @@ class Tabulated:
 
     def quantile(self, q: Array) -> Array:
         """Return quantiles at probabilities q of any shape: (..., p)."""
-        return np.stack([np.interp(q, PROBABILITIES, own) for own in self.quantiles.T], axis=-1)
+        q = np.clip(q, 0, 1)
+        k = np.minimum(PROBABILITIES.searchsorted(q, side="right") - 1, len(PROBABILITIES) - 2)
+        below, first = self.quantiles[k], PROBABILITIES[k]
+        slope = (self.quantiles[k + 1] - below) / (PROBABILITIES[k + 1] - first)[..., None]
+        return np.asarray(slope * (q - first)[..., None] + below)
 
     def ends(self, level: float) -> Array:
         """Return the lower and upper end of the central interval of a level: (2, p)."""

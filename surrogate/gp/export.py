@@ -1,12 +1,10 @@
 """A grid model as plain data, for evaluation elsewhere, such as in a browser."""
 
-import base64
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.gp.correction import Correction
 from surrogate.gp.distribution import NOMINAL
@@ -14,14 +12,16 @@ from surrogate.gp.factors import ChebyshevFactor
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.groupedgp import GroupedGP
 from surrogate.gp.model import GaussianProcess
+from surrogate.gp.packing import array, packed
 
-FORMAT = 2
+FORMAT = 3
 
 
 def exported(model: GaussianProcess) -> dict[str, Any] | None:
     """Return everything that mean, standard deviation and 95 % interval need, as what JSON can hold.
 
-    Arrays are ``{"shape": [...], "data": base64 of little-endian float64}``, so that no digit is lost.
+    Arrays are ``{"shape": [...], "data": base64 of little-endian float64}``, so that no digit is lost; cores are as
+    :func:`surrogate.gp.packing.packed` has them, which changes a mean by some 1e-10 of a standard deviation.
 
     Parameters
     ----------
@@ -38,6 +38,7 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
         return None if core is None else {**core, **_grouped(model, core["inputs"])}
     if not isinstance(model, GridGP) or not all(isinstance(factor, ChebyshevFactor) for factor in model.factors_):
         return None
+    factors = [factor for factor in model.factors_ if isinstance(factor, ChebyshevFactor)]
     calibration = model.calibration_
     lower, upper = np.broadcast_to(model.distribution.ends(NOMINAL), (2, len(model.outputs_)))  # in standard deviations
     return {
@@ -52,17 +53,17 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
             for name in model.outputs_
         ],
         "order": list(model.order_),
-        "cores": [_array(core) for core in model.train_.cores],
-        "factors": [factor.exported() for factor in model.factors_ if isinstance(factor, ChebyshevFactor)],
-        "offset": _array(model.offset_),
-        "scale": _array(model.scale_),
-        "amplitude": _array(model.amplitude_),
-        "variance": _array(model.variance_ * model.scale_**2),
+        "cores": packed(model.train_.cores, factors, model.order_),
+        "factors": [factor.exported() for factor in factors],
+        "offset": array(model.offset_),
+        "scale": array(model.scale_),
+        "amplitude": array(model.amplitude_),
+        "variance": array(model.variance_ * model.scale_**2),
         "correction": None if model.correction_ is None else _correction(model.correction_),
         "calibration": None
         if calibration is None
-        else {name: _array(array) for name, array in calibration.arrays().items() if name != "quantile"},
-        "interval": {"level": NOMINAL, "lower": _array(lower), "upper": _array(upper)},
+        else {name: array(values) for name, values in calibration.arrays().items() if name != "quantile"},
+        "interval": {"level": NOMINAL, "lower": array(lower), "upper": array(upper)},
     }
 
 
@@ -86,10 +87,5 @@ def _correction(correction: Correction) -> dict[str, Any]:
     return {
         "levels": list(correction.levels),
         "degrees": correction.indices.tolist(),
-        "coefficients": _array(correction.coefficients),
+        "coefficients": array(correction.coefficients),
     }
-
-
-def _array(values: Array) -> dict[str, Any]:
-    little = np.ascontiguousarray(values, dtype="<f8")
-    return {"shape": list(little.shape), "data": base64.b64encode(little.tobytes()).decode("ascii")}

@@ -104,35 +104,46 @@ class ChebyshevFactor(Factor):
         Number of levels n >= 2.
     rho : float
         Decay of the kernel's coefficients, 0 < rho < 1.
+
+    Attributes
+    ----------
+    levels : int
+        Number of levels n.
+    decay : ndarray, shape (2n,) or, affine, (2,)
+        Coefficients of the kernel without its constant.
+    damping : ndarray, shape (n,)
+        Share of every mode that its alias takes.
+    unknown : ndarray, shape (n,)
+        Coefficients of T_j(x)^2 in what the levels leave unknown over T_n(x)^2; that of j = 0 is rho^n.
     """
 
     constant = 1.0
 
     def __init__(self, levels: int, rho: float) -> None:
         self.parameter, self.t = rho, gauss_points(levels)
-        n = self._n = levels
+        n = self.levels = levels
         self.affine = n == 2
         self.basis, self.weights = cosine_basis(n)
         decay = rho ** np.arange(2 * n)
         decay[0] = 0.0
         if self.affine:
             decay = np.array([0.0, 1.0])
-        self._decay = decay
+        self.decay = decay
         alias = np.zeros(n)
         if not self.affine:
             alias[1:] = decay[:n:-1]
         self._eigenvalues = decay[:n] + alias
         self._eigenvalues[0] = 1.0
-        self._damping = alias / self._eigenvalues
+        self.damping = alias / self._eigenvalues
         # T_{n-m} takes the m-th share, hence the reversal; T_0 stands for the term of T_n itself
-        self._unknown = np.zeros(n)
+        self.unknown = np.zeros(n)
         if not self.affine:
-            self._unknown[1:] = 4 * (decay[:n] * self._damping)[:0:-1]
-            self._unknown[0] = decay[n]
-        significant = np.flatnonzero(self._damping > NEGLIGIBLE)
+            self.unknown[1:] = 4 * (decay[:n] * self.damping)[:0:-1]
+            self.unknown[0] = decay[n]
+        significant = np.flatnonzero(self.damping > NEGLIGIBLE)
         self._first_damped = int(significant[0]) if significant.size else n
         # one product gives the prior and what it must be multiplied by T_n^2 to give the residual
-        self._shares = np.stack([decay, np.append(self._unknown, np.zeros(len(decay) - n))])
+        self._shares = np.stack([decay, np.append(self.unknown, np.zeros(len(decay) - n))])
 
     def inverse(self) -> tuple[Array, Array]:
         """Return K^-1 basis and the diagonal of K^-1; the basis diagonalises K."""
@@ -141,42 +152,42 @@ class ChebyshevFactor(Factor):
 
     def features(self, t: Array, modes: int) -> Features:
         """Return T_m damped by its alias, K(x, x) and what the levels leave unknown."""
-        T = chebyshev(t, len(self._decay))
+        T = chebyshev(t, len(self.decay))
         squares = T * T
         prior, residual = self._shares @ squares
         if not self.affine:
-            residual *= squares[self._n]
+            residual *= squares[self.levels]
         return Features(self._mean(T, modes), prior, residual)
 
     def slopes(self, t: Array, modes: int) -> Features:
         """Return those of T_m damped by its alias; kernel and unknown part are sums of products T(x) T(y)."""
-        T = chebyshev(t, len(self._decay))
+        T = chebyshev(t, len(self.decay))
         S = chebyshev_slopes(t, T)
-        n, rows = self._n, self._damped(modes)
-        mean, prior = S[:modes].copy(), self._decay @ S**2
+        n, rows = self.levels, self._damped(modes)
+        mean, prior = S[:modes].copy(), self.decay @ S**2
         if self.affine:
             return Features(mean, prior, np.zeros_like(t))
         mirror = n - rows
-        mean[rows] -= 2 * self._damping[rows, None] * (S[n] * T[mirror] + T[n] * S[mirror])
-        return Features(mean, prior, self._unknown @ (S[n] * T[:n] + T[n] * S[:n]) ** 2)
+        mean[rows] -= 2 * self.damping[rows, None] * (S[n] * T[mirror] + T[n] * S[mirror])
+        return Features(mean, prior, self.unknown @ (S[n] * T[:n] + T[n] * S[:n]) ** 2)
 
     def exported(self) -> dict[str, object]:
         """Return what `features` needs, as plain lists."""
         return {
-            "levels": self._n,
+            "levels": self.levels,
             "affine": self.affine,
-            "decay": self._decay.tolist(),
-            "damping": self._damping.tolist(),
-            "unknown": self._unknown.tolist(),
+            "decay": self.decay.tolist(),
+            "damping": self.damping.tolist(),
+            "unknown": self.unknown.tolist(),
             "firstDamped": self._first_damped,
         }
 
     def _mean(self, T: Array, modes: int) -> Array:
-        first, n = self._first_damped, self._n
+        first, n = self._first_damped, self.levels
         if first >= modes:
             return T[:modes]
         mean = T[:modes].copy()
-        mean[first:] -= (2 * self._damping[first:modes, None] * T[n]) * T[n - first : n - modes : -1]
+        mean[first:] -= (2 * self.damping[first:modes, None] * T[n]) * T[n - first : n - modes : -1]
         return mean
 
     def _damped(self, modes: int) -> NDArray[np.intp]:

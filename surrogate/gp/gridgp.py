@@ -15,6 +15,7 @@ from surrogate.gp.correction import Correction, correct
 from surrogate.gp.factors import ChebyshevFactor, Factor, Features, StationaryFactor, cosine_basis, polynomial_basis
 from surrogate.gp.hyperparameters import amplitudes, length_bounds, most_predictive, rho_bounds
 from surrogate.gp.model import GaussianProcess
+from surrogate.gp.single import Process, SinglePoint
 from surrogate.gp.tensortrain import TensorTrain, compress
 
 Kernel = Literal["chebyshev", "rbf", "matern32", "matern52"]
@@ -57,6 +58,14 @@ class GridGP(GaussianProcess):
         Variance of the process of every output, in units of its squared standard deviation `scale_`.
     correction_ : Correction or None
         What `calibrate` has learnt of the error of the mean, with the "chebyshev" kernel; None before.
+
+    Examples
+    --------
+    >>> x = Input("x", 0, 1)
+    >>> data = xr.Dataset({"f": ("x", np.exp(x.levels(9)))}, coords={"x": x.levels(9)})
+    >>> model = GridGP(inputs=[x]).fit(data)
+    >>> bool(abs(model.predict({"x": 0.3})["f"] - np.exp(0.3)) < 1e-9)
+    True
     """
 
     engine: ClassVar[str] = "grid"
@@ -64,6 +73,8 @@ class GridGP(GaussianProcess):
     order_: tuple[int, ...]
     train_: TensorTrain
     correction_: Correction | None
+    # what a query alone needs, and what it was laid out from
+    _laid_out: tuple[tuple[object, object, object], SinglePoint | None] = ((None, None, None), None)
 
     def __init__(
         self,
@@ -101,11 +112,15 @@ class GridGP(GaussianProcess):
         self.calibration_ = self.correction_ = None
         points = [one.to_unit(levels) for one, levels in zip(data.inputs, data.levels, strict=True)]
         coefficients, grams = self._coefficients(data, points)
-        self.factors_ = tuple(self._factor(k, t, grams[k]) for k, t in enumerate(points))
-        self.hyperparameters_ = {one.name: f.parameter for one, f in zip(data.inputs, self.factors_, strict=True)}
-        self.amplitude_, self.variance_ = amplitudes(self.factors_, grams)
+        self._choose(points, grams)
         self._compress(coefficients)
         return self
+
+    def _choose(self, points: Sequence[Array], grams: Sequence[Array]) -> None:
+        """Choose the factors' kernels and the variance, from the coefficients' Gram matrices, a case at a level."""
+        self.factors_ = tuple(self._factor(k, t, grams[k]) for k, t in enumerate(points))
+        self.hyperparameters_ = {one.name: f.parameter for one, f in zip(self.inputs_, self.factors_, strict=True)}
+        self.amplitude_, self.variance_ = amplitudes(self.factors_, grams)
 
     def _factorial(self, X: xr.Dataset) -> Factorial:
         """The checked training data; ValueError as for `fit`."""
@@ -229,11 +244,25 @@ class GridGP(GaussianProcess):
         part.amplitude_, part.variance_ = self.amplitude_[:, columns], self.variance_[columns]
         part.calibration_ = None if self.calibration_ is None else self.calibration_.only(columns)
         part.correction_ = None if self.correction_ is None else self.correction_.only(columns)
+        part._thin(columns, np.full(len(columns), self.compression))
+        return part
+
+    def thinned(self, errors: Mapping[str, float]) -> Self:
+        """Return the model with root-mean-square errors over the training cases of some outputs, in their units."""
+        own = zip(self.outputs_, self.scale_, strict=True)
+        allowed = np.array([max(self.compression, errors.get(name, 0.0) / scale) for name, scale in own])
+        part = copy(self)
+        part._thin(range(len(allowed)), allowed)
+        return part
+
+    def _thin(self, columns: Sequence[int], errors: Array) -> None:
+        """Cut the ranks of the train of some outputs, each to its error in standard deviations."""
         weights = [self.factors_[k].weights[:size] for k, size in zip(self.order_, self.train_.modes, strict=True)]
         plain = self.train_.scaled([1 / scale for scale in weights])
-        error = self.compression * float(np.sqrt(self._cases()))
-        part.train_ = plain.only(columns, error).scaled(weights)
-        return part
+        least = np.maximum(errors, 1e-15)
+        eased = TensorTrain((*plain.cores[:-1], plain.cores[-1][..., list(columns)] / least))
+        cut = eased.only(range(len(least)), float(np.sqrt(self._cases())))
+        self.train_ = TensorTrain((*cut.cores[:-1], cut.cores[-1] * least)).scaled(weights)
 
     @property
     def parts(self) -> int:
@@ -251,6 +280,20 @@ class GridGP(GaussianProcess):
             return mean, None
         return mean, self._unit_variance(features, weights) * (self.variance_ * self.scale_**2)[:, None]
 
+    def _single(self) -> SinglePoint | None:
+        if self.kernel != "chebyshev":
+            return None
+        made_of = self.train_, self.correction_, self.calibration_
+        if not all(now is then for now, then in zip(made_of, self._laid_out[0], strict=True)):
+            factors = tuple(factor for factor in self.factors_ if isinstance(factor, ChebyshevFactor))
+            size = self.variance_ * self.scale_**2
+            process = Process(
+                self.inputs_, factors, self.order_, self.train_, self.offset_, self.scale_, self.amplitude_, size,
+                self.correction_, self.calibration_,
+            )  # fmt: skip
+            self._laid_out = made_of, SinglePoint(process)
+        return self._laid_out[1]
+
     def _slopes(self, t: Array) -> Array:
         features, slopes = self._features(t), self._features(t, slopes=True)
         parts = self.train_.gradient([features[k].mean for k in self.order_], [slopes[k].mean for k in self.order_])
@@ -263,7 +306,7 @@ class GridGP(GaussianProcess):
         plain.correction_ = None
         return plain
 
-    def _corrected(self, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
+    def _corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
         if self.kernel != "chebyshev":
             return errors
         counts = tuple(map(len, self.levels_))

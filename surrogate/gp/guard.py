@@ -61,7 +61,7 @@ def unguarded(inputs: int, outputs: int) -> Guard:
     return Guard(np.zeros((inputs, SLABS, outputs)), np.zeros((pairs, 3, 3, outputs)))
 
 
-def fill(guard: Guard, output: int, scores: Array, level: float, t: Array) -> None:
+def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, groups: NDArray[np.intp]) -> None:
     """Set the guard of one output so that the scores of every cell hold.
 
     Parameters
@@ -74,13 +74,15 @@ def fill(guard: Guard, output: int, scores: Array, level: float, t: Array) -> No
         Score that the scale alone allows for.
     t : ndarray, shape (d, n)
         Scaled coordinates of the cases.
+    groups : ndarray of int, shape (n,)
+        Groups of cases that share some coordinates; as few of them as of single cases say too little.
     """
     for place, cell in _cells(slabs(t)):
         slab, own = len(place) == 2, np.sort(scores[cell])
         array, fewest, share = (
             (guard.slabs, SLAB_CASES, SLAB_LEVEL) if slab else (guard.corners, CORNER_CASES, CORNER_LEVEL)
         )
-        if len(own) >= fewest:
+        if len(np.unique(groups[cell])) >= fewest:
             rank = min(len(own), int(np.ceil((len(own) + 1) * share)))
             array[(*place, output)] = max(0.0, float(own[rank - 1]) - level)
 

@@ -3,6 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
+from html import escape
 from typing import Any, ClassVar, Literal, Self, overload
 
 import numpy as np
@@ -13,12 +14,17 @@ from sklearn.exceptions import NotFittedError
 from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.points import Points, Queries, named_points, outside, require_inside
-from surrogate.gp.conformal import MINIMUM, Calibration, calibrate, sharing
+from surrogate.gp.conformal import MINIMUM, Calibration, calibrate
 from surrogate.gp.distribution import NOMINAL
-from surrogate.gp.predictive import Predictive
+from surrogate.gp.labels import Attrs
+from surrogate.gp.predictive import EXTRAPOLATED, Predictive
+from surrogate.gp.sharing import sharing
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048
+# From the physical coordinates of one point, and whether standard deviations are wanted, to means and them, (p,) each;
+# None for a point outside of the box.
+Single = Callable[[Sequence[float], bool], tuple[Array, Array | None] | None]
 
 
 class GaussianProcess(Predictive):
@@ -39,9 +45,45 @@ class GaussianProcess(Predictive):
         What `calibrate` has learnt; None before.
     made_from_ : str
         A word of the caller's that tells what the model was made from, kept in its file; empty by default.
+
+    Examples
+    --------
+    >>> from surrogate import GridGP
+    >>> x, y = Input("x", 0, 1), Input("y", 1, 2)
+    >>> grid = xr.Dataset(coords={"x": x.levels(7), "y": y.levels(7)})
+    >>> model = GridGP(inputs=[x, y]).fit(grid.assign(f=np.exp(grid.x) * grid.y, g=grid.x + grid.y))
+    >>> isinstance(model, GaussianProcess), list(model.box), model.parts
+    (True, ['x', 'y'], 2)
+    >>> found = model.predict({"x": [0.2, 0.4], "y": 1.5})
+    >>> found["g"].values.round(6).tolist(), list(found.data_vars)
+    ([1.7, 1.9], ['f', 'f_std', 'g', 'g_std'])
+    >>> model.gradient({"x": 0.2, "y": 1.5})["g"].values.round(6).tolist()
+    [1.0, 1.0]
+    >>> model.predict_array(np.array([[0.2, 1.5]])).shape, model.gradient_array(np.array([[0.2, 1.5]])).shape
+    ((1, 2), (1, 2, 2))
+
+    Held-out cases make means and intervals right:
+
+    >>> rng = np.random.default_rng(0)
+    >>> cases = xr.Dataset({"x": ("case", rng.uniform(0, 1, 300)), "y": ("case", rng.uniform(1, 2, 300))})
+    >>> cases = cases.assign(f=np.exp(cases.x) * cases.y, g=cases.x + cases.y)
+    >>> model.score(cases) > 0.999999, sorted(model.cases(cases)[1])
+    (True, ['f', 'g'])
+    >>> median = model.calibrate(cases).quantile({"x": 0.2, "y": 1.5}, 0.5)
+    >>> bool(abs(median["f"] - 1.5 * np.exp(0.2)) < 1e-6)
+    True
+    >>> model.sample({"x": 0.2, "y": 1.5}, n=5, seed=0)["f"].shape
+    (5,)
+    >>> lower, upper = model.interval_array(np.array([[0.2, 1.5]]))
+    >>> bool((lower < upper).all()), model.calibrated, model.distribution.cases
+    (True, True, 300)
+    >>> model.check_level(0.9)
+    >>> model.only(["g"]).outputs_, model.thinned({"f": 1e-3}).outputs_, model.uncalibrated().calibration_
+    (('g',), ('f', 'g'), None)
     """
 
     engine: ClassVar[str]
+    MEMBERS: ClassVar[tuple[str, ...]] = ()
     inputs_: tuple[Input, ...]
     outputs_: tuple[str, ...]
     attrs_: dict[str, dict[str, str]]
@@ -93,8 +135,26 @@ class GaussianProcess(Predictive):
         model.calibration_ = Calibration.restore(stored, model.parts, len(inputs), len(outputs))
         return model
 
+    @property
+    def members(self) -> Mapping[str, "GaussianProcess"]:
+        """Models that it is made of, by the names of `MEMBERS`: a file holds them too."""
+        return {}
+
+    def with_members(self, members: Mapping[str, "GaussianProcess"]) -> Self:
+        """Return the restored model with the models that it is made of; ValueError unless they fit."""
+        return self
+
+    @property
+    def calibrated(self) -> bool:
+        """Whether its intervals rest on held-out cases."""
+        return self.calibration_ is not None
+
     def only(self, outputs: Sequence[str]) -> Self:
         """Return a model that gives these outputs, and as few others as it can, for less."""
+        return self
+
+    def thinned(self, errors: Mapping[str, float]) -> Self:
+        """Return a model that costs less to ask for, with root-mean-square errors of some outputs, in their units."""
         return self
 
     @property
@@ -102,6 +162,20 @@ class GaussianProcess(Predictive):
         """The trained box: name -> Input, in order."""
         self._require_fitted()
         return {one.name: one for one in self.inputs_}
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the box, the outputs, and whether intervals are calibrated."""
+        if not hasattr(self, "inputs_"):
+            return f"<p><b>{type(self).__name__}</b>, not fitted yet</p>"
+        import pandas as pd  # notebooks only
+
+        rows = [(one.name, one.low, one.high, one.units, one.scale) for one in self.inputs_]
+        box = pd.DataFrame(rows, columns=["input", "low", "high", "unit", "scale"])
+        learnt = self.calibration_
+        held = "not calibrated" if learnt is None else f"calibrated on {learnt.distribution.cases:,} cases"
+        outputs = ", ".join(map(escape, self.outputs_))
+        table = box.to_html(index=False, border=0)
+        return f"<p><b>{type(self).__name__}</b> of {outputs}; intervals {held}</p>{table}"
 
     def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
         """Predict every output, with its standard deviation, at points.
@@ -131,20 +205,20 @@ class GaussianProcess(Predictive):
         ValueError
             Missing or unknown inputs, NaN, shapes, dimensions or coordinates that do not fit or span over 1e7 points.
         """
-        self._require_fitted()
-        named = named_points(points, self.inputs_)
-        outer = self._checked(named, extrapolate)
-        mean, std = self._blocks(named.X, return_std)
-        answer: dict[str, tuple[NDArray[Any], dict[str, str]]] = {}
-        for k, name in enumerate(self.outputs_):
-            attrs = self.attrs_[name]
-            answer[name] = mean[k], attrs
-            if std is not None:
-                long_name = f"standard deviation of {attrs.get('long_name', name)}"
-                answer[f"{name}_std"] = std[k], {**attrs, "long_name": long_name}
-        if outer is not None:
-            answer["extrapolated"] = outer, {"long_name": "outside the trained box"}
-        return named.dataset(answer)
+        named, parts, flags = self._asked(points, return_std, extrapolate)
+        values = {
+            f"{name}{suffix}": part[k]
+            for k, name in enumerate(self.outputs_)
+            for suffix, part in zip(("", "_std"), parts, strict=False)
+        }
+
+        def attrs() -> Attrs:
+            own = self.attrs_
+            told = {name: f"standard deviation of {own[name].get('long_name', name)}" for name in self.outputs_}
+            stds = {f"{name}_std": {**own[name], "long_name": told[name]} for name in self.outputs_}
+            return {**own, **stds, **EXTRAPOLATED}
+
+        return self._labels().dataset(("predict", return_std, extrapolate), named, {**values, **flags}, attrs)
 
     @overload
     def predict_array(
@@ -166,9 +240,7 @@ class GaussianProcess(Predictive):
         points = np.asarray(X, dtype=np.float64)
         if points.ndim != 2 or points.shape[1] != len(self.inputs_):
             raise ValueError(f"points must have shape (n, {len(self.inputs_)}), got {points.shape}")
-        if not extrapolate:
-            require_inside(points, self.inputs_)
-        mean, std = self._blocks(points, return_std)
+        mean, std = self._answers(points, return_std, extrapolate)
         return (mean.T, std.T) if std is not None else mean.T
 
     def gradient(
@@ -185,7 +257,8 @@ class GaussianProcess(Predictive):
         self._require_fitted()
         self.check_level(level)
         named = named_points(points, self.inputs_)
-        outer = self._checked(named, extrapolate)
+        if not extrapolate:
+            require_inside(named.X, self.inputs_)
         slopes = self._physical_slopes(named.X, self._slopes)
         parts = {("", "derivative"): slopes}
         if return_std:
@@ -207,7 +280,7 @@ class GaussianProcess(Predictive):
                 derivative |= {"units": f"({attrs['units']}) / input_units"} if "units" in attrs else {}
                 each = values[:, k].reshape(-1, *named.shape)
                 answer[f"{name}{suffix}"] = xr.Variable(("input", *named.dims), each, derivative)
-        flags = {} if outer is None else {"extrapolated": (outer, {"long_name": "outside the trained box"})}
+        flags = {name: (flag, EXTRAPOLATED[name]) for name, flag in self._flags(named, extrapolate).items()}
         return named.dataset(flags).assign_coords(coords).assign(answer)
 
     def gradient_array(self, X: NDArray[np.floating[Any]]) -> Array:
@@ -288,7 +361,7 @@ class GaussianProcess(Predictive):
             np.concatenate([self._variance(t[:, block], weights) for block in blocks], axis=1) for weights in single
         ]
         groups = sharing(t)
-        self.calibration_ = calibrate(self._corrected(true - mean, t, groups), parts, t, groups)
+        self.calibration_ = calibrate(self._corrected(dataset, true - mean, t, groups), parts, t, groups)
         return self
 
     def uncalibrated(self) -> Self:
@@ -297,8 +370,11 @@ class GaussianProcess(Predictive):
         plain.calibration_ = None
         return plain
 
-    def _corrected(self, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
-        """Learn to correct the mean from errors, true minus predicted (p, n); return what is left of each left out."""
+    def _corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
+        """Learn to correct the mean from errors, true minus predicted (p, n); return what is left of each left out.
+
+        The data set of the cases may hold more than the outputs.
+        """
         return errors
 
     def _physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
@@ -320,11 +396,32 @@ class GaussianProcess(Predictive):
         if not hasattr(self, "inputs_"):
             raise NotFittedError(f"this {type(self).__name__} is not fitted yet; call fit first")
 
-    def _checked(self, named: Points, extrapolate: bool) -> Flags | None:
+    def _asked(
+        self, points: Queries, with_std: bool, extrapolate: bool
+    ) -> tuple[Points, list[Array], dict[str, Flags]]:
+        self._require_fitted()
+        named = named_points(points, self.inputs_)
+        parts = self._answers(named.X, with_std, extrapolate)
+        return named, [part for part in parts if part is not None], self._flags(named, extrapolate)
+
+    def _flags(self, named: Points, extrapolate: bool) -> dict[str, Flags]:
+        """Which points lie outside, with `extrapolate`, under the name that answers give it."""
+        return {"extrapolated": np.asarray(outside(named.X, self.inputs_).any(axis=1))} if extrapolate else {}
+
+    def _single(self) -> Single | None:
+        """Return the short way of one query alone, None where there is none."""
+        return None
+
+    def _answers(self, X: Array, return_std: bool, extrapolate: bool) -> tuple[Array, Array | None]:
+        """Means and standard deviations at points (n, d), (p, n) each; OutOfBoxError unless `extrapolate`."""
+        single = self._single() if len(X) == 1 else None
+        found = single(X[0].tolist(), return_std) if single else None
+        if found is not None:
+            mean, std = found
+            return mean[:, None], None if std is None else std[:, None]
         if not extrapolate:
-            require_inside(named.X, self.inputs_)
-            return None
-        return np.asarray(outside(named.X, self.inputs_).any(axis=1))
+            require_inside(X, self.inputs_)
+        return self._blocks(X, return_std)
 
     def _blocks(self, X: Array, return_std: bool) -> tuple[Array, Array | None]:
         mean = np.empty((len(self.outputs_), len(X)))

@@ -1,7 +1,7 @@
 """Models as data: netCDF files with everything that a prediction needs, nothing of which is executed."""
 
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,17 +13,12 @@ from storage.sealed import FormatError
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.data.meanings import MEANINGS, SOURCE
-from surrogate.gp.gridgp import GridGP
-from surrogate.gp.groupedgp import GroupedGP
+from surrogate.gp.engines import ENGINES, engine
 from surrogate.gp.model import GaussianProcess
-
-if TYPE_CHECKING:
-    from surrogate.gp.scattergp import ScatterGP
 
 FORMAT = "surrogate"
 VERSION = 2
 MAX_BYTES = 2**28  # unpacked; a model is a few MB at most, and a hostile file must not fill the memory
-ENGINES = ("grid", "grouped", "scatter")
 PROBES = 8
 PROBE_TOLERANCE = 1e-7
 
@@ -37,7 +32,23 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
         The folder does not exist.
     OSError
         No room or no permission, in the system's words, with the file.
+
+    Examples
+    --------
+    >>> import tempfile, surrogate
+    >>> from pathlib import Path
+    >>> made = surrogate.FactorialRegressor().fit([[0.0], [0.5], [1.0]], [1.0, 1.5, 3.0]).model_
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save(made, Path(folder) / "y.nc")
+    ...     [file.name for file in Path(folder).iterdir()]
+    ['y.nc']
     """
+    title = f"surrogate of {', '.join(model.outputs_)}"[:200]
+    write_whole(described(_stored(model), title, SOURCE, MEANINGS), path)
+
+
+def _stored(model: GaussianProcess) -> xr.Dataset:
+    """A model and the models that it is made of as one data set."""
     inputs, outputs = model.inputs_, model.outputs_
     points = probe_points(inputs)
     mean, std = model.predict_array(points, return_std=True)
@@ -58,15 +69,36 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
             "probe_upper": (("probe", "output"), upper),
         },
         coords={"input": [one.name for one in inputs], "output": list(outputs)},
-        attrs={"Conventions": "CF-1.11", "format": FORMAT, "format_version": VERSION, "engine": model.engine},
+        attrs={"format": FORMAT, "format_version": VERSION, "engine": model.engine},
     )
     if model.made_from_:
         common.attrs["made_from"] = model.made_from_
     whole = common.merge(model.stored(), combine_attrs="no_conflicts")
-    write_whole(described(whole, f"surrogate of {', '.join(outputs)}"[:200], SOURCE, MEANINGS), path)
+    for name, member in model.members.items():
+        whole = whole.merge(_prefixed(name, _stored(member)), combine_attrs="no_conflicts")
+    return whole
 
 
-def load(path: str | PathLike[str]) -> "GridGP | GroupedGP | ScatterGP":
+def _prefixed(name: str, member: xr.Dataset) -> xr.Dataset:
+    """A member's data set under names that begin with its own, as do their meanings."""
+    told = described(member, "", "", MEANINGS)
+    for variable in told.variables.values():
+        variable.attrs["long_name"] = f"{name} model: {variable.attrs.get('long_name', '')}"
+    renamed = told.rename({one: f"{name}_{one}" for one in {*told.variables, *told.dims}})
+    renamed.attrs = {f"{name}_{key}": value for key, value in member.attrs.items()}
+    return renamed
+
+
+def _member(name: str, stored: xr.Dataset) -> xr.Dataset:
+    """What `_prefixed` was made from."""
+    prefix = f"{name}_"
+    own = stored.drop_vars([one for one in stored.variables if not str(one).startswith(prefix)])
+    plain = own.rename({one: str(one).removeprefix(prefix) for one in {*own.variables, *own.dims}})
+    attrs = {str(key): value for key, value in stored.attrs.items()}
+    return plain.assign_attrs({key.removeprefix(prefix): one for key, one in attrs.items() if key.startswith(prefix)})
+
+
+def load(path: str | PathLike[str]) -> GaussianProcess:
     """Read a model, which may come from anywhere, and verify it.
 
     Raises
@@ -77,9 +109,25 @@ def load(path: str | PathLike[str]) -> "GridGP | GroupedGP | ScatterGP":
         One line with the file and the reason: truncated, altered, too large, more than plain numbers and texts, not a
         model, of an unknown version, engine or kernel, inconsistent in its shapes, or its probe predictions do not come
         out as stored.
+
+    Examples
+    --------
+    >>> import tempfile, surrogate
+    >>> from pathlib import Path
+    >>> made = surrogate.FactorialRegressor().fit([[0.0], [0.5], [1.0]], [1.0, 1.5, 3.0]).model_
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     surrogate.save(made, Path(folder) / "y.nc")
+    ...     again = load(Path(folder) / "y.nc")
+    >>> bool(again.predict({"x0": 0.3})["y0"] == made.predict({"x0": 0.3})["y0"])
+    True
     """
     try_to_read(path, MAX_BYTES)
     stored = read_whole(path, max_bytes=MAX_BYTES)
+    return _restored(path, stored, tuple(ENGINES))
+
+
+def _restored(path: str | PathLike[str], stored: xr.Dataset, engines: tuple[str, ...]) -> GaussianProcess:
+    """The verified model of a data set; FormatError as for `load`."""
     attrs = stored.attrs
     if attrs.get("format") != FORMAT:
         raise FormatError(path, "not a surrogate model")
@@ -88,16 +136,21 @@ def load(path: str | PathLike[str]) -> "GridGP | GroupedGP | ScatterGP":
             path,
             f"format version {attrs.get('format_version')} is not {VERSION}, the one known here: make the model anew",
         )
-    if attrs.get("engine") not in ENGINES:
-        raise FormatError(path, f"unknown engine {attrs.get('engine')!r}; known are {', '.join(ENGINES)}")
-    engine = _engine(attrs["engine"])
+    if attrs.get("engine") not in engines:
+        raise FormatError(path, f"unknown engine {attrs.get('engine')!r}; known are {', '.join(engines)}")
+    kind = engine(attrs["engine"])
     try:
         _check_numbers(stored)
-        model = engine.restored(stored, _inputs(stored), _outputs(stored))
+        # what a model is made of is not made of others in turn
+        simple = tuple(name for name in engines if not engine(name).MEMBERS) if kind.MEMBERS else ()
+        members = {name: _restored(path, _member(name, stored), simple) for name in kind.MEMBERS}
+        model = kind.restored(stored, _inputs(stored), _outputs(stored)).with_members(members)
         model.made_from_ = str(attrs.get("made_from", ""))
         points = stored["probe_point"].transpose("probe", "input").values
         mean, std = model.predict_array(points, return_std=True)
         ends = model.interval_array(points)
+    except FormatError:
+        raise
     except FAILURES as error:
         raise FormatError(path, f"inconsistent: {error}") from error
     for part, found in zip(("mean", "std", "lower", "upper"), (mean, std, *ends), strict=True):
@@ -107,15 +160,6 @@ def load(path: str | PathLike[str]) -> "GridGP | GroupedGP | ScatterGP":
         if found.shape != expected.shape or not (np.abs(found - expected) <= room).all():
             raise FormatError(path, f"the stored predictions {name} do not come out again")
     return model
-
-
-def _engine(name: str) -> "type[GridGP | GroupedGP | ScatterGP]":
-    """The class of one of `ENGINES`."""
-    if name in (GridGP.engine, GroupedGP.engine):
-        return GridGP if name == GridGP.engine else GroupedGP
-    from surrogate.gp.scattergp import ScatterGP  # scikit-learn's engine, slow to import and seldom stored
-
-    return ScatterGP
 
 
 def probe_points(inputs: tuple[Input, ...]) -> Array:

@@ -8,17 +8,23 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array
-from surrogate.data.points import Queries
+from surrogate.data.arrays import Array, Flags
+from surrogate.data.points import Points, Queries
 from surrogate.gp.conformal import Calibration
-from surrogate.gp.distribution import NOMINAL, Distribution, Normal, central
+from surrogate.gp.distribution import NOMINAL, Distribution, Normal
+from surrogate.gp.labels import Attrs, Labels
+
+#: Attributes of the variable that tells where an answer is outside of the trained box.
+EXTRAPOLATED = {"extrapolated": {"long_name": "outside the trained box"}}
 
 
 class Predictive(ABC):
     """Outputs that are their mean plus their standard deviation times a standardised error of a known distribution."""
 
     outputs_: tuple[str, ...]
+    attrs_: dict[str, dict[str, str]]
     calibration_: Calibration | None
+    _made_labels: Labels | None = None
 
     @abstractmethod
     def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
@@ -29,6 +35,17 @@ class Predictive(ABC):
         self, X: NDArray[np.floating[Any]], return_std: Literal[True], *, extrapolate: bool = False
     ) -> tuple[Array, Array]:
         """Return means and standard deviations at plain points, (n, d) -> two of (n, n_outputs)."""
+
+    @abstractmethod
+    def _asked(
+        self, points: Queries, with_std: bool, extrapolate: bool
+    ) -> tuple[Points, list[Array], dict[str, Flags]]:
+        """Return points, means and, if wanted, deviations, (p, n), and what lies outside, with `extrapolate`."""
+
+    def _labels(self) -> Labels:
+        if self._made_labels is None or self._made_labels.attrs is not self.attrs_:
+            self._made_labels = Labels(self.attrs_)
+        return self._made_labels
 
     @property
     def distribution(self) -> Distribution:
@@ -74,16 +91,21 @@ class Predictive(ABC):
         True
         """
         self.check_level(level)
-        ends = self._quantiles(points, central(level), extrapolate)
-        answer: dict[str, xr.Variable] = {}
-        for name in self.outputs_:
-            both = ends.variables[name]
-            for k, end in enumerate(("lower", "upper")):
-                whole = f"{end} end of the {100 * level:g} % interval of {both.attrs.get('long_name', name)}"
-                attrs = {**both.attrs, "long_name": whole}
-                answer[f"{name}_{end}"] = xr.Variable(both.dims[1:], both.values[k], attrs)
-        flags = {"extrapolated": ends.variables["extrapolated"]} if extrapolate else {}
-        return xr.Dataset(answer | flags, ends.drop_vars("quantile").coords)
+        named, (mean, std), flags = self._asked(points, True, extrapolate)
+        away = self.distribution.ends(level)[..., None]
+        ends = {"lower": mean + away[0] * std, "upper": mean + away[1] * std}
+        values = {f"{name}_{end}": ends[end][k] for k, name in enumerate(self.outputs_) for end in ends}
+
+        def attrs() -> Attrs:
+            of = f"end of the {100 * level:g} % interval of"
+            own = {
+                f"{name}_{end}": {**told, "long_name": f"{end} {of} {told.get('long_name', name)}"}
+                for name, told in self.attrs_.items()
+                for end in ends
+            }
+            return {**own, **EXTRAPOLATED}
+
+        return self._labels().dataset(("interval", level, extrapolate), named, values | flags, attrs)
 
     def quantile(self, points: Queries, q: float | Sequence[float], *, extrapolate: bool = False) -> xr.Dataset:
         """Return the values that the true output stays below with probability q.

@@ -1,66 +1,82 @@
-"""Gaussian processes for scattered designs: scikit-learn's regressor behind the shared face."""
+"""Gaussian processes for scattered designs: a few cases by scikit-learn's regressors, many by finite rank."""
 
-import warnings
 from collections.abc import Sequence
 from typing import ClassVar, Literal, Self, get_args
 
 import numpy as np
 import xarray as xr
-from scipy.linalg import solve_triangular
-from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
-from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Kernel, Matern
 
 from surrogate.data.arrays import Array
 from surrogate.data.factorial import output_names, text_attrs
 from surrogate.data.inputs import Input, unit_coordinates
-from surrogate.gp.factors import steepness
+from surrogate.gp.finiterank import FiniteRank
 from surrogate.gp.model import GaussianProcess
+from surrogate.gp.stationary import Stationary, regressor
 
-KernelName = Literal["rbf", "matern32", "matern52"]
+KernelName = Literal["auto", "rbf", "matern32", "matern52", "chebyshev"]
 KERNELS: tuple[str, ...] = get_args(KernelName)
-
-LENGTHS = (1e-2, 1e3)
-VARIANCES = (1e-4, 1e5)
+#: Cases above which "auto" is the kernel "chebyshev", whose cost is that of their number.
+MANY = 500
 
 
 class ScatterGP(GaussianProcess):
-    """Gaussian process on scattered cases, one length scale an input, noise-free but for a tiny nugget.
+    """Gaussian process on scattered cases, any number of outputs.
 
-    The outputs are independent `sklearn.gaussian_process.GaussianProcessRegressor`s on scaled coordinates; the cost of
-    a fit grows with the cube of the number of cases (about 1,000 are practical).
+    With the kernels "rbf", "matern32" and "matern52" the outputs are independent regressors of scikit-learn with a
+    length scale an input, free of noise but for a tiny nugget; the cost of a fit grows with the cube of the number of
+    cases. With "chebyshev", the kernel of `GridGP`, they are one process of finite rank (module `finiterank`), whose
+    cost grows with the number of cases. It estimates the noise of every output, and its standard deviation is that of a
+    new case, with its noise; `_std` of a gradient has no noise in it.
 
     Parameters
     ----------
-    kernel : {"matern52", "matern32", "rbf"}
-        Correlation function.
+    kernel : {"auto", "rbf", "matern32", "matern52", "chebyshev"}
+        Correlation function; "auto" is "matern52" for up to 500 cases and "chebyshev" for more.
     inputs : sequence of Input, optional
         Inputs with box and scale; by default the variables that are not `outputs`, with the range of the cases.
     outputs : sequence of str, optional
         Outputs, by default the variables that are not `inputs`. One of the two must be given.
     nugget : float
-        Added to the diagonal, relative to the variance of the output.
+        Added to the diagonal, relative to the variance of the output; "chebyshev" estimates it.
     restarts : int
-        Restarts of the search for the maximum of the marginal likelihood.
+        Restarts of the search for the maximum of the marginal likelihood; "chebyshev" has none.
     random_state : int
-        Seed of the restarts.
+        Seed of the restarts, or of the choice of the cases from which the decay of "chebyshev" is learnt.
+    rank : int
+        Most features of "chebyshev"; there are at most half as many as cases. Time and memory grow with its square.
 
     Attributes
     ----------
-    regressors_ : list of GaussianProcessRegressor
-        One fitted regressor an output.
+    process_ : Stationary or FiniteRank
+        What was fitted.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> from surrogate import Input, ScatterGP
+    >>> rng = np.random.default_rng(0)
+    >>> x, y = rng.uniform(-1, 1, (2, 5000))
+    >>> cases = xr.Dataset({"x": ("case", x), "y": ("case", y)})
+    >>> cases["f"] = ("case", np.exp(x * y) + 0.1 * rng.normal(size=5000))
+    >>> model = ScatterGP(inputs=[Input("x", -1, 1), Input("y", -1, 1)], rank=100).fit(cases)
+    >>> found = model.predict({"x": 0.5, "y": 0.4})
+    >>> bool(abs(found["f"] - np.exp(0.2)) < 0.02), bool(abs(found["f_std"] - 0.1) < 0.01)
+    (True, True)
     """
 
     engine: ClassVar[str] = "scatter"
+    process_: Stationary | FiniteRank
 
     def __init__(
         self,
-        kernel: KernelName = "matern52",
+        kernel: KernelName = "auto",
         inputs: Sequence[Input] | None = None,
         outputs: Sequence[str] | None = None,
         nugget: float = 1e-10,
         restarts: int = 0,
         random_state: int = 0,
+        rank: int = 2000,
     ) -> None:
         self.kernel = kernel
         self.inputs = inputs
@@ -68,6 +84,12 @@ class ScatterGP(GaussianProcess):
         self.nugget = nugget
         self.restarts = restarts
         self.random_state = random_state
+        self.rank = rank
+
+    @property
+    def regressors_(self) -> list[GaussianProcessRegressor]:
+        """The fitted regressors, one an output; none with "chebyshev"."""
+        return self.process_.regressors if isinstance(self.process_, Stationary) else []
 
     def fit(self, X: xr.Dataset) -> Self:
         """Fit to scattered cases.
@@ -80,11 +102,13 @@ class ScatterGP(GaussianProcess):
         Raises
         ------
         ValueError
-            An unknown kernel, a data set of other dimensions, missing variables, values that are not finite, a case
-            outside the box; one line that names it.
+            An unknown kernel, a rank below one, a data set of other dimensions, missing variables, values that are not
+            finite, a case outside the box, fewer than two cases for "chebyshev"; one line that names it.
         """
         if self.kernel not in KERNELS:
             raise ValueError(f"kernel {self.kernel!r} is none of {', '.join(KERNELS)}")
+        if self.rank < 1:
+            raise ValueError(f"rank {self.rank} must be at least 1")
         inputs, names = self._roles(X)
         columns = {name: _column(X, name) for name in [*(one.name for one in inputs), *names]}
         for one in inputs:
@@ -95,29 +119,42 @@ class ScatterGP(GaussianProcess):
         self.inputs_, self.outputs_ = tuple(inputs), tuple(names)
         self.attrs_ = {name: text_attrs(X[name]) for name in names}
         self.calibration_ = None
-        self.points_ = np.stack([columns[one.name] for one in inputs], axis=1)
-        self.values_ = np.stack([columns[name] for name in names], axis=1)
-        t = unit_coordinates(self.inputs_, self.points_).T
-        self.regressors_ = [self._regressor(t, values, None) for values in self.values_.T]
+        points = np.stack([columns[one.name] for one in inputs], axis=1)
+        values = np.stack([columns[name] for name in names], axis=1)
+        self.process_ = self._process(points, values)
         return self
+
+    def _process(self, points: Array, values: Array) -> Stationary | FiniteRank:
+        cases, kernel = len(points), self.kernel
+        if kernel == "auto":
+            kernel = "chebyshev" if cases > MANY else "matern52"
+        if kernel != "chebyshev":
+            self.points_, self.values_ = points, values
+            return self._stationary(kernel, [None] * values.shape[1])
+        if cases < 2:
+            raise ValueError(f"the kernel 'chebyshev' needs at least 2 cases, got {cases}")
+        t = unit_coordinates(self.inputs_, points)
+        return FiniteRank.fit(t, values, min(self.rank, cases // 2), self.random_state)
+
+    def _stationary(self, kernel: str, thetas: Sequence[Array | None]) -> Stationary:
+        t, how = unit_coordinates(self.inputs_, self.points_).T, (self.nugget, self.restarts, self.random_state)
+        pairs = zip(self.values_.T, thetas, strict=True)
+        return Stationary(kernel, [regressor(kernel, t, values, theta, *how) for values, theta in pairs])
 
     def state(self) -> xr.Dataset:
         """Return what a file must hold beside inputs, outputs and probes."""
+        names = ("kernel", "nugget", "restarts", "random_state", "rank")
+        attrs = {name: getattr(self, name) for name in names}
+        if isinstance(self.process_, FiniteRank):
+            return self.process_.state().assign_attrs(attrs)
+        theta = np.stack([one.kernel_.theta for one in self.process_.regressors])
         return xr.Dataset(
             {
                 "point": (("case", "input"), self.points_),
                 "value": (("case", "output"), self.values_),
-                "theta": (
-                    ("output", "theta_index"),
-                    np.stack([regressor.kernel_.theta for regressor in self.regressors_]),
-                ),
+                "theta": (("output", "theta_index"), theta),
             },
-            attrs={
-                "kernel": self.kernel,
-                "nugget": self.nugget,
-                "restarts": self.restarts,
-                "random_state": self.random_state,
-            },
+            attrs=attrs,
         )
 
     @classmethod
@@ -133,15 +170,18 @@ class ScatterGP(GaussianProcess):
             float(attrs["nugget"]),
             int(attrs["restarts"]),
             int(attrs["random_state"]),
+            int(attrs["rank"]),
         )
         model.inputs_, model.outputs_, model.attrs_ = inputs, tuple(outputs), outputs
+        if "feature_degree" in stored:
+            model.process_ = FiniteRank.restore(stored, len(inputs), len(outputs))
+            return model
         model.points_ = stored["point"].transpose("case", "input").values
         model.values_ = stored["value"].transpose("case", "output").values
         theta = stored["theta"].transpose("output", "theta_index").values
         if theta.shape[1] != len(inputs) + 1:
             raise ValueError(f"theta has {theta.shape[1]} columns for {len(inputs)} inputs")
-        t = unit_coordinates(inputs, model.points_).T
-        model.regressors_ = [model._regressor(t, y, row) for y, row in zip(model.values_.T, theta, strict=True)]
+        model.process_ = model._stationary("matern52" if model.kernel == "auto" else model.kernel, list(theta))
         return model
 
     def _roles(self, X: xr.Dataset) -> tuple[Sequence[Input], list[str]]:
@@ -160,72 +200,19 @@ class ScatterGP(GaussianProcess):
         ]
         return inputs, output_names(X, self.outputs, exclude=())
 
-    def _regressor(self, t: Array, values: Array, theta: Array | None) -> GaussianProcessRegressor:
-        kernel = ConstantKernel(1.0, VARIANCES) * self._correlation(t.shape[1])
-        regressor = GaussianProcessRegressor(
-            kernel if theta is None else kernel.clone_with_theta(theta),
-            alpha=self.nugget,
-            optimizer="fmin_l_bfgs_b" if theta is None else None,
-            n_restarts_optimizer=self.restarts if theta is None else 0,
-            normalize_y=True,
-            random_state=self.random_state,
-        )
-        with warnings.catch_warnings():
-            # a length scale at its bound means an output that is flat or linear along an input, which is no fault
-            warnings.simplefilter("ignore", ConvergenceWarning)
-            return regressor.fit(t, values)
-
-    def _correlation(self, inputs: int) -> Kernel:
-        if self.kernel == "rbf":
-            return RBF(np.ones(inputs), LENGTHS)
-        return Matern(np.ones(inputs), LENGTHS, nu=1.5 if self.kernel == "matern32" else 2.5)
-
     @property
     def parts(self) -> int:
-        """Number of parts of the variance: one."""
-        return 1
+        """Number of parts of the variance: one, or with "chebyshev" two, that of the function and the noise."""
+        return self.process_.parts
 
     def _mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        if weights is None:
-            return np.stack([regressor.predict(t.T) for regressor in self.regressors_]), None
-        with warnings.catch_warnings():
-            # at a training point the variance is zero up to rounding, and scikit-learn warns of its sign
-            warnings.filterwarnings("ignore", message="Predicted variances smaller than 0")
-            pairs = [regressor.predict(t.T, return_std=True) for regressor in self.regressors_]
-        return np.stack([mean for mean, _ in pairs]), weights[0][:, None] * np.stack([std**2 for _, std in pairs])
+        return self.process_.mean_variance(t, weights)
 
     def _slopes(self, t: Array) -> Array:
-        slopes = np.empty((len(t), len(self.outputs_), t.shape[1]))
-        for p, regressor in enumerate(self.regressors_):
-            for i, slope in enumerate(self._kernel_slopes(regressor, t)):
-                slopes[i, p] = slope @ regressor.alpha_ * regressor._y_train_std
-        return slopes
+        return self.process_.slopes(t)
 
     def _slope_variances(self, t: Array, weights: Array) -> Array:
-        slopes = np.empty((len(t), len(self.outputs_), t.shape[1]))
-        for p, regressor in enumerate(self.regressors_):
-            variance, lengths = np.exp(regressor.kernel_.theta[0]), np.exp(regressor.kernel_.theta[1:])
-            size = weights[0, p] * regressor._y_train_std**2
-            for i, slope in enumerate(self._kernel_slopes(regressor, t)):
-                white = solve_triangular(regressor.L_, slope.T, lower=True)
-                prior = variance * steepness(self.kernel) / lengths[i] ** 2
-                slopes[i, p] = size * (prior - np.einsum("nb,nb->b", white, white))
-        return slopes
-
-    def _kernel_slopes(self, regressor: GaussianProcessRegressor, t: Array) -> list[Array]:
-        """Return the slopes of k(t, X) with respect to every coordinate of t, each (B, n)."""
-        variance, lengths = np.exp(regressor.kernel_.theta[0]), np.exp(regressor.kernel_.theta[1:])
-        differences = [(t[i][:, None] - regressor.X_train_[:, i]) / lengths[i] for i in range(len(t))]
-        # every correlation's slope is -(difference / length) g(r) / length
-        shared = variance * self._radial(np.sqrt(sum(d * d for d in differences)))
-        return [-difference * shared / length for difference, length in zip(differences, lengths, strict=True)]
-
-    def _radial(self, r: Array) -> Array:
-        if self.kernel == "rbf":
-            return np.asarray(np.exp(-0.5 * r * r))
-        if self.kernel == "matern32":
-            return np.asarray(3 * np.exp(-np.sqrt(3) * r))
-        return np.asarray(5 / 3 * (1 + np.sqrt(5) * r) * np.exp(-np.sqrt(5) * r))
+        return self.process_.slope_variances(t, weights)
 
 
 def _column(X: xr.Dataset, name: str) -> Array:

@@ -59,6 +59,20 @@ class TensorTrain:
             parts.append(state)
         return np.stack(parts)
 
+    def grams(self) -> list[Array]:
+        """Return, for every factor, the products of the tensor's slices along it, summed over the others: (p, n, n)."""
+        outputs = self.cores[-1].shape[2]
+        behind = [np.einsum("ip,jp->pij", np.eye(outputs), np.eye(outputs))]
+        for core in self.cores[:0:-1]:
+            half = np.einsum("amb,pbc->pamc", core, behind[-1], optimize=True)
+            behind.append(np.einsum("pamc,dmc->pad", half, core, optimize=True))
+        before, grams = np.ones((1, 1)), []
+        for core, rest in zip(self.cores, reversed(behind), strict=True):
+            half = np.einsum("ad,dnc->anc", before, core, optimize=True)
+            grams.append(np.einsum("amb,pbc,anc->pmn", core, rest, half, optimize=True))
+            before = np.einsum("amb,amc->bc", core, half, optimize=True)
+        return grams
+
     def scaled(self, weights: Sequence[Array]) -> "TensorTrain":
         """Return the train with the modes of factor k multiplied by weights[k], shape (modes_k,)."""
         return TensorTrain(tuple(core * w[:, None] for core, w in zip(self.cores, weights, strict=True)))

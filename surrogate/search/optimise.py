@@ -11,7 +11,12 @@ from surrogate.data.arrays import Array
 
 _FEASIBLE = 1e-9  # largest excess, in units of the limits, that counts as none: SLSQP's own accuracy
 _NEARLY = 1e-6  # an excess that next to nothing of the objective takes away
-_TIE = 1e-9  # share of the objective's range over the box that counts as none
+_CONVERGED = 1e-14  # change of the objective, and excess, at which sequential quadratic programming ends
+_BINDS = 1e-7  # margin below which a row binds once it has ended
+_ROUNDING = 1e-15  # margin that no step lessens
+_STANDS = 1e-9  # change of all variables that is none
+_STEPS, _ROUNDS = 4, 3
+_TIE = 1e-11  # share of the objective's range over the box that counts as none
 
 
 @dataclass(frozen=True)
@@ -193,13 +198,63 @@ class _Local:
             level_slope += [np.full(len(limits), 0.0 if rise else 1.0)]
             return np.column_stack([np.vstack([*above, limits]), np.concatenate(level_slope)])
 
-        found = minimize(
-            height,
-            np.append(x, level),
-            jac=height_slope,
-            method="SLSQP",
-            bounds=[(-1.0, 1.0)] * d + [(None, None)],
-            constraints=NonlinearConstraint(margins, 0.0, np.inf, jac=margins_slope),
-            options={"maxiter": 200, "ftol": 1e-14},
-        )
-        return np.asarray(np.clip(found.x[:d], -1.0, 1.0))
+        z: Array = np.append(x, level)
+        for _ in range(_ROUNDS):
+            stop = _Stop(z)
+            found = minimize(
+                height,
+                z,
+                jac=height_slope,
+                method="SLSQP",
+                bounds=[(-1.0, 1.0)] * d + [(None, None)],
+                constraints=NonlinearConstraint(margins, 0.0, np.inf, jac=margins_slope),
+                callback=stop.check,
+                options={"maxiter": 100, "ftol": _CONVERGED},
+            )
+            before, z = z, _settled(np.asarray(found.x), d, margins, margins_slope)
+            if np.abs(z - before).max() <= _STANDS or not stop.stalled:
+                break
+        return np.asarray(z[:d])
+
+
+class _Stop:
+    """Ends a sequential quadratic program whose iterates stand still.
+
+    It would go on for ever in line searches that rounding decides. Its model of the curvature is then of no use: the
+    search goes on with a new one.
+    """
+
+    def __init__(self, z: Array) -> None:
+        self._last, self.stalled = z, False
+
+    def check(self, xk: Array) -> None:
+        """Raise StopIteration where the iterate is the last one."""
+        self.stalled = bool(np.abs(xk - self._last).max() <= _STANDS)
+        self._last = xk.copy()
+        if self.stalled:
+            raise StopIteration
+
+
+def _settled(z: Array, d: int, margins: Callable[[Array], Array], slope: Callable[[Array], Array]) -> Array:
+    """Newton steps on the rows that bind, each the shortest that brings them all to zero.
+
+    Sequential quadratic programming ends at `_CONVERGED`, and would spend many evaluations on what is left. Where as
+    many rows bind as there are variables, as at a kink or an equality, these steps leave rounding; elsewhere they move
+    along the rows' gradients, by which the objective changes next to nothing.
+    """
+    z = np.append(np.clip(z[:d], -1.0, 1.0), z[d])
+    rows = margins(z)
+    for _ in range(_STEPS):
+        near = rows < _BINDS
+        if not near.any() or np.abs(rows[near]).max() <= _ROUNDING:
+            break
+        free = np.append(np.abs(z[:d]) < 1, True)
+        jacobian = slope(z)[near][:, free]
+        moved = z.copy()
+        moved[free] -= np.linalg.lstsq(jacobian, rows[near], rcond=None)[0]
+        moved[:d] = np.clip(moved[:d], -1.0, 1.0)
+        after = margins(moved)
+        if not np.abs(after[near]).max() < np.abs(rows[near]).max():
+            break
+        z, rows = moved, after
+    return z

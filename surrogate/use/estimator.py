@@ -23,16 +23,18 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
     """Gaussian process regression of arrays and tables, one or more outputs, by scikit-learn's rules.
 
     Cases that are every combination of the levels of their columns, each once and in any order, are fitted by `GridGP`
-    at a cost that grows little faster than their number; all others by `ScatterGP`, at the cube of it (about 1,000 are
-    practical). The data are taken as free of noise but for `nugget`.
+    at a cost that grows little faster than their number, free of noise but for `nugget`; all others by `ScatterGP`: up
+    to 500 as free of noise, at the cube of their number, more with a noise that is estimated, at a cost that grows with
+    their number.
 
     Parameters
     ----------
     design : {"auto", "factorial", "scattered"}
         Which of the two the cases are; by default they are looked at. "factorial" refuses those that are none.
-    kernel : {"matern52", "matern32", "rbf"}
-        Correlation function, wherever "chebyshev" is not taken: a factorial whose columns all have Chebyshev-Gauss
-        levels (see `chebyshev_levels`) is interpolated by the kernel of that name, with spectral accuracy.
+    kernel : {"auto", "rbf", "matern32", "matern52", "chebyshev"}
+        Correlation function of scattered cases, see `ScatterGP`, and of a factorial of any levels, where "auto" is
+        "matern52". A factorial whose columns all have Chebyshev-Gauss levels (see `chebyshev_levels`) is interpolated
+        by the kernel of that name, with spectral accuracy.
     inputs : sequence of Input, optional
         Range and scale of every column, in their order. By default the range of the cases on a linear scale or, of
         Chebyshev-Gauss levels, the range and scale that they are those of.
@@ -68,7 +70,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
     def __init__(
         self,
         design: Design = "auto",
-        kernel: KernelName = "matern52",
+        kernel: KernelName = "auto",
         inputs: Sequence[Input] | None = None,
         nugget: float = 1e-10,
         extrapolate: bool = True,
@@ -168,7 +170,8 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
             coords=dict(zip(names, levels, strict=True)),
         )
         chebyshev = follows_chebyshev(data, names, self.inputs)
-        return GridGP("chebyshev" if chebyshev else self.kernel, self.inputs, outputs, nugget=self.nugget).fit(data)
+        other = "matern52" if self.kernel == "auto" else self.kernel
+        return GridGP("chebyshev" if chebyshev else other, self.inputs, outputs, nugget=self.nugget).fit(data)
 
     def _scattered(self, names: list[str], columns: Array, values: Array) -> GaussianProcess:
         outputs = _outputs(names, values)

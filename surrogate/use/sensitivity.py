@@ -15,6 +15,7 @@ from scipy.stats import qmc
 
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import gauss_points
+from surrogate.gp.curvegp import CurveGP
 from surrogate.gp.factors import cosine_basis
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.groupedgp import GroupedGP
@@ -36,10 +37,10 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
     Parameters
     ----------
     model : GaussianProcess
-        A fitted `GridGP` or `GroupedGP`. Indices are those of its tensor train, without the correction of the mean that
-        `calibrate` learns; the correction counts as an error of the train, beside the calibrated standard deviation.
-        The train of a grouped model is over its inputs: its mean on a grid of them, `EXPANDED` points at most, whose
-        error counts too.
+        A fitted `GridGP`, `GroupedGP` or `CurveGP`. Indices are those of its tensor train, without the correction of
+        the mean that `calibrate` learns; the correction counts as an error of the train, beside the calibrated
+        standard deviation. The train of the others is over their inputs: their mean on a grid of them, `EXPANDED`
+        points at most, whose error counts too.
 
     Returns
     -------
@@ -57,10 +58,10 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
     Raises
     ------
     TypeError
-        The model is neither a `GridGP` nor a `GroupedGP`.
+        The model is none of these.
     """
-    if not isinstance(model, GridGP | GroupedGP):
-        raise TypeError(f"exact sensitivity indices need a GridGP or a GroupedGP, got {type(model).__name__}")
+    if not isinstance(model, GridGP | GroupedGP | CurveGP):
+        raise TypeError(f"exact sensitivity indices need a GridGP, GroupedGP or CurveGP, got {type(model).__name__}")
     names, d = list(model.box), len(model.box)
     train = model.uncalibrated() if isinstance(model, GridGP) else expanded(model)
     moments = _Moments(train)
@@ -144,8 +145,8 @@ def _root(matrix: Array) -> Array:
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0)))
 
 
-def expanded(model: GroupedGP) -> GridGP:
-    """Return the mean of a grouped model as a grid process over its inputs, as fine as `EXPANDED` points allow."""
+def expanded(model: GaussianProcess) -> GridGP:
+    """Return the mean of any model as a grid process over its inputs, as fine as `EXPANDED` points allow."""
     inputs, tails = model.inputs_, _tails(model.uncalibrated())
     for allowed in 10.0 ** np.arange(-9, 1):
         counts = [max(2, int(np.count_nonzero(tail > allowed))) for tail in tails]
@@ -156,7 +157,7 @@ def expanded(model: GroupedGP) -> GridGP:
     return grid.fit(model.uncalibrated().predict(axes, return_std=False))
 
 
-def _tails(model: GroupedGP) -> list[Array]:
+def _tails(model: GaussianProcess) -> list[Array]:
     """For every input, the largest sum of the means' Chebyshev coefficients from a degree on, over their range."""
     inputs, tails = model.inputs_, []
     at = 2 * qmc.Sobol(len(inputs), rng=0).random(LINES) - 1

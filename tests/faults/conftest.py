@@ -27,7 +27,15 @@ RESULTS = Path("results/tiny")
 REPORT = str(RESULTS / "report.html")
 
 # what holds measured times, or is written for people
-NOT_COMPARED = {"timing.json", "datacard.json", "datacard.md", "provenance.json", "report.html"}
+NOT_COMPARED = {
+    "timing.json",
+    "datacard.json",
+    "datacard.md",
+    "provenance.json",
+    "report.html",
+    "croissant.json",
+    "ro-crate-metadata.json",
+}
 
 
 def contents(project: Project, study: str = "tiny") -> dict[str, bytes]:

@@ -42,6 +42,9 @@ def test_round_trip_keeps_values_types_and_attributes(tmp_path: Path) -> None:
     write_whole(sample(), path)
     again = read_whole(path)
     assert again.attrs.pop("checksum")
+    assert again.attrs.pop("summary").startswith("data set: field, time, holes")
+    assert again.attrs.pop("license") == "MIT"
+    assert again.attrs.pop("history").startswith("written by meecontact ")
     xr.testing.assert_identical(again.drop_vars(["name", "label"]), sample().drop_vars(["name", "label"]))
     assert again["name"].values.tolist() == sample()["name"].values.tolist()
     assert again["flag"].dtype == bool

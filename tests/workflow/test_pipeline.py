@@ -1,6 +1,7 @@
 """The pipeline as real processes: what it makes, when it runs again, and that equal inputs give equal bytes."""
 
 import ast
+import hashlib
 import json
 import re
 import shutil
@@ -50,14 +51,16 @@ def test_quantities_are_the_exact_solution(ran: Project) -> None:
 def test_every_file_speaks_for_itself_to_foreign_programs(ran: Project) -> None:
     files = sorted((ran.folder / "results/small").rglob("*.nc"))
     assert len(files) >= 12
-    described = {"surrogate.nc", "validation.nc", "sensitivity.nc", "design.nc", "quantities.nc"}
     for path in files:
         with netCDF4.Dataset(path) as file:
             assert file.title, path
             assert file.source.startswith("meecontact: "), path
+            assert file.summary.startswith(file.title), path
+            assert file.license == "MIT", path
             for name, variable in file.variables.items():
                 assert "_FillValue" not in variable.ncattrs(), (path, name)
-                assert path.name not in described or (variable.units and variable.long_name), (path, name)
+                assert variable.units, (path, name)
+                assert variable.long_name, (path, name)
                 # what UDUNITS reads as meant: names with whole exponents
                 units = getattr(variable, "units", "1")
                 assert re.fullmatch(r"1|[A-Za-z]+(-?[2-9]|-1)?( [A-Za-z]+(-?[2-9]|-1)?)*", units), (path, name, units)
@@ -147,6 +150,36 @@ def test_provenance_names_versions_hashes_and_seed(ran: Project) -> None:
     assert content["seed"] == 1
     assert content["versions"]["numpy"] == np.__version__
     assert set(content["results_sha256"]) >= {"quantities.nc", "surrogate.nc", "validation.nc", "design.nc"}
+
+
+def test_the_crate_of_the_run_has_every_file_with_its_hash(ran: Project) -> None:
+    results = ran.folder / "results/small"
+    graph = json.loads((results / "ro-crate-metadata.json").read_text(encoding="utf-8"))["@graph"]
+    entities = {one["@id"]: one for one in graph}
+    action = entities["#run-small"]
+    made = [one["@id"] for one in action["result"]]
+    assert {"quantities.nc", "design.nc", "provenance.json", "report.html"} <= set(made)
+    for name in made:
+        content = (results / name).read_bytes()
+        assert name == "report.html" or entities[name]["sha256"] == hashlib.sha256(content).hexdigest()
+    assert (results / action["object"]["@id"]).read_bytes() == (ran.folder / "config/small.yaml").read_bytes()
+    assert (results / action["instrument"]["@id"]).read_text(encoding="utf-8").startswith("# The whole pipeline")
+
+
+def test_croissant_tells_the_records_of_the_factorial(ran: Project) -> None:
+    found = json.loads((ran.folder / "results/small/croissant.json").read_text(encoding="utf-8"))
+    (cases,) = found["recordSet"]
+    fields = {one["name"]: one for one in cases["field"]}
+    assert [one["@id"] for one in cases["key"]] == [
+        f"cases/{n}" for n in ("volume_fraction", "friction", "radius", "load")
+    ]
+    data = read_whole(ran.folder / "results/small/fields/slab_0.nc")
+    assert set(fields) >= set(map(str, data.data_vars))
+    assert fields["contact_pressure"]["arrayShape"] == str(data.sizes["position"])
+    measured = {one["name"]: one for one in found["variableMeasured"]}
+    whole = read_whole(ran.folder / "results/small/quantities.nc")
+    assert measured["depth"]["minValue"] == float(whole["depth"].min())
+    assert measured["depth"]["unitText"] == "m"
 
 
 def test_a_second_run_does_nothing(ran: Project) -> None:

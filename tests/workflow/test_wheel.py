@@ -29,7 +29,7 @@ def test_the_installed_program_runs_a_study_from_anywhere(copy: Callable[[str], 
     with zipfile.ZipFile(source / told.stdout.split()[-1]) as wheel:
         held = {name for name in wheel.namelist() if ".dist-info/" not in name}
         wheel.extractall(site)
-    files = {file for room in ROOMS for file in (ROOT / room).rglob("*") if file.is_file()}
+    files = {file for room in (*ROOMS, "meecontact") for file in (ROOT / room).rglob("*") if file.is_file()}
     assert held == {str(file.relative_to(ROOT)) for file in files if "__pycache__" not in file.parts}
 
     study = tmp_path / "studies/mine.yaml"

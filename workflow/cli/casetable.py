@@ -1,11 +1,13 @@
 """Tables of cases that people write: CSV with a header of factor names, read in bounded memory and time."""
 
 import csv
+import re
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TextIO
 
 import numpy as np
@@ -13,6 +15,7 @@ from numpy.typing import NDArray
 
 from solver.names import CHOICES, MATERIALS
 from storage.files import regular
+from workflow.language import units
 from workflow.language.factors import FACTORS
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, number
@@ -21,6 +24,7 @@ _LARGEST = 1 << 28  # bytes
 _MOST_CASES = 1_000_000
 _MOST_LINES = 4 * _MOST_CASES  # blank ones among them
 _LONGEST_ROW = 1 << 16  # characters
+_NAME = re.compile(r"(?P<name>\w+)\s*\[(?P<unit>[^\[\]]*)\]")
 _LONGEST_CELL = 200  # characters; a name or a number has a tenth of that
 
 #: Factors whose values are names.
@@ -64,30 +68,42 @@ class Table:
         return empty
 
 
-def read_cases(path: Path) -> Table:
+def read_cases(path: Path, more: Mapping[str, str] = MappingProxyType({})) -> Table:
     """Read a table of cases: a header of factor names, then one row a case; a cell may be empty.
+
+    A number's name may have its unit behind it, as ``thickness [um]``; the table holds SI units. What begins with # is
+    a remark.
+
+    Parameters
+    ----------
+    path
+        The file.
+    more
+        Further columns that it may have, with their units.
 
     Raises
     ------
     InputError
-        A file that is missing, too large or no regular one, no header, an unknown or repeated column, a ragged row, a
-        name that is none of a factor's or a cell that is no finite number; names file, line, column and value.
+        A file that is missing, too large or no regular one, no header, an unknown or repeated column, one with a unit
+        of another kind, a ragged row, a name that is none of a factor's or a cell that is no finite number; names file,
+        line, column and value.
     """
     try:
         if regular(path).stat().st_size > _LARGEST:
             raise InputError(f"{path}: larger than {_LARGEST} bytes")
         with path.open(newline="", encoding="utf-8-sig") as file:
-            return _read(path, file)
+            return _read(path, file, more)
     except OSError as error:
         raise InputError(f"{path}: {error.strerror or error}") from None
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: not a CSV table in UTF-8: {error}") from None
 
 
-def _read(path: Path, file: TextIO) -> Table:
+def _read(path: Path, file: TextIO, more: Mapping[str, str]) -> Table:
     rows = _rows(path, file)
     _, first = next(rows, (0, []))
-    header = _header(path, first)
+    scales = _header(path, first, more)
+    header = list(scales)
     numbers: dict[str, array[float]] = {name: array("d") for name in header if name not in TEXT_FACTORS}
     texts: dict[str, list[str | None]] = {name: [] for name in header if name in TEXT_FACTORS}
     lines = array("q")
@@ -103,7 +119,7 @@ def _read(path: Path, file: TextIO) -> Table:
                 shown = f"{text[:20]}..."
                 raise InputError(f"{path}: line {line}: {name}: {shown!r} has more than {_LONGEST_CELL} characters")
             if name in numbers:
-                numbers[name].append(_number(path, line, name, text))
+                numbers[name].append(_number(path, line, name, text, more, scales[name]))
             else:
                 if text and text not in (allowed := CHOICES.get(name, (text,))):
                     raise InputError(f"{path}: line {line}: {name}: {text!r} is not one of {', '.join(allowed)}")
@@ -117,7 +133,7 @@ def _read(path: Path, file: TextIO) -> Table:
 
 
 def _rows(path: Path, file: TextIO) -> Iterator[tuple[int, list[str]]]:
-    """Rows that are not blank, with the lines on which they end; one that is too long is never held."""
+    """Rows that are neither blank nor begin with #, with their last lines; one too long is never held."""
     read = 0
 
     def pieces() -> Iterator[str]:
@@ -131,30 +147,50 @@ def _rows(path: Path, file: TextIO) -> Iterator[tuple[int, list[str]]]:
     reader = csv.reader(pieces(), strict=True)
     for row in islice(reader, _MOST_LINES):
         read = 0
-        if row:
+        if row and not row[0].startswith("#"):
             yield reader.line_num, row
     if next(reader, None) is not None:
         raise InputError(f"{path}: more than {_MOST_LINES} lines")
 
 
-def _header(path: Path, row: list[str]) -> list[str]:
-    header = [name.strip() for name in row[: len(_COLUMNS) + 1]]  # one of them is unknown or stands there twice
-    for name in header:
-        if name not in _COLUMNS and name not in FACTORS:
-            shown = name[:_LONGEST_CELL]
-            raise InputError(f"{path}: column {shown!r}: unknown factor; {nearest(shown, list(_COLUMNS))}")
-        if header.count(name) > 1:
+def _header(path: Path, row: list[str], more: Mapping[str, str]) -> dict[str, float]:
+    """Names of the columns, and what SI units their numbers have to be multiplied by."""
+    scales: dict[str, float] = {}
+    known = (*_COLUMNS, *more)
+    for cell in row[: len(known) + 1]:  # one of them is unknown or stands there twice
+        shown = cell.strip()[:_LONGEST_CELL]
+        match = _NAME.fullmatch(shown)
+        name, unit = (match["name"], match["unit"]) if match else (shown, None)
+        if name not in known and name not in FACTORS:
+            kind = "column" if more else "factor"
+            raise InputError(f"{path}: column {shown!r}: unknown {kind}; {nearest(name, list(known))}")
+        if name in scales:
             raise InputError(f"{path}: column {name!r}: given twice")
-    return header
+        scales[name] = 1.0 if unit is None else _scale(path, name, unit, more)
+    return scales
 
 
-def _number(path: Path, line: int, name: str, text: str) -> float:
+def _scale(path: Path, name: str, unit: str, more: Mapping[str, str]) -> float:
+    if name in TEXT_FACTORS:
+        raise InputError(f"{path}: column {name!r}: holds names, which have no unit")
+    own = more.get(name) or FACTORS[name].units
+    try:
+        found = units.parse(unit)
+    except ValueError as error:
+        raise InputError(f"{path}: column {name!r}: {error}") from None
+    if not found.fits(units.parse(own)):
+        raise InputError(f"{path}: column {name!r}: unit mismatch: {unit!r} does not measure what {own!r} measures")
+    return found.scale
+
+
+def _number(path: Path, line: int, name: str, text: str, more: Mapping[str, str], scale: float) -> float:
     if not text:
         return np.nan
+    allowed = f"a finite number [{more[name]}]" if name in more else FACTORS[name].allowed
     try:
-        value = number(text)
+        value = number(text) * scale
     except ValueError:
-        raise InputError(f"{path}: line {line}: {name}: {text!r} is not {FACTORS[name].allowed}") from None
+        raise InputError(f"{path}: line {line}: {name}: {text!r} is not {allowed}") from None
     if not np.isfinite(value):
-        raise InputError(f"{path}: line {line}: {name}: {value:g} is not {FACTORS[name].allowed}")
+        raise InputError(f"{path}: line {line}: {name}: {value:g} is not {allowed}")
     return value

@@ -6,7 +6,8 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-from workflow.design import unreached
+from workflow.cli import progress
+from workflow.design import outcome, unreached
 from workflow.language.spelling import nearest
 from workflow.study import location, partition
 from workflow.study import model as studies
@@ -53,11 +54,16 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
     if study.open and not dry:
         _choose_levels(name, options)
     report, *others = [f"results/{name}/{file}" for file in study.final_files]
-    quiet = ["--dry-run", "--quiet", "host"] if dry else ["--quiet", "rules", "host", "reason"]
-    status = _snakemake([*options, *quiet, "--", report, *others])
-    if status == 0 and not dry:
-        _check_origin(study, Path(report).with_name("provenance.json"))
-        unreached.tell([name] if study.design else [])
+    if dry:
+        return _snakemake([*options, "--dry-run", "--quiet", "host", "--", report, *others])
+    unreached.leave([name])  # the table says it
+    with progress.followed(study):
+        status = _snakemake([*options, "--quiet", "host", "reason", "--", report, *others])
+    if status == 0:
+        folder = Path(report).parent
+        _check_origin(study, folder / "provenance.json")
+        for line in [*outcome.table(folder, list(study.design)), *unreached.lines(folder / "design.nc")]:
+            print(line)
         print(f"report: {report}")
     return status
 

@@ -1,4 +1,4 @@
-"""The command ``meecontact``: solve cases, query a surrogate, check a material, check and run a study."""
+"""The command ``meecontact``: solve cases, query a surrogate, check a material, begin, check and run a study."""
 
 import argparse
 import os
@@ -17,9 +17,10 @@ from solver.names import ALL_QUANTITIES, FILM_QUANTITIES, QUANTITIES
 from storage.files import output
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import materials
+from workflow.cli import learn, materials, serving, studies
 from workflow.cli.casetable import read_cases
 from workflow.cli.launch import launch
+from workflow.cli.progress import busy
 from workflow.cli.query import query
 from workflow.cli.solving import solved
 from workflow.cli.words import numbers, say
@@ -120,6 +121,8 @@ def _parser() -> _Parser:
     )
     command.set_defaults(run=query)
 
+    serving.add(commands)
+
     command = commands.add_parser(
         "material", help="check a material, print roots and compliance; or list what is built in"
     )
@@ -139,6 +142,7 @@ def _parser() -> _Parser:
     command.add_argument("--at", action="append", metavar="NAME=VALUE,...", help="what is not named takes its default")
     command.add_argument("--worst-case", action="append", metavar="NAME=LOW:HIGH,...")
     command.add_argument("--uncertain", action="append", metavar="NAME=normal(MEAN,STD),...")
+    command.add_argument("--tolerance", action="append", metavar="NAME=5%|10um,...", help="how far off as built")
     command.add_argument("--robust", nargs=1, metavar="'mean - 2 std'", help="default: 'worst case'")
     command.add_argument("--limit", action="append", metavar="'trailing_tension <= 50 MPa'")
     command.add_argument("--json", action="store_true", help="print JSON instead of a table")
@@ -150,6 +154,16 @@ def _parser() -> _Parser:
     command.add_argument("--infer", action="append", required=True, metavar="NAME,...", help="one to three factors")
     command.add_argument("--at", action="append", metavar="NAME=VALUE,...", help="all the others")
     command.set_defaults(run=_invert)
+
+    learn.add(commands)
+
+    command = commands.add_parser("init", help="write a commented study of one's own, which runs as it is")
+    command.add_argument("name", metavar="NAME", help="of the study: config/NAME.yaml")
+    command.set_defaults(run=_init)
+
+    command = commands.add_parser("list", help="what studies may name: studies, factors, quantities, materials")
+    command.add_argument("kind", nargs="?", metavar="KIND", help="one of these; default: all of them")
+    command.set_defaults(run=_list)
 
     command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
     command.add_argument("study", help="name of a study in config/, or path of a study's file (.yaml)")
@@ -211,19 +225,30 @@ def _material(options: argparse.Namespace) -> None:
 def _design(options: argparse.Namespace) -> None:
     from workflow.cli import questions  # scikit-learn and the searches: not for every command
 
-    answer = questions.ask(options.results, vars(options))
+    with busy("searching"):
+        answer = questions.ask(options.results, vars(options))
     print(questions.as_json(answer) if options.json else _shown(questions.as_text(answer)))
 
 
 def _invert(options: argparse.Namespace) -> None:
     from workflow.cli import questions
 
-    print(_shown(questions.invert(options.results, vars(options))))
+    with busy("inferring"):
+        answer = questions.invert(options.results, vars(options))
+    print(_shown(answer))
 
 
 def _shown(text: str) -> str:
     """Lines whose names, which may come from a file, cannot command the terminal."""
     return "\n".join(one_line(line) for line in text.split("\n"))
+
+
+def _init(options: argparse.Namespace) -> None:
+    say(f"wrote {studies.begin(options.name)}: meecontact run {options.name}")
+
+
+def _list(options: argparse.Namespace) -> None:
+    print(_shown(studies.listed(options.kind)))
 
 
 def _run(options: argparse.Namespace) -> int:

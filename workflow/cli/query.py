@@ -51,10 +51,10 @@ def query(options: argparse.Namespace) -> None:
         table = read_cases(options.table)
     level = _level(model, options.level)
     answer = predicted(model, table, level, extrapolate=options.extrapolate)
-    if model.calibration_ is None:
+    if not model.calibrated:
         say(f"not calibrated: this surrogate's intervals may hold far less than {100 * level:g} %")
     if options.exact is not None:
-        answer = _with_exact(answer, model, table, studies.named(location.given(options.exact)))
+        answer = _with_exact(answer, model, table, study_of(model, options.exact))
     if options.output is None:
         _print_answer(answer, list(model.outputs_), level)
     else:
@@ -71,14 +71,26 @@ def _level(model: GaussianProcess, asked: float | None) -> float:
     return level
 
 
-def _with_exact(answer: xr.Dataset, model: GaussianProcess, table: Table, study: studies.Study) -> xr.Dataset:
-    """The answer with ``<output>_exact`` beside every output."""
+def study_of(model: GaussianProcess, given: str) -> studies.Study:
+    """The study that a surrogate came from, by its name or its file.
+
+    Raises
+    ------
+    InputError
+        It is another, or is not as it was.
+    """
+    study = studies.named(location.given(given))
     if set(model.box) != set(study.factors):
         raise InputError(
             f"--exact: the study's factors are {', '.join(study.factors)}; the surrogate's {', '.join(model.box)}"
         )
     if model.made_from_ not in ("", study.physics):  # "": nobody has said
         raise InputError(f"--exact: {study.path}: the surrogate was made from another study, or another state of it")
+    return study
+
+
+def _with_exact(answer: xr.Dataset, model: GaussianProcess, table: Table, study: studies.Study) -> xr.Dataset:
+    """The answer with ``<output>_exact`` beside every output."""
     points = {name: xr.DataArray(values, dims="point") for name, values in table.columns.items()}
     exact = factorial.learned(study, factorial.exact(study, points))
     return answer.assign({f"{name}_exact": exact[name] for name in model.outputs_})

@@ -16,6 +16,7 @@ from workflow.dataset import factorial
 from workflow.design import answers, search
 from workflow.design.spoken import verdict
 from workflow.language.factors import FACTORS
+from workflow.learning import widened
 from workflow.study import location
 from workflow.study import model as studies
 from workflow.study.categories import output
@@ -27,15 +28,15 @@ from workflow.study.target import Target
 _IMPOSSIBLE = 25.0  # five standard deviations
 
 
-def results(folder: Path) -> tuple[Study, GaussianProcess]:
-    """The study of a folder ``results/<study>`` and its surrogate.
+def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProcess]:
+    """The study of a folder ``results/<study>`` and its surrogate, or another of its surrogates.
 
     Raises
     ------
     InputError
         No such results, or a study that was changed since they were made.
     """
-    surrogate = folder / "surrogate.nc"
+    surrogate = file or folder / "surrogate.nc"
     if not surrogate.is_file():
         raise InputError(f"{folder}: holds no surrogate.nc; run `make run STUDY={folder.name}` first")
     study = studies.load(location.of_results(folder))
@@ -54,8 +55,8 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
     study
         Gives what is not said: a factor that is not named takes its default.
     words
-        ``maximise``, ``minimise``, ``over``, ``at``, ``worst_case``, ``uncertain``, ``robust`` and ``limit``, as
-        written.
+        ``maximise``, ``minimise``, ``over``, ``at``, ``worst_case``, ``uncertain``, ``tolerance``, ``robust`` and
+        ``limit``, as written.
 
     Raises
     ------
@@ -72,6 +73,7 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
             for name, text in _named("--worst-case", words.get("worst_case"))
         },
         "uncertain": {name: _distribution(name, text) for name, text in _named("--uncertain", words.get("uncertain"))},
+        "tolerance": dict(_named("--tolerance", words.get("tolerance"))),
         "subject_to": list(words.get("limit") or []),
     }
     robust = words.get("robust")
@@ -87,12 +89,18 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
             asked["at"][name] = _usual(study, name)
     try:
         found = Target.model_validate(asked)
-        study.check_target("design", found)
     except ValidationError as error:
         raise InputError(f"design: {first_problem(error, Target, asked)}") from None
+    return found
+
+
+def _checked(study: Study, asked: Target) -> Study:
+    """The study, if a target makes sense on it."""
+    try:
+        study.check_target("design", asked)
     except ValueError as error:
         raise InputError(str(error)) from None
-    return found
+    return study
 
 
 def _usual(study: Study, name: str) -> str:
@@ -113,7 +121,10 @@ def as_text(answer: xr.Dataset) -> str:
     lines += [f"  {name:44s} {kind:25s} {role}" for name, kind, role in answers.kinds(answer)]
     for name in answer["factor"].values:
         one = answer.sel(factor=name)
-        lines.append(f"  {name:44s} {float(one['value']):<14.8g} {FACTORS[name].units:10s} {one['role'].values}")
+        within = f", within {one['tolerance'].values}" if str(one["tolerance"].values) else ""
+        lines.append(
+            f"  {name:44s} {float(one['value']):<14.8g} {FACTORS[name].units:10s} {one['role'].values}{within}"
+        )
     lines.append(f"  {'':44s} {'exact':14s} {'predicted':14s} margin")
     for name in answer["term"].values:
         one = answer.sel(term=name)
@@ -135,7 +146,12 @@ def as_json(answer: xr.Dataset) -> str:
     out["verdict"] = str(verdict(answer))
     out |= {key: answer[key].item() for key in ("status", "flags", "feasible")}
     out["factors"] = {
-        str(name): {"value": float(one["value"]), "role": str(one["role"].values), "units": FACTORS[name].units}
+        str(name): {
+            "value": float(one["value"]),
+            "role": str(one["role"].values),
+            "units": FACTORS[name].units,
+            "tolerance": str(one["tolerance"].values),
+        }
         for name in answer["factor"].values
         for one in [answer.sel(factor=name)]
     }
@@ -169,7 +185,16 @@ def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> xr.Dataset:
         A bad question, or one that nothing answers: it names the binding limit and the least violated design.
     """
     study, model = results(folder)
-    answer = search.answer(study, "question", target(study, words), model)
+    asked, notes = target(study, words), []
+    if wider := widened.beyond(study, asked):
+        keep = widened.lines(study, wider)
+        notes = [f"the ranges are wider than the study's and were solved anew for this question; to keep them: {keep}"]
+        study = widened.made(study, asked, wider)
+        model = widened.learned(_checked(study, asked))
+    else:
+        _checked(study, asked)
+    answer = search.answer(study, "question", asked, model)
+    answer["flags"] = "; ".join([*filter(None, [answer["flags"].item()]), *notes])
     if not bool(answer["feasible"]):
         at = ", ".join(f"{name} = {float(answer['value'].sel(factor=name)):.6g}" for name in answer["factor"].values)
         kinds = "".join(f"{name} = {kind}, " for name, kind, _ in answers.kinds(answer))

@@ -13,6 +13,7 @@ from storage.netcdf import MAX_BYTES
 from storage.rootunits import unscaled
 from storage.sealed import check_seal
 from workflow.dataset import similar
+from workflow.dataset.batches import PLACE
 from workflow.study import datum, grouped
 from workflow.study.model import Study
 
@@ -29,13 +30,14 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
     benchmarks
         Snakemake's records of their jobs; where one is missing, the times are not told.
     """
-    files = [_file(path, next(iter(study.axes))) for path in slabs]
+    files = [_file(path, PLACE if study.crossed else next(iter(study.axes))) for path in slabs]
     variables = {one: _merged([file["variables"][one] for file in files]) for one in files[0]["variables"]}
     seconds = [_seconds(path) for path in benchmarks if path.is_file()]
     return {
         "title": study.title,
         "study": name,
-        "cases": study.cases,
+        "cases": study.block * sum(file["levels"] for file in files) if study.crossed else study.cases,
+        "crossed": study.crossed,
         "factors": {one: axis.model_dump() for one, axis in study.factors.items()},
         "groups": _groups(study),
         "categories": study.categories,
@@ -70,6 +72,14 @@ def markdown(card: Mapping[str, Any]) -> str:
         *(_row(name, axis) for name, axis in card["factors"].items()),
         "",
         *_stored(card["groups"]),
+        *(
+            [
+                f"Not all of this factorial: places in {', '.join(crossed)} that a cross approximation asked for, and "
+                "all levels of the others at each.  "
+            ]
+            if (crossed := card["crossed"])
+            else []
+        ),
         *(f"{name}: {', '.join(names)}.  " for name, names in card["categories"].items()),
         f"Fixed: {fixed or 'nothing'}.  ",
         *(f"Layer {number}: {words}.  " for number, words in enumerate(card["body"], 1)),
@@ -149,11 +159,11 @@ def _file(path: Path, first: str) -> dict[str, Any]:
     digest = check_seal(path, MAX_BYTES, digest=False)
     with netCDF4.Dataset(path, "r") as file:
         return {
-            "name": f"fields/{path.name}",
+            "name": f"{path.parent.name}/{path.name}",
             "levels": file.dimensions[first].size,
             "bytes": path.stat().st_size,
             "sha256": digest,
-            "positions": file["position"][:].tolist(),
+            "positions": file["position"][:].tolist() if "position" in file.variables else [],
             "variables": {
                 name: {"type": str(variable.dtype), "count": int(variable.size), "attributes": _attributes(variable)}
                 for name, variable in file.variables.items()

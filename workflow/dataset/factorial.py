@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver import solve
+from solver import solve, solve_curves
 from solver.names import ALL_QUANTITIES
 from surrogate import Grouping, Input, chebyshev_levels
 from workflow.dataset import similar
@@ -18,6 +18,8 @@ from workflow.study.model import Study
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
 #: Random cases of films that share the values for which the solver makes tables: these cost 0.1 to 1 s, a case 0.1 ms.
 TOGETHER = 50
+#: The same where so many axes need tables that few places would not tell of the box.
+FEWER_TOGETHER = 10
 
 
 def inputs(study: Study) -> list[Input]:
@@ -86,19 +88,24 @@ def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
     return exact(study, points(study, count, seed))
 
 
-def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETHER) -> dict[str, xr.DataArray]:
+def together(study: Study) -> int:
+    """Random cases of a study that share the values for which the solver makes tables."""
+    return FEWER_TOGETHER if study.crossed else TOGETHER
+
+
+def points(study: Study, count: int, seed: Sequence[int], at_a_place: int | None = None) -> dict[str, xr.DataArray]:
     """Random factors over dimension ``case``, uniform in the axes' own scales.
 
     Of films, so many cases at a time share the factors for which the solver makes tables; few as these places are, each
     lies in a part of its own of every such axis.
     """
-    random = np.random.default_rng(list(seed))
+    random, share = np.random.default_rng(list(seed)), at_a_place or together(study)
     found: dict[str, xr.DataArray] = {}
     for name, axis in study.factors.items():
         u = random.uniform(size=count)
-        if name in study.tabled and together > 1:
-            places = -(-count // together)
-            u = np.repeat((random.permutation(places) + u[:places]) / places, together)[:count]
+        if name in study.tabled and share > 1:
+            places = -(-count // share)
+            u = np.repeat((random.permutation(places) + u[:places]) / places, share)[:count]
         if axis.scale == "log":
             values = axis.low * (axis.high / axis.low) ** u
         elif axis.scale == "logit":
@@ -116,25 +123,30 @@ def exact(
     *,
     peaks: bool | None = None,
     regular: bool = False,
+    curves: bool = False,
 ) -> xr.Dataset:
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
     ``axes`` hold factors, or of a study with groups all of its axes: then the factors of the cases are coordinates.
     With the largest stresses of the body where ``peaks``, by default where the data set has them; with the regular
-    parts of the surface fields where ``regular``. Without what is no number in some cases, which no file would hold.
+    parts of the surface fields where ``regular``; with the curves that the surrogate learns where ``curves``. Without
+    what is no number in some cases, which no file would hold.
     """
     grouped = axes.keys() >= study.products.keys() and not study.factors.keys() >= study.products.keys()
     over = list(study.products) if grouped else []
     own = similar.factors(study, {name: axes[name] for name in over}) if over else {}
     rest = {name: values for name, values in axes.items() if name not in over}
     rest |= {name: kinds for name, kinds in study.categories.items() if name not in axes}
+    factors = {**study.fixed, **own, **rest}
     solved = study.solved(
         solve,
-        {**study.fixed, **own, **rest},
+        factors,
         positions,
         peaks=study.dataset.peaks if peaks is None else peaks,
         regular=regular,
     )
+    if curves and study.regions:
+        solved = solved.merge(study.solved(solve_curves, factors, study.regions), combine_attrs="override")
     if over:
         along = {name: (name, np.asarray(axes[name]), _axis_attrs(study, name)) for name in over}
         solved = solved.assign_coords(along).transpose(*over, ...)

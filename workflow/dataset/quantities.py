@@ -1,4 +1,4 @@
-"""The quantities of the whole factorial, from the slabs that share its levels out."""
+"""The quantities of the whole factorial, or of all batches of a cross approximation, from their slabs."""
 
 from collections.abc import Sequence
 

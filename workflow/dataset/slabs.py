@@ -15,10 +15,11 @@ import netCDF4
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from tqdm import tqdm
+from tqdm.auto import tqdm
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
+from solver.curves import REGIONS
 from solver.names import FIELDS
 from storage.blocks import Region, write_blocks
 from storage.netcdf import MAX_BYTES, read_whole
@@ -51,7 +52,8 @@ def write_slab(study: Study, index: int, path: Path) -> None:
     first = next(iter(axes))
     axes[first] = np.array_split(axes[first], partition.count(study))[index]
     positions = study.dataset.positions.values()
-    lengths, block = [levels.size for levels in axes.values()], max(1, _BLOCK // positions.size)
+    points = max([positions.size, *(REGIONS[name].points for name in study.regions)])
+    lengths, block = [levels.size for levels in axes.values()], max(1, _BLOCK // points)
     chunk = tiling.chunk_lengths(lengths, min(block, _CHUNK_CASES))
     regions = list(tiling.regions(lengths, chunk, block))
     name = f"slab {index + 1} of {partition.count(study)}"
@@ -59,7 +61,10 @@ def write_slab(study: Study, index: int, path: Path) -> None:
 
     def part(region: Region) -> xr.Dataset:
         return factorial.exact(
-            study, {one: levels[some] for (one, levels), some in zip(axes.items(), region, strict=True)}, positions
+            study,
+            {one: levels[some] for (one, levels), some in zip(axes.items(), region, strict=True)},
+            positions,
+            curves=True,
         )
 
     def blocks() -> Iterator[tuple[Region, Mapping[str, NDArray[Any]]]]:
@@ -82,7 +87,7 @@ def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision:
     frame = xr.Dataset(coords=kept).assign_coords(coords)
     empty = {}
     for name, array in case.data_vars.items():
-        nothing = np.zeros((), precision if name in FIELDS else array.dtype)
+        nothing = np.zeros((), precision if array.ndim > len(axes) else array.dtype)
         shape = [frame.sizes[dim] for dim in array.dims]
         empty[name] = (array.dims, np.broadcast_to(nothing, shape), array.attrs)
     return frame.assign(empty).assign_attrs(case.attrs)
@@ -99,7 +104,8 @@ def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Quantities over the factors, fields over these and ``position``, with units and statistics as attributes.
+        Quantities over the factors (what a cross approximation has asked for: over ``place`` and those that it does
+        not cross), fields over these and ``position``, with units and statistics as attributes.
         Selecting (``isel``, ``sel``) reads nothing; ``load``, ``values`` and arithmetic read what was selected.
 
     Raises
@@ -113,6 +119,8 @@ def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
     card = json.loads((folder / CARD).read_text(encoding="utf-8"))
     whole = read_whole(folder / "quantities.nc")
     dims = [*whole[next(iter(whole.data_vars))].dims, "position"]
+    if not card["positions"]:  # of a cross approximation, which stores none
+        return whole
     axis = xr.Variable("position", card["positions"], {"units": "1", "long_name": "surface position X = (x - c)/h"})
     whole = whole.assign_coords(position=axis)
     files = [folder / one["name"] for one in card["files"]]

@@ -21,6 +21,17 @@ _MEANINGS = {
     "category": "name of a category",
     "goal": "what is asked for",
     "value": "factor of the design, over its SI unit",
+    "tolerance": "how far the factor may be off as built",
+    "tolerance_cost": "share of the goal that is gained without this one tolerance",
+    "tolerance_gain": "share of the goal that is gained by half of this one tolerance",
+    "nominal_value": "factor of the optimum without tolerances, over its SI unit",
+    "nominal_exact": "exact goal of the optimum without tolerances, over its unit in units",
+    "nominal_choice": "categories of the optimum without tolerances",
+    "figure": "name of a figure of a device",
+    "figure_low": "least exact value of the figure over the scenarios, over its SI unit",
+    "figure_high": "largest exact value of the figure over the scenarios, over its SI unit",
+    "overload": "load at the first limit over the design's own",
+    "overload_term": "the limit that stops the load; empty where none does up to ten times the load",
     "role": "what the factor is in the design",
     "predicted": "predicted term, over its unit in units",
     "predicted_std": "predicted standard deviation of the term, over its unit in units",
@@ -30,6 +41,9 @@ _MEANINGS = {
     "limit": "limit of the term, over its unit in units",
     "margin": "share of the limit that is left; negative beyond it",
     "units": "unit of the term",
+    "bound": "what of a material the limit is, if it names that",
+    "source": "where that comes from",
+    "beyond": "what is beyond what the materials bear: linear theory does not hold there",
     "worst": "factor in the scenario that decides the term, over its SI unit",
     "exact_low": "least exact quantity over the scenarios, over its SI unit",
     "exact_high": "largest exact quantity over the scenarios, over its SI unit",
@@ -45,6 +59,30 @@ _MEANINGS = {
     "kind": "what was chosen of the category",
     "kind_role": "whether the category was chosen or given",
 }
+_PICTURES = {
+    "map_x": "first variable of the design map, over its SI unit",
+    "map_y": "second variable of the design map, over its SI unit",
+    "map_objective": "predicted objective on the design map, over its unit in units",
+    "map_excess": "largest predicted excess over any limit on the design map, over the limit",
+    "slice": "variable of a slice through the design",
+    "step": "step along a slice",
+    "slice_value": "variable along a slice, over its SI unit",
+    "slice_objective": "predicted objective along a slice, over its unit in units",
+    "slice_excess": "largest predicted excess over any limit along a slice, over the limit",
+    "slice_low": "lower end of the interval of the objective along a slice, over its unit in units",
+    "slice_high": "upper end of the interval of the objective along a slice, over its unit in units",
+    "position": "surface position X = (x - c)/h, in half-lengths from the middle of the contact",
+    "x": "position (x - c)/h below the punch, in half-lengths from the middle of the contact",
+    "y": "height above the surface, in half-lengths of the contact",
+    "choice": "a choice of categories, in words",
+    "choice_objective": "best objective of a choice, over its unit in units",
+    "choice_feasible": "whether a choice keeps every limit",
+    "front": "a design of the Pareto front",
+    "objective": "an objective of the Pareto front",
+    "front_exact": "exact objective of a design of the front, over its unit in units",
+    "front_predicted": "predicted objective of a design of the front, over its unit in units",
+    "front_value": "factor of a design of the front, over its SI unit",
+}
 
 
 def together(answers: list[xr.Dataset]) -> xr.Dataset:
@@ -57,12 +95,29 @@ def together(answers: list[xr.Dataset]) -> xr.Dataset:
     return described(whole, "designs", str(answers[0].attrs["source"]), _MEANINGS)
 
 
+def entire(answer: xr.Dataset) -> xr.Dataset:
+    """An answer in which every variable says what it is."""
+    fields = {
+        str(name): f"{str(name).partition('_')[2].replace('_', ' ')} under the recommended design"
+        for name in answer.data_vars
+        if str(name).startswith(("field_", "inside_"))
+    }
+    return described(answer, str(answer.attrs["title"]), str(answer.attrs["source"]), _MEANINGS | _PICTURES | fields)
+
+
 def kinds(answer: xr.Dataset) -> list[tuple[str, str, str]]:
     """Name, what was chosen, and role of every category of a design."""
     if "category" not in answer.dims:
         return []
     columns = (answer[key].values for key in ("category", "kind", "kind_role"))
     return [(str(name), str(kind), str(role)) for name, kind, role in zip(*columns, strict=True)]
+
+
+def case(answer: xr.Dataset) -> dict[str, float]:
+    """Every factor in the case that decides the first objective, the variables without their tolerances."""
+    worst, value = (answer[key].values for key in ("worst", "value"))
+    rows = zip(answer["factor"].values, answer["role"].values, worst[0], value, strict=True)
+    return {str(name): float(own if role == "variable" else deciding) for name, role, deciding, own in rows}
 
 
 def choices(answer: xr.Dataset) -> list[tuple[str, float, bool]]:

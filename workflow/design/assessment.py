@@ -10,12 +10,14 @@ from scipy.stats import qmc
 
 from solver.names import ALL_QUANTITIES, CHOICES, PROFILES
 from workflow.dataset import factorial
-from workflow.design import budget, perturbation
+from workflow.design import budget, figures, linearity, perturbation
 from workflow.design.designs import Designs
 from workflow.design.question import Question
 from workflow.design.scenarios import Scenarios
 from workflow.design.sources import Predicted, Source, shape
-from workflow.design.terms import Term
+from workflow.design.terms import Key, Term
+from workflow.language.factors import FACTORS
+from workflow.language.numbers import written
 from workflow.study.model import Study
 
 Array = NDArray[np.float64]
@@ -24,9 +26,10 @@ Array = NDArray[np.float64]
 ROUNDING = 1e-12
 #: Margin below which a limit binds.
 BINDS = 1e-3
+#: Margin that a variable which does not matter leaves to every limit.
+ROOM = 0.01
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
 _PLAIN = 10.0  # times a limit, from which an excess is written without digits behind the point
-_LINEAR_FIELD = 3e5  # V/m: beyond it, ferroelectric ceramics are not linear
 _SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
 _PILOT = 512
 
@@ -53,7 +56,7 @@ def exactly(design: Designs, terms: Sequence[Term]) -> tuple[Array, int]:
             values.append(found.value)
             cases += found.cases
         else:
-            values.append(float(term.counted(design.values(design.exact, design.question.judged[term.drawn], term))[0]))
+            values.append(float(term.counted(design.values(design.exact, design.question.judged[term.key], term))[0]))
     return np.array(values), cases
 
 
@@ -70,13 +73,13 @@ def doubts(design: Designs) -> Array:
     return np.array(scaled).reshape(-1)
 
 
-def predict(design: Designs, sets: Mapping[bool, Scenarios]) -> Prediction:
+def predict(design: Designs, sets: Mapping[Key, Scenarios]) -> Prediction:
     """Terms on the surrogate, with what may be off carried through expression and risk measure as if it added."""
     values, scenarios = [], []
     stds: list[float] = []
     reaches: list[float] = []
     for term in design.question.terms:
-        chosen = sets[term.drawn]
+        chosen = sets[term.key]
         found = design.values(design.predicted, chosen, term)
         weights = term.weights(found[0])
         values.append(float(term.counted(found)[0]))
@@ -107,13 +110,17 @@ def judge(design: Designs) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over ``factor``: ``value``, ``role``, and of every variable ``cost`` (share of the objective lost by a 1 % error
-        in it; NaN where that is next to zero), ``loss`` (the same in its units), ``matters`` (whether that error
-        changes any objective), ``margin_left`` (least margin of all limits after it) and ``edge`` (in words, the end
-        of the range at which it stands). Over ``term``, the objective first:
+        Over ``factor``: ``value``, of a variable without its tolerance, ``tolerance`` in words, ``role``, and of every
+        variable ``cost`` (share of the objective lost by a 1 % error in it; NaN where that is next to zero), ``loss``
+        (the same in its units), ``matters`` (whether that error changes any objective), ``margin_left`` (least margin
+        of all limits after it) and ``edge`` (in words, the end of the range at which it stands). Over ``term``, the
+        objective first:
         ``predicted``, ``predicted_std``, ``half`` (reach of the 95 % interval, tolerance included), ``exact``,
-        ``inside``, ``limit``, ``margin``, ``units``. Over both: ``elasticity`` and ``worst`` (the scenario that
-        decides). Over ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``flags``.
+        ``inside``, ``limit``, ``margin``, ``units``, and of a limit that names what a material bears ``bound`` (whose)
+        and ``source``. Over both: ``elasticity`` and ``worst`` (the scenario that
+        decides). What :mod:`~workflow.design.figures` says of a
+        device. Over ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``beyond``
+        (where the material is beyond what linear theory holds for), ``flags`` (that, and what else is to be known).
     """
     question, terms = design.question, design.question.terms
     guessed = predict(design, question.judged)
@@ -125,12 +132,18 @@ def judge(design: Designs) -> xr.Dataset:
     half = guessed.reaches + _tolerances(design)
     corner = _corners(design)
     worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
+    nominal = worst[0] | {name: float(values[0]) for name, values in design.variables.items()}
+    nominal |= {name: value for name, value in question.held.items() if name in question.target.variables}
     sensitivity = perturbation.sensitivities(design, exact, list(worst[0]))
     idle = [name for name, matters in zip(worst[0], sensitivity["matters"].values, strict=True) if not matters]
     edges = _edges(design)
+    beyond = linearity.beyond(question.study, corner)
+    bounds = [linearity.bound(question.study, limit) for limit in question.target.limits]
+    bounds = [("", "")] * question.objectives + bounds
     out = xr.Dataset(
         {
-            "value": ("factor", list(worst[0].values())),
+            "value": ("factor", list(nominal.values())),
+            "tolerance": ("factor", [_tolerance(question, name) for name in nominal]),
             "role": ("factor", [_role(question, name) for name in worst[0]]),
             "predicted": ("term", guessed.values),
             "predicted_std": ("term", guessed.stds),
@@ -140,13 +153,18 @@ def judge(design: Designs) -> xr.Dataset:
             "limit": ("term", limits),
             "margin": ("term", margin),
             "units": ("term", [term.units for term in terms]),
+            "bound": ("term", [words for words, _ in bounds]),
+            "source": ("term", [source for _, source in bounds]),
             "worst": (("term", "factor"), np.array([list(case.values()) for case in worst])),
             "exact_low": ("quantity", [float(values.min()) for values in corner.values()]),
             "exact_high": ("quantity", [float(values.max()) for values in corner.values()]),
             "feasible": bool(np.all(margin[~np.isnan(margin)] >= -ROUNDING)),
             "edge": ("factor", [edges.get(name, "") for name in worst[0]]),
             "status": _status(question, margin, edges, idle),
-            "flags": "; ".join([*_flags(corner, _radius(design)), *question.notes]),
+            "beyond": "; ".join(f"{words} ({reason})" for words, reason in beyond),
+            "flags": "; ".join(
+                [*(words for words, _ in beyond), *_flags(corner, _radius(design, corner)), *question.notes]
+            ),
         },
         coords={
             "factor": list(worst[0]),
@@ -154,7 +172,10 @@ def judge(design: Designs) -> xr.Dataset:
             "quantity": list(corner),
         },
     )
-    return out.merge(sensitivity)
+    parts = [out, sensitivity, figures.over(design, corner)]
+    if bool(out["feasible"]):
+        parts.append(figures.first_limit(design, worst))
+    return xr.merge(parts)
 
 
 def _corners(design: Designs) -> dict[str, Array]:
@@ -194,7 +215,7 @@ def _tolerances(design: Designs) -> Array:
     sizes = allowances(design.question.study, design.predicted, names)
     out = []
     for term in terms:
-        chosen = design.question.searched[term.drawn]
+        chosen = design.question.searched[term.key]
         weights = term.weights(design.values(design.predicted, chosen, term)[0])
         own = {name: np.asarray(sizes[name]) for name in _quantities(term)}
         out.append(float(weights @ _carried(design, chosen, term, own)))
@@ -203,7 +224,7 @@ def _tolerances(design: Designs) -> Array:
 
 def _case(design: Designs, term: Term, scenario: int) -> dict[str, float]:
     """Every factor of the factorial in one scenario of a term's verdict on one design."""
-    factors = design.factors(design.question.judged[term.drawn])
+    factors = design.factors(design.question.judged[term.key])
     return {name: float(np.broadcast_to(values, shape(factors))[0, scenario]) for name, values in factors.items()}
 
 
@@ -214,13 +235,19 @@ def _role(question: Question, name: str) -> str:
     return "worst case" if name in target.worst_case else "uncertain" if name in target.uncertain else "given"
 
 
+def _tolerance(question: Question, name: str) -> str:
+    """A tolerance as the study writes it; empty where there is none."""
+    given = question.target.tolerance.get(name, "")
+    return given if isinstance(given, str) else f"{given:g} {written(FACTORS[name].units)}".strip()
+
+
 def _edges(design: Designs) -> dict[str, str]:
     """Variables that stand at an end of their range, which is the study's box or a part of it that was asked for."""
     out = {}
     for (name, axis), u in zip(design.question.inputs.items(), design.x[0], strict=True):
         if abs(u) > 1 - _EDGE:
-            box = design.question.study.factors[name]
-            end, studied = ("upper", axis.high == box.high) if u > 0 else ("lower", axis.low == box.low)
+            low, high = design.question.room(name)
+            end, studied = ("upper", axis.high == high) if u > 0 else ("lower", axis.low == low)
             out[name] = f"{end} end of the {'studied range' if studied else 'range asked for'}"
     return out
 
@@ -238,27 +265,17 @@ def _status(question: Question, margin: Array, edges: Mapping[str, str], idle: S
     return "; ".join(parts)
 
 
-def _radius(design: Designs) -> Array | None:
+def _radius(design: Designs, corner: Mapping[str, Array]) -> Array | None:
     """Radius of a round punch over the scenarios, wherever the question has it; None for other profiles."""
     fixed = design.question.study.fixed
     if "radius" not in PROFILES[str(fixed.get("profile", CHOICES["profile"][0]))][0]:
         return None
-    factors = design.factors(design.question.judged[False])
+    factors = design.factors_of(corner["contact_trailing"])
     return factors["radius"] if "radius" in factors else np.full((1, 1), float(fixed["radius"]))
 
 
 def _flags(corner: Mapping[str, Array], radius: Array | None) -> list[str]:
-    """Where a design leaves what the theory holds for."""
-    flags = []
+    """Where a design leaves what the theory of the contact holds for."""
     width = corner["contact_trailing"] + corner["contact_leading"]
-    field, over = 0.0, ""  # an insulating punch has no one voltage
-    if "nominal_field" in corner:
-        field, over = float(corner["nominal_field"].max()), "thickness"
-    elif "voltage" in corner:
-        field, over = float((np.abs(corner["voltage"]) / width).max()), "contact width"
-    if field > _LINEAR_FIELD:
-        flags.append(f"nominal field |voltage| / {over} = {field / 1e6:.3g} kV/mm is beyond 0.3 kV/mm")
     share = float((width / radius).max()) if radius is not None else 0.0
-    if share > _SLENDER:
-        flags.append(f"the contact is {share:.2g} of the radius wide: no longer a parabola")
-    return flags
+    return [f"the contact is {share:.2g} of the radius wide: no longer a parabola"] if share > _SLENDER else []

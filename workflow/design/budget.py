@@ -16,7 +16,7 @@ from workflow.design.designs import Designs
 from workflow.design.question import Question
 from workflow.design.scenarios import Scenarios
 from workflow.design.sources import Exact, Factors, Predicted, Source
-from workflow.design.terms import Term
+from workflow.design.terms import Key, Term
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -105,7 +105,7 @@ def count_exactly(design: Designs, term: Term) -> Counted:
     that the surrogate has shown, until none is left. Where a great many decide, as in a mean, all of the few scenarios
     of the search are solved instead, and the surrogate says what the many change.
     """
-    many, few = design.question.judged[term.drawn], design.question.searched[term.drawn]
+    many, few = design.question.judged[term.key], design.question.searched[term.key]
     whole = design.values(design.predicted, many, term)
     if term.deciding(whole[0]).sum() <= _MOST:
         return _count_exactly(design, many, term, whole)
@@ -140,13 +140,13 @@ def _batch(missing: Bools, solved: Bools, away: Array, least: int) -> Indices:
     return order[: min(max(least, int(missing.sum())), int((~solved).sum()))]
 
 
-def thinned(designs: Designs, share: float) -> tuple[Designs, dict[bool, Indices]]:
+def thinned(designs: Designs, share: float) -> tuple[Designs, dict[Key, Indices]]:
     """Of designs in a row, evenly, as many as a share of all cases suffices for.
 
     With the scenarios of the search in which they are solved: those that decide some term at some design by the
     surrogate.
     """
-    columns: dict[bool, Indices] = {}
+    columns: dict[Key, Indices] = {}
     for drawn, chosen in designs.question.searched.items():
         terms = [term for term in chosen.terms.values() if names(designs.question, term)]
         found = designs.question.values(designs.predicted, designs.variables, chosen, terms) if terms else []
@@ -160,7 +160,7 @@ def thinned(designs: Designs, share: float) -> tuple[Designs, dict[bool, Indices
     return designs.at(designs.x[np.unique(np.linspace(0, n - 1, min(count, n)).astype(int))]), columns
 
 
-def corrected(designs: Designs, counts: Array, columns: Mapping[bool, Indices]) -> Array:
+def corrected(designs: Designs, counts: Array, columns: Mapping[Key, Indices]) -> Array:
     """What all terms count as at designs, (n, terms), with the scenarios that `thinned` gave solved exactly."""
     out = counts.copy()
     for drawn, indices in columns.items():

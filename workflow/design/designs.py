@@ -1,5 +1,6 @@
 """Designs of a question, with the sources that tell what they come to: what search, front and verdict hand on."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from workflow.design.question import Question
 from workflow.design.scenarios import Scenarios
 from workflow.design.sources import Exact, Factors, Predicted, Source
-from workflow.design.terms import Term
+from workflow.design.terms import Key, Term
 
 Array = NDArray[np.float64]
 
@@ -46,10 +47,16 @@ class Designs:
         """Every factor of the factorial, over (designs, scenarios)."""
         return self.question.factors(self.variables, chosen)
 
+    def factors_of(self, values: Array) -> Factors:
+        """Every factor over the corners, of the verdict or of the search, that some values are over."""
+        sets = (self.question.judged[False], self.question.searched[False])
+        chosen = next((one for one in sets if one.count == values.shape[-1]), sets[0])
+        return self.factors(chosen)
+
     def values(self, source: Source, chosen: Scenarios, term: Term) -> Array:
         """A term over some scenarios, (designs, groups, draws)."""
         return self.question.values(source, self.variables, chosen, [term])[0]
 
-    def count(self, source: Source, sets: dict[bool, Scenarios]) -> Array:
+    def count(self, source: Source, sets: Mapping[Key, Scenarios]) -> Array:
         """What every term counts as, (designs, terms)."""
         return self.question.count(source, self.variables, sets)

@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from workflow.design import program
 from workflow.design.designs import Designs
+from workflow.design.question import Question
 
 Array = NDArray[np.float64]
 
-_MAP, _COARSE = 81, 41  # points a side of the map; fewer where every point stands for many draws
+_MAP, _COARSE, _COARSEST = 81, 41, 17  # points a side of the map; fewer where every point stands for many draws
 _MANY = 128  # scenarios a point from which the map is coarse
 _SLICE = 121  # points of a slice
 
@@ -29,12 +30,19 @@ def landscape(design: Designs) -> xr.Dataset:
     return xr.merge([_map(design), _slices(design)])
 
 
+def _points(question: Question, fine: int, coarse: int, coarsest: int) -> int:
+    """Points a side: fewer where each stands for many scenarios, and fewest where one costs as much as a film's."""
+    if sum(chosen.count for chosen in question.searched.values()) < _MANY:
+        return fine
+    return coarsest if question.study.on_film else coarse
+
+
 def _map(design: Designs) -> xr.Dataset:
     question = design.question
     names = list(question.inputs)[:2]
     if len(names) < 2:
         return xr.Dataset()
-    count = _MAP if sum(chosen.count for chosen in question.searched.values()) < _MANY else _COARSE
+    count = _points(question, _MAP, _COARSE, _COARSEST)
     side = np.linspace(-1.0, 1.0, count)
     points = np.tile(design.x, (count * count, 1))
     points[:, 0], points[:, 1] = (grid.ravel() for grid in np.meshgrid(side, side, indexing="ij"))
@@ -50,15 +58,17 @@ def _map(design: Designs) -> xr.Dataset:
 
 
 def _slices(design: Designs) -> xr.Dataset:
-    question, side = design.question, np.linspace(-1.0, 1.0, _SLICE)
+    question = design.question
+    steps = _points(question, _SLICE, _SLICE, _COARSE)
+    side = np.linspace(-1.0, 1.0, steps)
     corner, first = question.searched[False], question.terms[0]
     parts = []
     for column, (name, axis) in enumerate(question.inputs.items()):
-        points = np.tile(design.x, (_SLICE, 1))
+        points = np.tile(design.x, (steps, 1))
         points[:, column] = side
         along = design.at(points)
         objective, excess = _counted(along)
-        values = along.values(design.predicted, corner, first).reshape(_SLICE, -1)
+        values = along.values(design.predicted, corner, first).reshape(steps, -1)
         columns = {
             "slice_value": axis.from_unit(side),
             "slice_objective": objective,

@@ -27,7 +27,9 @@ def sensitivities(design: Designs, exact: Array, factors: list[str]) -> xr.Datas
     """
     question, source = design.question, budget.affordable(design)
     varied = _varied(design, source)
-    counts = question.count(source, varied, question.judged)
+    # of draws the few of the search: what they lack is added to all alike
+    sets = {key: question.searched[key] if key is True else chosen for key, chosen in question.judged.items()}
+    counts = question.count(source, varied, sets)
     counts += exact - counts[0]
     around = counts[1:].reshape(len(varied), len(_SHARES), len(exact))
     largest = np.abs(around).max((0, 1), initial=0.0)
@@ -55,8 +57,9 @@ def _varied(design: Designs, source: Source) -> dict[str, Array]:
     varied = {name: np.full(count, nominal) for name, (nominal,) in design.variables.items()}
     for k, (name, values) in enumerate(varied.items()):
         # the surrogate, where it stands in, knows no case beyond its box
-        limits = FACTORS[name] if isinstance(source, Exact) else design.question.study.factors[name]
-        values[1 + 4 * k : 5 + 4 * k] = np.clip(values[0] * _SHARES, limits.low, limits.high)
+        one = FACTORS[name]
+        low, high = (one.low, one.high) if isinstance(source, Exact) else design.question.room(name)
+        values[1 + 4 * k : 5 + 4 * k] = np.clip(values[0] * _SHARES, low, high)
     return varied
 
 

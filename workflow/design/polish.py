@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 _ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios say
 _SAFETY = 1e-10  # relative safety margin, beyond rounding
 _NEAR = 1e-6  # relative distance at which a limit binds
+_FLAT, _SAME = 5, 1e-9  # values of a variable, and relative change of the goal over them that is none
+_CLOSE = 1e-6  # length of a scaled range to which a variable that does not matter is found
 _LOST = 0.01  # share of the objective that no polish costs
 
 
@@ -22,7 +24,7 @@ def first_feasible(ranked: list[Candidate]) -> Candidate:
     """The best choice that stays feasible on the exact solver, or else the first one, polished."""
     first, spent = None, 0
     for candidate in ranked:
-        polished = _polish(candidate)
+        polished = _cheapest(_polish(candidate))
         first, spent = first or polished, spent + polished.cases
         if polished.best.feasible:
             return polished
@@ -94,3 +96,43 @@ def _polish(found: Candidate) -> Candidate:
 def _lost(last: Candidate, now: Candidate) -> bool:
     """Whether the objective fell more than a polish costs: a search that went astray."""
     return now.best.objective < last.best.objective - _LOST * last.size(last.best.objective)
+
+
+def _cheapest(found: Candidate) -> Candidate:
+    """The least of every variable that does not matter to the goal, at which every limit keeps its room.
+
+    What does not matter need not be bought: a stated rule. Every limit has ``assessment.ROOM`` then, or as much as it
+    has anyway. Where cases are costly no variable was seen not to matter.
+    """
+    question, design, x = found.question, found.design, found.best.x.copy()
+    if not found.best.feasible or question.objectives > 1 or budget.asked(question):
+        return found
+    limited = np.array([place for place, term in enumerate(question.terms) if term.limited], dtype=np.intp)
+
+    def excess(points: Array) -> Array:
+        counts = design.at(points).count(design.exact, question.judged)
+        rows = [question.terms[place].oriented(counts[:, place]) for place in limited]
+        return np.stack(rows, -1) if rows else np.empty((len(points), 0))
+
+    room = np.maximum(excess(x[None])[0], -assessment.ROOM)
+    for column in range(len(x)):
+        ends = np.tile(x, (_FLAT, 1))
+        ends[:, column] = np.linspace(-1.0, 1.0, _FLAT)
+        goals = design.at(ends).count(design.exact, question.searched)[:, 0]
+        if np.ptp(goals) > _SAME * np.abs(goals).max():
+            continue
+        low, high = -1.0, float(x[column])
+        if np.all(excess(_moved(x, column, low)) <= room):
+            high = low
+        while high - low > _CLOSE:
+            middle = (low + high) / 2
+            low, high = (low, middle) if np.all(excess(_moved(x, column, middle)) <= room) else (middle, high)
+        x[column] = high
+    return replace(found, best=replace(found.best, x=x))
+
+
+def _moved(x: Array, column: int, value: float) -> Array:
+    """One design with one variable elsewhere, (1, d)."""
+    moved = x[None].copy()
+    moved[0, column] = value
+    return moved

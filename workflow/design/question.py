@@ -1,6 +1,6 @@
 """A design question with its choices made: scaled variables, scenarios, and terms with what they count as."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
@@ -13,11 +13,13 @@ from solver.names import ALL_QUANTITIES
 from surrogate import Input
 from workflow.dataset import factorial
 from workflow.design import kinks, misread, scenarios
-from workflow.design.risk import WorstCase
+from workflow.design.risk import RelativeDeviation, WorstCase
 from workflow.design.scenarios import Scenarios
 from workflow.design.sources import Factors, Source, shape
-from workflow.design.terms import Term, limited, wanted
+from workflow.design.terms import Deviation, Key, Term, limited, wanted
+from workflow.language.constants import CONSTANTS
 from workflow.language.expressions import Call, Expression, Operation, Power
+from workflow.language.statements import Limit, Objective
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
@@ -25,6 +27,7 @@ from workflow.study.target import Target
 Array = NDArray[np.float64]
 
 _PILOT = 512  # points that tell a constant, unbounded or undefined term
+_EVALUATED = 1 << 13  # evaluations of a term by the pilot
 _ENDS = 8  # variables of which every combination of ends is among them
 _CONSTANT = 1e-9  # relative variation that counts as none
 
@@ -59,25 +62,40 @@ class Question:
 
     @cached_property
     def inputs(self) -> dict[str, Input]:
-        """The continuous design variables, each with its range."""
+        """The continuous design variables, each with its range; their tolerances stay within the study's."""
         whole = {axis.name: axis for axis in factorial.inputs(self.study)}
-        return {
-            name: replace(
-                whole[name],
-                low=whole[name].low if variable.low is None else variable.low,
-                high=whole[name].high if variable.high is None else variable.high,
-            )
-            for name, variable in self.target.variables.items()
-            if name in self.target.continuous
-        }
+        ranges = {name: self.target.range(name, *self.room(name)) for name in self.target.continuous}
+        return {name: replace(whole[name], low=low, high=high) for name, (low, high) in ranges.items()}
+
+    def room(self, name: str) -> tuple[float, float]:
+        """Lowest and highest value of a factor whose tolerance stays within the study's range."""
+        axis = self.study.factors[name]
+        return self.target.room(name, axis.low, axis.high)
 
     @cached_property
     def terms(self) -> list[Term]:
         """Objectives first, then the limits in the study's order."""
-        deviations = self.target.statistic.deviations
-        return [wanted(objective, deviations) for objective in self.target.objectives] + [
-            limited(limit, self.scales.get(str(limit), 1.0)) for limit in self.target.limits
+        target = self.target
+        deviations = target.statistic.deviations if target.random else None
+        drawn = bool(target.random)
+        return [wanted(one, deviations, self._deviation(one)) for one in target.objectives] + [
+            limited(
+                one,
+                self.scales.get(str(one), 1.0),
+                one.value * (self.study.constant(one.borne) if one.borne else 1.0),
+                self._deviation(one),
+                drawn=drawn,
+            )
+            for one in target.limits
         ]
+
+    def _deviation(self, one: Objective | Limit) -> Deviation | None:
+        """Over what a statement's deviation is taken, with the weights of its means."""
+        if not one.deviation:
+            return None
+        names = self.target.deviating(one)
+        sets = [scenarios.weights(self.target, names, nodes) for nodes in (scenarios.SEARCHED, scenarios.JUDGED)]
+        return Deviation(names, RelativeDeviation({len(share): share for share in sets}))
 
     @cached_property
     def objectives(self) -> int:
@@ -85,23 +103,29 @@ class Question:
         return sum(not term.limited for term in self.terms)
 
     @cached_property
-    def searched(self) -> dict[bool, Scenarios]:
-        """Scenarios of the search: corners under False, draws (where something is drawn) under True."""
+    def searched(self) -> dict[Key, Scenarios]:
+        """Scenarios of the search: corners under False, draws (where something is drawn) under True.
+
+        Those of a deviation stand under the factors over which it is taken.
+        """
         return self._scenarios(scenarios.SEARCHED, scenarios.DRAWN)
 
     @cached_property
-    def judged(self) -> dict[bool, Scenarios]:
+    def judged(self) -> dict[Key, Scenarios]:
         """Many more of them, for the verdict."""
         return self._scenarios(scenarios.JUDGED, scenarios.DRAWN_TO_JUDGE)
 
-    def _scenarios(self, nodes: dict[int, int], drawn: int) -> dict[bool, Scenarios]:
-        """Both sets, each with the terms that count over it."""
-        sets = {False: scenarios.corners(self.target, nodes)}
-        if any(term.drawn for term in self.terms):
-            sets[True] = scenarios.draws(self.target, drawn)
+    def _scenarios(self, nodes: dict[int, int], drawn: int) -> dict[Key, Scenarios]:
+        """All sets, each with the terms that count over it."""
+        sets: dict[Key, Scenarios] = {False: scenarios.corners(self.target, nodes)}
+        for key in dict.fromkeys(term.key for term in self.terms):
+            if isinstance(key, tuple):
+                sets[key] = scenarios.along(self.target, key, nodes)
+            elif key:
+                sets[key] = scenarios.draws(self.target, drawn)
         placed = list(enumerate(self.terms))
         return {
-            key: replace(chosen, terms={place: term for place, term in placed if term.drawn == key})
+            key: replace(chosen, terms={place: term for place, term in placed if term.key == key})
             for key, chosen in sets.items()
         }
 
@@ -131,6 +155,9 @@ class Question:
         given = {name: np.full((1, 1), value) for name, value in self.held.items()}
         given |= {name: values[None, :] for name, values in chosen.values.items()}
         given |= {name: values[:, None] for name, values in variables.items()}
+        for name, offsets in chosen.offsets.items():
+            absolute, share = self.target.tolerances[name]
+            given[name] = given[name] * (1 + share * offsets) + absolute * offsets
         return {name: given[name] for name in self.study.factors}
 
     def values(
@@ -143,7 +170,7 @@ class Question:
         split = (len(whole), chosen.groups, chosen.draws)
         return [(term.expression.evaluate(known) + whole).reshape(split) for term in terms]
 
-    def count(self, source: Source, variables: dict[str, Array], sets: dict[bool, Scenarios]) -> Array:
+    def count(self, source: Source, variables: dict[str, Array], sets: Mapping[Key, Scenarios]) -> Array:
         """What every term counts as, (points, terms)."""
         counted: dict[int, Array] = {}
         for chosen in sets.values():
@@ -162,6 +189,8 @@ class Question:
         return known
 
     def _fixed(self, name: str) -> float:
+        if name in CONSTANTS:
+            return self.study.constant(name)
         value = self.study.held(name)
         if isinstance(value, str) or value is None:
             raise InputError(f"{name!r} has no value in this study; it cannot stand in an expression")
@@ -181,7 +210,8 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
     question = Question(study, target, held)
     if not question.inputs:
         return question
-    corner, variables = question.searched[False], question.physical(_pilot(len(question.inputs)))
+    corner = question.searched[False]
+    variables = question.physical(_pilot(len(question.inputs), corner.count))
     factors = question.factors(variables, corner)
     scales: dict[str, float] = {}
     notes: list[str] = []
@@ -189,11 +219,11 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
     spread = 0.0
     for place, term in enumerate(question.terms):
         what = f"design: {name}: {term.label!r}"
-        values = question.values(source, variables, corner, [term])[0]
+        values = question.values(source, variables, question.searched[term.key], [term])[0]
         for divisor in _divisors(term.expression):
             passed = question.values(source, variables, corner, [replace(term, expression=divisor)])[0]
             _check_pole(what, divisor, passed)
-        _check_values(what, question, term, values)
+        _check_values(what, question, term, term.measure.rows(values) if term.along else values)
         if place == 0:
             spread = float(np.ptp(values))
         if term.bound == 0:
@@ -219,10 +249,14 @@ def _check_values(what: str, question: Question, term: Term, values: Array) -> N
         raise InputError(f"{what} is constant: it does not depend on {', '.join(question.inputs)}")
 
 
-def _pilot(d: int) -> Array:
-    """Scaled points that tell what a term is like: inside, and at combinations of the ranges' ends."""
+def _pilot(d: int, scenarios: int) -> Array:
+    """Scaled points that tell what a term is like: inside, and at combinations of the ranges' ends.
+
+    Fewer where each stands for many scenarios.
+    """
     ends = np.array(list(product([-1.0, 1.0], repeat=min(d, _ENDS))))
-    inside = 2 * qmc.Sobol(d, rng=0).random(_PILOT) - 1
+    count = 1 << int(np.clip(np.log2(_EVALUATED / scenarios), 5, np.log2(_PILOT)))
+    inside = 2 * qmc.Sobol(d, rng=0).random(count) - 1
     return np.concatenate([inside, np.pad(ends, ((0, 0), (0, d - ends.shape[1])))])
 
 

@@ -5,7 +5,8 @@ Jacobian (r, groups * draws) of the rows by the values.
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
@@ -76,22 +77,35 @@ class Quantile(RiskMeasure):
         return _by_group(_harrell_davis(values.shape[-1], self.share)[ranks])
 
 
+@dataclass(frozen=True)
 class RelativeDeviation(RiskMeasure):
-    """Relative deviations of all scenarios from their common mean, upwards and downwards."""
+    """Relative deviations of all draws from the mean of their group, upwards and downwards.
+
+    Attributes
+    ----------
+    shares
+        What each draw of a group weighs in its mean, (draws,), by how many there are; equally much where it is empty.
+    """
+
+    shares: Mapping[int, Array] = field(default_factory=dict)
+
+    def _share(self, draws: int) -> Array:
+        return self.shares.get(draws, np.full(draws, 1 / draws))
 
     def rows(self, values: Array) -> Array:
         """Twice as many rows as scenarios."""
-        flat = values.reshape(len(values), -1)
         with np.errstate(divide="ignore", invalid="ignore"):  # a mean of zero deviates without bound
-            relative = flat / flat.mean(-1, keepdims=True) - 1
-        return np.concatenate([relative, -relative], -1)
+            relative = values / (values @ self._share(values.shape[-1]))[..., None] - 1
+        return np.concatenate([relative, -relative], -1).reshape(len(values), -1)
 
     def jacobian(self, values: Array) -> Array:
         """By the rule of the quotient."""
-        flat = values.ravel()
-        mean = flat.mean()
-        upwards = np.eye(flat.size) / mean - flat[:, None] / (mean**2 * flat.size)
-        return np.concatenate([upwards, -upwards])
+        (groups, draws), share = values.shape, self._share(values.shape[-1])
+        mean = (values @ share)[:, None, None]
+        upwards = np.eye(draws) / mean - values[:, :, None] * share / mean**2
+        whole = np.zeros((groups, 2 * draws, groups, draws))
+        whole[np.arange(groups), :, np.arange(groups)] = np.concatenate([upwards, -upwards], 1)
+        return whole.reshape(2 * values.size, -1)
 
 
 @cache

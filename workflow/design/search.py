@@ -12,8 +12,7 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem, maximise
 from surrogate.search.pareto import Front
-from workflow.design import assessment, contact_fields, front, landscape, polish
-from workflow.design.answers import SOURCE, SOURCE_OF_FILMS
+from workflow.design import answers, assessment, budget, contact_fields, front, landscape, polish, tolerances
 from workflow.design.candidate import Candidate
 from workflow.design.designs import Designs
 from workflow.design.question import Question, ask
@@ -25,7 +24,7 @@ from workflow.study.target import Target
 
 Array = NDArray[np.float64]
 
-_SCANNED = 1 << 17  # most evaluations of the surrogate in one scan
+_SCANNED, _SCANNED_FILMS = 1 << 17, 1 << 15  # most evaluations of the surrogate in one scan: 4 and 40 us each
 
 
 def solve_target(study: Study, name: str, model: GaussianProcess) -> xr.Dataset:
@@ -54,14 +53,14 @@ def solve_target(study: Study, name: str, model: GaussianProcess) -> xr.Dataset:
 
 def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> xr.Dataset:
     """Answer any target on the study's factors; see `solve_target`."""
-    asked = [_asked(study, name, target, model, choice) for choice in combinations(study, target)]
-    found = _search(asked)
+    found = _found(study, name, target, model)
     best = polish.first_feasible(sorted(found, key=lambda candidate: _rank(candidate.best), reverse=True))
     parts = [assessment.judge(best.design), landscape.landscape(best.design)]
+    if target.tolerance and best.best.feasible and len(target.objectives) == 1:
+        parts.append(_costs(study, name, target, model, best))
     if any(candidate.front is not None for candidate in found):
         parts.append(_front(found).reindex(factor=parts[0]["factor"]))
-    case = {str(name): float(parts[0]["worst"].sel(factor=name)[0]) for name in parts[0]["factor"].values}
-    parts.append(contact_fields.fields(best.question.study, case))
+    parts.append(contact_fields.fields(best.question.study, answers.case(parts[0])))
     parts.append(_chosen(target, best, found))
     out = xr.merge(parts, compat="no_conflicts", join="outer")
     if not bool(out["inside"].all()) and not target.allow_outside_interval:
@@ -73,9 +72,29 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> x
         "objective": str(target.objectives[0]),
         "statistic": str(target.statistic),
         "polish": best.polish,
-        "source": SOURCE_OF_FILMS if study.on_film else SOURCE,
+        "source": answers.SOURCE_OF_FILMS if study.on_film else answers.SOURCE,
     }
     return out.assign_coords(target=name)
+
+
+def _found(study: Study, name: str, target: Target, model: GaussianProcess) -> list[Candidate]:
+    """The best design of every choice."""
+    return _search([_asked(study, name, target, model, choice) for choice in combinations(study, target)])
+
+
+def _costs(study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate) -> xr.Dataset:
+    """What the tolerances of the best design cost."""
+    nominal = tolerances.nominal(target)
+    if budget.asked(best.question):  # near the design: a search of its own would cost as much as the design did
+        without = tolerances.near(best, _asked(study, name, nominal, model, best.choice))
+    else:
+        others = _found(study, name, nominal, model)
+        without = polish.first_feasible(sorted(others, key=lambda candidate: _rank(candidate.best), reverse=True))
+
+    def asked(other: Target) -> Question:
+        return replace(best.question, target=other)
+
+    return tolerances.costs(best, without, asked, list(best.question.study.factors))
 
 
 def combinations(study: Study, target: Target) -> list[dict[str, float | str]]:
@@ -118,7 +137,8 @@ def _search(asked: list[Candidate]) -> list[Candidate]:
 def _scan(question: Question) -> int:
     """Points of a scan: a power of two, fewer where each stands for many scenarios."""
     size = sum(chosen.count for chosen in question.searched.values())
-    return 1 << int(np.clip(np.log2(_SCANNED / size), 7, 12))
+    most = _SCANNED_FILMS if question.study.on_film else _SCANNED
+    return 1 << int(np.clip(np.log2(most / size), 7, 12))
 
 
 def _climbed(candidate: Candidate) -> Candidate:

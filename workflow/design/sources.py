@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.names import ALL_PEAKS
-from surrogate import GaussianProcess
+from surrogate import CurveGP, GaussianProcess
 from workflow.dataset import factorial
 from workflow.study.categories import Kinds, output
 from workflow.study.model import Study
@@ -70,35 +70,49 @@ class Predicted:
     def __init__(self, model: GaussianProcess, kinds: Kinds | None = None) -> None:
         self._model = model
         self._kinds = kinds or {}
+        self._parts: dict[tuple[str, ...], GaussianProcess] = {}
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Means by name."""
         X, whole = self._points(factors)
-        mean = self._model.predict_array(X)
-        return {name: mean[:, self._column(name)].reshape(whole) for name in names}
+        model = self._of(names)
+        mean = model.predict_array(X)
+        return {name: mean[:, self._column(name, model)].reshape(whole) for name in names}
 
     def stds(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Standard deviations by name."""
         X, whole = self._points(factors)
-        _, std = self._model.predict_array(X, return_std=True)
-        return {name: std[:, self._column(name)].reshape(whole) for name in names}
+        model = self._of(names)
+        _, std = model.predict_array(X, return_std=True)
+        return {name: std[:, self._column(name, model)].reshape(whole) for name in names}
 
     def reaches(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """From the mean to the farther end of the 95 % interval, by name."""
         X, whole = self._points(factors)
-        mean, (lower, upper) = self._model.predict_array(X), self._model.interval_array(X)
+        model = self._of(names)
+        mean, (lower, upper) = model.predict_array(X), model.interval_array(X)
         reach = np.maximum(upper - mean, mean - lower)
-        return {name: reach[:, self._column(name)].reshape(whole) for name in names}
+        return {name: reach[:, self._column(name, model)].reshape(whole) for name in names}
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
         """Derivatives of the means."""
         X, _ = self._points(factors)
         inputs = list(self._model.box)
-        slopes = self._model.gradient_array(X)[..., [inputs.index(name) for name in over]]
-        return {name: slopes[:, self._column(name)] for name in names}
+        model = self._of(names)
+        slopes = model.gradient_array(X)[..., [inputs.index(name) for name in over]]
+        return {name: slopes[:, self._column(name, model)] for name in names}
 
-    def _column(self, name: str) -> int:
-        return self._model.outputs_.index(output(name, self._kinds))
+    def _of(self, names: Sequence[str]) -> GaussianProcess:
+        """The model of these quantities: what follows from curves costs a search each."""
+        if not isinstance(self._model, CurveGP):
+            return self._model
+        asked = tuple(dict.fromkeys(output(name, self._kinds) for name in names))
+        if asked not in self._parts:
+            self._parts[asked] = self._model.only(asked)
+        return self._parts[asked]
+
+    def _column(self, name: str, model: GaussianProcess) -> int:
+        return model.outputs_.index(output(name, self._kinds))
 
     def _points(self, factors: Factors) -> tuple[Array, tuple[int, ...]]:
         whole = np.zeros(shape(factors))

@@ -1,6 +1,6 @@
 """The verdict on a design in words: recommended, at the edge of the studied range, or not reachable."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 
 import numpy as np
@@ -8,7 +8,8 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from workflow.design.assessment import BINDS, ROUNDING
+from workflow.design import figures, tolerances
+from workflow.design.assessment import BINDS, ROOM, ROUNDING
 from workflow.language import statements, titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
@@ -17,9 +18,12 @@ from workflow.language.titles import capital, listed
 Array = NDArray[np.float64]
 
 RECOMMENDED, AT_EDGE, UNREACHABLE = "recommended", "at the edge of the studied range", "not reachable"
+#: What comes first of a design that is beyond what its materials bear.
+BEYOND = "beyond linear theory"
 
 _FARTHER = 0.1  # share by which an end of a range is moved in words
 _UNEXPLAINED = 0.1  # share of a gradient that limits and ends may leave, and yet explain the optimum
+_UNREAD = 0.5  # share of its range that is left of a factor which a read-out cannot identify
 _NOTHING = 1e-3  # least share that a moved end must bring to be told
 
 
@@ -30,22 +34,36 @@ class Verdict:
     Attributes
     ----------
     kind
-        ``RECOMMENDED``, ``AT_EDGE`` or ``UNREACHABLE``.
+        ``RECOMMENDED``, ``AT_EDGE`` or ``UNREACHABLE``; of a design beyond what its materials bear ``BEYOND`` and
+        what it would be otherwise.
     stops
         What stops the design from being better, in words.
     advice
         What would make it better, or reachable; empty where nothing is known to.
     idle
         Which variables do not matter; empty where all do.
+    tolerance
+        What the tolerances cost, and the nominal optimum; empty where there is none.
+    device
+        Figures of the device, and how far the load may rise; empty where nothing is known of them.
+    beyond
+        What is beyond what the materials bear, with sources; empty where nothing is.
+    sources
+        Where the figures of the materials come from that the limits name.
     """
 
     kind: str
     stops: str
     advice: str = ""
     idle: str = ""
+    tolerance: str = ""
+    device: str = ""
+    beyond: str = ""
+    sources: str = ""
 
     def __str__(self) -> str:
-        return " ".join([f"{capital(self.kind)}: {self.stops}", *filter(None, (self.advice, self.idle))])
+        more = (self.advice, self.idle, self.tolerance, self.device, self.beyond, self.sources)
+        return " ".join([f"{capital(self.kind)}: {self.stops}", *filter(None, more)])
 
 
 def verdict(answer: xr.Dataset) -> Verdict:
@@ -56,12 +74,63 @@ def verdict(answer: xr.Dataset) -> Verdict:
     answer
         As :func:`workflow.design.search.answer` gives it, with its attributes.
     """
+    told, beyond = _verdict(answer), answer["beyond"].item()
+    told = replace(told, sources=_sources(answer), tolerance=_tolerated(answer), device=_device(answer))
+    if told.kind == UNREACHABLE or not beyond:
+        return told
+    return replace(told, kind=f"{BEYOND}; otherwise {told.kind}", beyond=f"{capital(beyond)}.")
+
+
+def _device(answer: xr.Dataset) -> str:
+    """Figures of a device, and how far the load may rise."""
+    stops = str(answer["overload_term"].item()) if "overload_term" in answer else ""
+    return " ".join(
+        filter(
+            None,
+            (figures.in_words(answer), figures.range_in_words(answer, _Limit.of(answer, stops).words if stops else "")),
+        )
+    )
+
+
+def _tolerated(answer: xr.Dataset) -> str:
+    """That the limits are kept within the tolerances, what these cost, and the optimum without them."""
+    given = [str(name) for name in answer["factor"].values if str(answer["tolerance"].sel(factor=name).item())]
+    if not given or "nominal_exact" not in answer:
+        return ""
+    sizes = [f"{answer['tolerance'].sel(factor=name).item()} of {titles.title(name)}" for name in given]
+    exact, best = float(answer["exact"][0]), float(answer["nominal_exact"])
+    nominal = answer["nominal_value"].sel(factor=given)
+    at = [f"{titles.title(name)} {titles.value(name, float(nominal.sel(factor=name)))}" for name in given]
+    at += filter(None, [str(answer["nominal_choice"].item())])
+    share = number(100 * abs(exact - best) / abs(best), 2) if best else "–"
+    return (
+        f"Within {listed(sizes)} every limit is kept as it is asked for. "
+        f"{capital('; '.join(tolerances.in_words(answer)))}. "
+        f"Nominal optimum: {shown(best, str(answer['units'].values[0]), 4)} at {listed(at)}, "
+        f"from which all tolerances together take {share} %."
+    )
+
+
+def _sources(answer: xr.Dataset) -> str:
+    """Where what the materials bear comes from, for every limit that names it."""
+    found = dict(zip(answer["bound"].values.tolist(), answer["source"].values.tolist(), strict=True))
+    return " ".join(f"{capital(words)}: {source}." for words, source in found.items() if words)
+
+
+def _verdict(answer: xr.Dataset) -> Verdict:
+    """The same, within linear theory."""
     limits = [_Limit.of(answer, str(name)) for name in answer["term"].values if _limited(answer, str(name))]
     idle = [str(name) for name in answer["factor"].values if not bool(answer["matters"].sel(factor=name))]
     edges = {
         str(name): str(edge) for name, edge in zip(answer["factor"].values, answer["edge"].values, strict=True) if edge
     }
-    unmoved = f"{capital(listed(idle))} {'do' if len(idle) > 1 else 'does'} not matter to the goal." if idle else ""
+    unmoved = ""
+    if idle:
+        words = capital(listed([titles.title(name) for name in idle]))
+        room = f"every limit has {number(100 * ROOM, 2)} % of room, or as much as it can"
+        unmoved = (
+            f"{words} {'do' if len(idle) > 1 else 'does'} not matter to the goal: the least is taken at which {room}."
+        )
     broken = [limit for limit in limits if limit.margin < -ROUNDING]
     if broken:
         return Verdict(UNREACHABLE, _missed(broken), _way_out(answer, broken, edges))
@@ -81,6 +150,8 @@ class _Limit:
 
     label: str
     parsed: statements.Limit
+    bound: str
+    value: float
     exact: float
     margin: float
     units: str
@@ -91,6 +162,8 @@ class _Limit:
         return cls(
             label,
             statements.limit(label),
+            str(one["bound"].values),
+            float(one["limit"]),
             float(one["exact"]),
             float(one["margin"]),
             str(one["units"].values),
@@ -104,7 +177,13 @@ class _Limit:
     def words(self) -> str:
         chance = self.parsed.probability
         promised = f" with probability {chance:g}" if chance is not None else ""
-        return f"{self.name} of {shown(self.parsed.value, self.units, 4)}{promised}"
+        return f"{self.name} of {self.at}{promised}"
+
+    @property
+    def at(self) -> str:
+        """The bound, and whose it is."""
+        share = f"{number(100 * self.parsed.value, 3)} % of " if self.parsed.value != 1 else ""
+        return f"{shown(self.value, self.units, 4)}{f' ({share}the {self.bound})' if self.bound else ''}"
 
 
 def _limited(answer: xr.Dataset, term: str) -> bool:
@@ -124,7 +203,7 @@ def _missed(broken: list[_Limit]) -> str:
     """By how much which limits are missed."""
     parts = [
         f"{one.name} must be {'at most' if one.parsed.upper else 'at least'} "
-        f"{shown(one.parsed.value, one.units, 4)} and comes to {shown(one.exact, one.units, 4)}, "
+        f"{one.at} and comes to {shown(one.exact, one.units, 4)}, "
         f"{number(-100 * one.margin, 4)} % beyond"
         for one in broken
     ]
@@ -215,3 +294,23 @@ def _to(answer: xr.Dataset, name: str, change: float) -> str:
 
 def _percent(share: float) -> str:
     return f"{number(100 * share, 2)} %"
+
+
+def unread(name: str, told: float) -> str:
+    """That a read-out cannot identify a factor, in words; empty where it can.
+
+    Parameters
+    ----------
+    name
+        The factor.
+    told
+        Length of its 95 % intervals over that of the interval before any measurement.
+
+    Examples
+    --------
+    >>> unread("friction", 0.97), unread("load", 0.01)
+    ('friction cannot be told from these measurements: what is left of its range is 97 %', '')
+    """
+    if told < _UNREAD:
+        return ""
+    return f"{titles.title(name)} cannot be told from these measurements: what is left of its range is {_percent(told)}"

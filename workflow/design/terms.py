@@ -14,6 +14,25 @@ Array = NDArray[np.float64]
 _MEET = 1e-9  # distance of two bounds, over their scale, that leaves one value
 _REST = 1e-3  # share of all weight that scenarios may have which are not among those that decide
 
+#: What tells the sets of scenarios of a question apart: draws or not, or the factors of a deviation.
+Key = bool | tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """What a deviation is taken over.
+
+    Attributes
+    ----------
+    along
+        The factors.
+    measure
+        With the weights of their means.
+    """
+
+    along: tuple[str, ...]
+    measure: risk.RelativeDeviation
+
 
 @dataclass(frozen=True)
 class Term:
@@ -37,6 +56,8 @@ class Term:
         Size of the bound, or of the expression where the bound is zero.
     unitless
         Whether the bound was written without the unit that the expression has.
+    along
+        The factors over which a deviation is taken, which have scenarios of their own.
     """
 
     label: str
@@ -47,6 +68,12 @@ class Term:
     bound: float = np.nan
     scale: float = 1.0
     unitless: bool = False
+    along: tuple[str, ...] = ()
+
+    @property
+    def key(self) -> Key:
+        """Which of the question's sets of scenarios it counts over."""
+        return self.along or self.drawn
 
     @property
     def limited(self) -> bool:
@@ -96,19 +123,30 @@ class Term:
         return np.asarray(self.sign * (rows - self.bound) / self.scale + safety)
 
 
-def wanted(objective: Objective, deviations: float | None) -> Term:
-    """The term of an objective; ``deviations`` None counts the worst case."""
+def wanted(objective: Objective, deviations: float | None, over: Deviation | None = None) -> Term:
+    """The term of an objective; ``deviations`` None counts the worst case.
+
+    ``over`` says what a deviation is taken over.
+    """
     sign = objective.sign
+    if over is not None:
+        return Term(str(objective), objective.expression, sign, over.measure, drawn=False, along=over.along)
     measure = risk.WorstCase() if deviations is None else risk.MeanDeviation(-sign * deviations)
     return Term(str(objective), objective.expression, sign, measure, deviations is not None)
 
 
-def limited(limit: Limit, scale: float) -> Term:
-    """The term of a limit, with a scale for a bound of zero."""
+def limited(limit: Limit, scale: float, bound: float, over: Deviation | None = None, *, drawn: bool = True) -> Term:
+    """The term of a limit at a bound in SI.
+
+    ``scale`` stands for a bound of zero; ``over`` says what a deviation is taken over; where nothing is drawn, a
+    probability is that of every case.
+    """
     measure: risk.RiskMeasure = risk.WorstCase()
-    if limit.deviation:
-        measure = risk.RelativeDeviation()
-    elif limit.probability is not None:
-        measure = risk.Quantile(limit.probability if limit.upper else 1 - limit.probability)
-    size, drawn = abs(limit.value) or scale, limit.probability is not None
-    return Term(str(limit), limit.expression, limit.sign, measure, drawn, limit.value, size, limit.unitless)
+    promised = limit.probability if drawn else None
+    if over is not None:
+        measure = over.measure
+    elif promised is not None:
+        measure = risk.Quantile(promised if limit.upper else 1 - promised)
+    size, along = abs(bound) or scale, over.along if over else ()
+    random = promised is not None
+    return Term(str(limit), limit.expression, limit.sign, measure, random, bound, size, limit.unitless, along)

@@ -23,8 +23,13 @@ def lines(designs: Path) -> list[str]:
     ]
 
 
+def leave(studies: Iterable[str]) -> None:
+    """Leave it to another to tell of some studies."""
+    _told.update(studies)
+
+
 def tell(studies: Iterable[str], results: str | Path = RESULTS) -> None:
-    """Print those of some studies' results, once in a process."""
+    """Print those of some studies' results, once in a process; none of those left to another."""
     for study in sorted(set(studies) - _told):
         _told.add(study)
         for line in lines(Path(results) / study / "design.nc"):

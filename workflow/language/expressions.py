@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from solver.names import ALL_QUANTITIES
 from workflow.language import units
+from workflow.language.constants import CONSTANTS
 from workflow.language.factors import FACTORS
 
 Array = NDArray[np.float64]
@@ -18,8 +19,8 @@ Partials = dict[str, Array]
 
 
 def units_of(name: str) -> str:
-    """The unit of a quantity or factor, as the interface writes it."""
-    return (ALL_QUANTITIES.get(name) or FACTORS[name]).units
+    """The unit of a quantity, constant or factor, as the interface writes it."""
+    return (ALL_QUANTITIES.get(name) or CONSTANTS.get(name) or FACTORS[name]).units
 
 
 class Expression(ABC):
@@ -81,7 +82,7 @@ class Number(Expression):
 
 @dataclass(frozen=True)
 class Name(Expression):
-    """A quantity or factor."""
+    """A quantity, factor or constant."""
 
     name: str
 

@@ -5,14 +5,15 @@
     signed  := ("-" | "+") signed | atom ["^" integer]          ("**" is "^")
     atom    := number | name | function "(" sum ("," sum)* ")" | "(" sum ")"
 
-Names are the quantities and numeric factors of the interface; functions are abs, sqrt, log, exp, min and max. A
-quantity that has a formula of smoother ones is read as that.
+Names are the quantities and numeric factors of the interface, what materials bear, and the numbers and figures of a
+device; functions are abs, sqrt, log, exp, min and max. A name that has a formula of others is read as that.
 """
 
 import re
 from math import isfinite
 
 from solver.names import ALL_QUANTITIES
+from workflow.language.constants import CONSTANTS, FIGURES
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
 from workflow.language.spelling import nearest
@@ -20,6 +21,7 @@ from workflow.language.spelling import nearest
 FUNCTIONS = {"abs": 1, "sqrt": 1, "log": 1, "exp": 1, "min": 2, "max": 2}  # number of arguments; min and max: or more
 DEEPEST = 40  # levels of brackets; keeps hostile texts from exhausting the stack
 LONGEST = 1000  # characters
+_KNOWN = {**ALL_QUANTITIES, **FIGURES, **CONSTANTS}
 _TOKEN = re.compile(r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|(?P<name>[A-Za-z_]\w*)|(?P<sign>\*\*|\S))")
 
 
@@ -108,9 +110,9 @@ class _Parser:
         if group == "name" and self._take("("):
             return self._call(token, depth)
         if group == "name":
-            if token not in ALL_QUANTITIES and token not in FACTORS:
-                raise ValueError(f"{token!r} is not a quantity; {nearest(token, [*ALL_QUANTITIES, *FACTORS])}")
-            formula = ALL_QUANTITIES[token].formula if token in ALL_QUANTITIES else ""
+            if token not in _KNOWN and token not in FACTORS:
+                raise ValueError(f"{token!r} is not a quantity; {nearest(token, [*_KNOWN, *FACTORS])}")
+            formula = _KNOWN[token].formula if token in _KNOWN else ""
             return _Parser(formula).whole() if formula else Name(token)
         if token == "(":
             return self._closed(self._sum(depth + 1))

@@ -1,4 +1,4 @@
-"""Values for people: a decimal prefix that keeps numbers short, exponents as superscripts; as templates/numbers.js."""
+"""Values for people: a decimal prefix that keeps numbers short, units with a slash; as templates/numbers.js."""
 
 import math
 import re
@@ -53,14 +53,27 @@ def prefixed(size: float, units: str, digits: int = _DIGITS) -> tuple[float, str
     if scalable and size and math.isfinite(size):
         decimal = Context(prec=digits, rounding=ROUND_HALF_UP).create_decimal_from_float(float(size)).adjusted()
         power = min(max(3 * (decimal // 3), -15), 12)
-    return 10.0**power, (_PREFIXES[power] if scalable else "") + raised(units)
+    return 10.0**power, (_PREFIXES[power] if scalable else "") + written(units)
 
 
-def raised(units: str) -> str:
-    """Exponents of a unit as superscripts: ``V m N-1`` as V m N⁻¹, nothing for a pure number."""
+def written(units: str) -> str:
+    """A unit as people write it, nothing for a pure number.
+
+    Examples
+    --------
+    >>> [written(units) for units in ("V m N-1", "C m-3/2", "N m-1 A-1", "s-1", "1")]
+    ['V·m/N', 'C/m³ᐟ²', 'N/(m·A)', '1/s', '']
+    """
     if units == "1":
         return ""
-    return re.sub(r"([A-Za-z])(-?[0-9/]+)", lambda match: match[1] + match[2].translate(_RAISED), units)
+    over: list[str] = []
+    under: list[str] = []
+    for symbol, minus, power in re.findall(r"([^\W\d]+)(-?)([0-9/]*)", units):
+        (under if minus else over).append(symbol + (power.translate(_RAISED) if power != "1" else ""))
+    if not under:
+        return "·".join(over)
+    below = "·".join(under)
+    return f"{'·'.join(over) or '1'}/{below if len(under) == 1 else f'({below})'}"
 
 
 def shown(value: float, units: str, digits: int = 5) -> str:
@@ -69,7 +82,7 @@ def shown(value: float, units: str, digits: int = 5) -> str:
     Examples
     --------
     >>> shown(0.12261, "m"), shown(2.6e2, "Pa", 2), shown(5e4, "N m-1")
-    ('122.61 mm', '260 Pa', '50 kN m⁻¹')
+    ('122.61 mm', '260 Pa', '50 kN/m')
     """
     if not math.isfinite(value):
         return "–"

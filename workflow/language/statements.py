@@ -1,8 +1,9 @@
 """The texts of a design question: objectives and limits, read by a fixed grammar. Nothing in them is evaluated.
 
-objective := expression
-limit     := (expression | "deviation(" expression ")") ("<=" | ">=" | "<" | ">") number [unit]
-["with probability" number]
+objective := expression | deviation
+deviation := "deviation(" expression ["over" factor ("," factor)*] ")"
+limit     := (expression | deviation) ("<=" | ">=" | "<" | ">") bound ["with probability" number]
+bound     := number [unit] | [number ["%"]] ["of"] name         the name of what a material bears, as coercive_field
 """
 
 import re
@@ -10,23 +11,32 @@ from dataclasses import dataclass
 from math import isfinite
 
 from workflow.language import grammar, units
+from workflow.language.constants import BORNE
 from workflow.language.expressions import Expression
 
 _LIMIT = re.compile(
-    r"(?P<left>.+?)\s*(?P<sign><=|>=|<|>)\s*(?P<value>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\w.])\s*(?P<unit>.*?)"
+    r"(?P<left>.+?)\s*(?P<sign><=|>=|<|>)\s*(?P<value>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.]))?\s*"
+    rf"(?P<unit>.*?)\s*(?:\b(?:of\s+)?(?P<borne>{'|'.join(BORNE)}))?"
     r"(?:\s*\bwith\s+probability\s+(?P<probability>\d*\.?\d+))?\s*"
 )
-_DEVIATION = re.compile(r"\s*deviation\((?P<inner>.*)\)\s*")
+_DEVIATION = re.compile(
+    r"\s*deviation\((?P<inner>.*?)(?:\s+over\s+(?P<over>[A-Za-z]\w*(?:\s*,\s*[A-Za-z]\w*)*))?\s*\)\s*"
+)
 _STATISTIC = re.compile(r"worst case|mean(?:\s*-\s*(?P<count>\d+\.?\d*|\.\d+)\s*std)?")
 
 
 @dataclass(frozen=True)
 class Objective:
-    """What is maximised or minimised."""
+    """What is maximised or minimised.
+
+    ``deviation``: it is the expression's largest relative deviation from its mean, over the factors ``over``, or all.
+    """
 
     text: str
     expression: Expression
     maximise: bool
+    deviation: bool = False
+    over: tuple[str, ...] = ()
 
     @property
     def sign(self) -> float:
@@ -48,7 +58,7 @@ class Limit:
     expression
         What is bounded.
     value
-        The bound, in the expression's SI unit.
+        The bound, in the expression's SI unit; of a bound that names what a material bears, the share of that.
     upper
         Whether it is an upper bound.
     probability
@@ -57,6 +67,10 @@ class Limit:
         Whether the largest relative deviation of the expression from its mean over the cases is bounded.
     unitless
         Whether the bound was written without a unit although the expression has one: it is read in SI.
+    borne
+        The name of what a material bears, if that is the bound.
+    over
+        The factors over which a deviation is taken; none: all that a design does not choose.
     """
 
     text: str
@@ -66,6 +80,8 @@ class Limit:
     probability: float | None = None
     deviation: bool = False
     unitless: bool = False
+    borne: str = ""
+    over: tuple[str, ...] = ()
 
     @property
     def sign(self) -> float:
@@ -90,7 +106,17 @@ class Statistic:
 
 def objective(text: str, *, maximise: bool = True) -> Objective:
     """Read an objective; ValueError names what is wrong."""
-    return Objective(" ".join(text.split()), grammar.parse(text), maximise)
+    inner, over = _unwrapped(text)
+    if over is not None and maximise:
+        raise ValueError(f"{text!r}: a deviation is minimised")
+    return Objective(" ".join(text.split()), grammar.parse(inner), maximise, over is not None, over or ())
+
+
+def _unwrapped(text: str) -> tuple[str, tuple[str, ...] | None]:
+    """An expression within a deviation, and the factors over which that is taken; None where there is no deviation."""
+    if len(text) > grammar.LONGEST or (match := _DEVIATION.fullmatch(text)) is None:
+        return text, None
+    return match["inner"], tuple(name.strip() for name in (match["over"] or "").split(",") if name.strip())
 
 
 def limit(text: str) -> Limit:
@@ -98,19 +124,22 @@ def limit(text: str) -> Limit:
     if len(text) > grammar.LONGEST:
         raise ValueError(f"a limit of {len(text)} characters is longer than {grammar.LONGEST}")
     match = _LIMIT.fullmatch(text)
-    if match is None:
+    if match is None or (match["value"] is None and not match["borne"]):
         raise ValueError(f"{text!r} is not of the form: expression <= number [unit] [with probability p]")
-    wrapped = _DEVIATION.fullmatch(match["left"])
-    expression = grammar.parse(wrapped["inner"] if wrapped else match["left"])
+    inner, over = _unwrapped(match["left"])
+    expression, wrapped = grammar.parse(inner), over is not None
     try:
         unit = units.parse(match["unit"])
     except ValueError as error:
         raise ValueError(f"{text!r}: {error}") from None
     expected = units.Unit.none() if wrapped else expression.unit()
-    if match["unit"] and expected is not None and not unit.fits(expected):
+    borne = match["borne"] or ""
+    if borne:
+        _check_borne(text, borne, unit, expected)
+    elif match["unit"] and expected is not None and not unit.fits(expected):
         shown = str(expected) if wrapped else expression.lone() or str(expected)
         raise ValueError(f"{text!r}: unit mismatch: the limit is in {match['unit']}, the expression in {shown}")
-    value = float(match["value"]) * unit.scale
+    value = float(match["value"] or 1.0) * unit.scale
     if not isfinite(value):
         raise ValueError(f"{text!r}: {match['value']} is not a finite number")
     probability = float(match["probability"]) if match["probability"] else None
@@ -118,9 +147,22 @@ def limit(text: str) -> Limit:
         raise ValueError(f"{text!r}: probability {probability:g} is not from 0.5 to below 1")
     if wrapped and (probability is not None or "<" not in match["sign"] or value <= 0):
         raise ValueError(f"{text!r}: a deviation takes a positive upper bound and no probability")
-    unitless = not match["unit"] and value != 0 and expected is not None and not expected.fits(units.Unit.none())
+    if borne and not value > 0:
+        raise ValueError(f"{text!r}: {value:g} of {borne} is no bound; must be a positive share")
+    bare = not match["unit"] and not borne and value != 0
+    unitless = bare and expected is not None and not expected.fits(units.Unit.none())
     label, upper = " ".join(text.split()), "<" in match["sign"]
-    return Limit(label, expression, value, upper, probability, wrapped is not None, unitless)
+    return Limit(label, expression, value, upper, probability, wrapped, unitless, borne, over or ())
+
+
+def _check_borne(text: str, borne: str, unit: units.Unit, expected: units.Unit | None) -> None:
+    """Whether a share of what a material bears may bound an expression."""
+    if not unit.fits(units.Unit.none()):
+        raise ValueError(f"{text!r}: {str(unit)!r} before {borne}: must be a pure number or %")
+    if expected is None or not expected.fits(units.parse(BORNE[borne].units)):
+        raise ValueError(
+            f"{text!r}: unit mismatch: {borne} is in {BORNE[borne].units}, the expression in {expected or 1}"
+        )
 
 
 def statistic(text: str) -> Statistic:

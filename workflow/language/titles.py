@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from solver.names import ALL_QUANTITIES
 from workflow.language import statements
+from workflow.language.constants import FIGURES
 from workflow.language.expressions import Call, Expression, Name, Operation
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
@@ -27,6 +28,11 @@ TITLES = {
     "film_peak_principal_tension": "tension in the film",
     "interface_shear": "shear of the interface",
     "interface_tension": "tension of the interface",
+    "smallest_force": "smallest detectable force",
+    "drive_field": "driving field",
+    "electric_displacement_y": "normal electric displacement",
+    "magnetic_induction_y": "normal magnetic induction",
+    "stress_xx": "stress along the surface",
 }
 
 
@@ -72,6 +78,9 @@ def spoken(expression: Expression, text: str) -> str:
     >>> [spoken(grammar.parse(text), text) for text in ("abs(voltage) / load", "load^2 + 1")]
     ['voltage over load', 'load^2 + 1']
     """
+    figure = text.strip().removeprefix("abs(").removesuffix(")").strip()
+    if figure in FIGURES:
+        return title(figure)
     if isinstance(expression, Name):
         return title(expression.name)
     if isinstance(expression, Call) and expression.function == "abs":
@@ -90,7 +99,8 @@ def objective(text: str) -> str:
     >>> objective("abs(charge_sensitivity)")
     'charge per force'
     """
-    return spoken(statements.objective(text).expression, text)
+    one = statements.objective(text, maximise=False)  # which also a deviation may be
+    return _deviation(one, one.text)
 
 
 def limited(limit: statements.Limit) -> str:
@@ -101,9 +111,27 @@ def limited(limit: statements.Limit) -> str:
     >>> limited(statements.limit("trailing_tension <= 50 MPa"))
     'tension behind the contact'
     """
-    text = limit.text.partition("<" if limit.upper else ">")[0].strip()
-    words = spoken(limit.expression, text)
-    return f"deviation of {words}" if limit.deviation and words != text else words
+    return _deviation(limit, limit.text.partition("<" if limit.upper else ">")[0].strip())
+
+
+def _deviation(one: statements.Objective | statements.Limit, text: str) -> str:
+    """A statement's expression in words, and what a deviation is taken over."""
+    inner = text.removeprefix("deviation(").rpartition(")")[0].partition(" over ")[0] if one.deviation else text
+    words = spoken(one.expression, inner.strip())
+    over = f" over {listed([title(name) for name in one.over])}" if one.over else ""
+    return f"deviation of {words}{over}" if one.deviation else words
+
+
+def bound(limit: statements.Limit, at: float, units: str) -> str:
+    """A limit in words; its number, which a material may give, is in SI units.
+
+    Examples
+    --------
+    >>> bound(statements.limit("trailing_tension <= 50 MPa with probability 0.9"), 50e6, "Pa")
+    'tension behind the contact at most 50 MPa with probability 0.9'
+    """
+    chance = "" if limit.probability is None else f" with probability {limit.probability:g}"
+    return f"{limited(limit)} at {'most' if limit.upper else 'least'} {shown(at, units, 4)}{chance}"
 
 
 def value(name: str, number: float, digits: int = 4) -> str:

@@ -30,6 +30,7 @@ _SYMBOLS: dict[str, tuple[float, tuple[int, int, int, int]]] = {  # exponents of
     "T": (1.0, (0, 1, -2, -1)),
     "Wb": (1.0, (2, 1, -2, -1)),
     "H": (1.0, (2, 1, -2, -2)),
+    "Ohm": (1.0, (2, 1, -3, -2)),
 }
 _PART = re.compile(r"(?P<over>/)?\s*(?P<symbol>%|1|[A-Za-zµμ]+)\^?(?P<power>[-+]?[0-9]+(?:/[0-9]+)?)?")
 _QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)(?![\w.])\s*(\S.*)")

@@ -13,6 +13,8 @@ from workflow.study.readout import Readout, error
 
 Array = NDArray[np.float64]
 
+_LEVEL = 0.95  # of the intervals
+
 
 def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     """Infer random true cases from exact quantities with random errors of measurement.
@@ -20,8 +22,9 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        ``true``, ``mean``, ``low``, ``high`` over (``factor``, ``case``), in SI units; ``coverage`` and ``width``
-        (median of the half interval over its middle) over ``factor``.
+        ``true``, ``mean``, ``low``, ``high`` over (``factor``, ``case``), in SI units; ``coverage``, ``width`` (median
+        of the half interval over its middle) and ``left`` (median of the interval over the one before any measurement,
+        on the factor's own scale) over ``factor``.
     """
     random = np.random.default_rng((study.validation.seed, 2))
     inputs = [one for one in factorial.inputs(study) if one.name in readout.infer]
@@ -39,6 +42,7 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     found = [inversion.estimate(row, one) for row, one in zip(measured, _errors(readout, measured), strict=True)]
     mean, low, high = (np.stack([getattr(one, key) for one in found], -1) for key in ("mean", "low", "high"))
     dims = ("factor", "case")
+    left = [(one.to_unit(b) - one.to_unit(a)) / (2 * _LEVEL) for one, a, b in zip(inputs, low, high, strict=True)]
     return xr.Dataset(
         {
             "true": (dims, true),
@@ -47,6 +51,7 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
             "high": (dims, high),
             "coverage": ("factor", ((low <= true) & (true <= high)).mean(-1)),
             "width": ("factor", np.median((high - low) / (high + low), -1)),
+            "left": ("factor", np.median(left, -1)),
         },
         coords={"factor": [one.name for one in inputs]},
     )

@@ -1,14 +1,20 @@
 """Training and validation of the surrogate on exact cases."""
 
+from collections.abc import Sequence
+
 import xarray as xr
 
 from storage.described import described
-from surrogate import GaussianProcess, GridGP, GroupedGP
+from surrogate import CrossGP, GaussianProcess, GridGP, GroupedGP
 from surrogate.data.meanings import MEANINGS, SOURCE
-from surrogate.levels import counts
+from surrogate.levels import counts, lines
 from surrogate.use import validation
-from workflow.dataset import factorial
+from workflow.dataset import batches, factorial
+from workflow.learning import curves
 from workflow.study.model import Study
+
+#: Error allowed to the compressed mean of a cross approximation, of its tolerance.
+COMPRESSION = 0.02
 
 
 def compression(study: Study) -> float:
@@ -21,20 +27,47 @@ def compression(study: Study) -> float:
 
 
 def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
-    """Gaussian process of the study's outputs on its factorial."""
+    """Gaussian process of the study's outputs on its factorial, or on what a cross approximation asked for of it."""
     if study.groups:
         data = factorial.with_factors(study, factorial.learned(study, quantities))
         by = factorial.grouping(study, data)
         grouped = GroupedGP(by, study.surrogate.kernel, compression=compression(study))
         grouped.made_from_ = study.physics
         return grouped.fit(data)
-    model = GridGP(study.surrogate.kernel, factorial.inputs(study), study.learned, compression=compression(study))
+    if curves.given(study, quantities):  # some outputs follow from them
+        model: GaussianProcess = curves.model(study, compression(study))
+    else:
+        model = crossing(study) if study.crossed else process(study, study.learned)
     model.made_from_ = study.physics
-    return model.fit(factorial.learned(study, quantities))
+    return model.fit(curves.learned(study, quantities))
+
+
+def process(study: Study, outputs: Sequence[str]) -> GridGP:
+    """The process of some outputs on the study's factorial, not fitted."""
+    return GridGP(study.surrogate.kernel, factorial.inputs(study), outputs, compression=compression(study))
+
+
+def crossing(study: Study) -> CrossGP:
+    """The cross approximation of a study, which asks for places before it is fitted."""
+    return CrossGP(
+        factorial.inputs(study),
+        {name: axis.levels or 0 for name, axis in study.factors.items()},
+        study.crossed,
+        study.validation.tolerance,
+        study.learned,
+        COMPRESSION * study.validation.tolerance,
+        most=study.dataset.budget // study.block,
+    )
+
+
+def places(study: Study, solved: Sequence[xr.Dataset]) -> xr.Dataset:
+    """What a cross approximation asks for after the slabs of its batches so far: see `CrossGP.ask`."""
+    known = factorial.learned(study, batches.joined(solved)) if solved else None
+    return crossing(study).ask(known)
 
 
 def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> xr.Dataset:
-    """Errors on random exact cases that the model never saw, beside plain tensor Chebyshev interpolation.
+    """Errors on random exact cases that the model never saw, beside plain tensor Chebyshev interpolation of a grid.
 
     Parameters
     ----------
@@ -52,11 +85,14 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     points = {name: cases[name] for name in study.factors}
     cases, quantities = factorial.learned(study, cases), factorial.learned(study, quantities)
     by = model.grouping if isinstance(model, GroupedGP) else None
-    decays = counts.decays(factorial.scaled(study, quantities, by), factorial.axis_inputs(study), study.learned)
+    if study.crossed:
+        decays = lines.decays(crossing(study), quantities)
+    else:
+        decays = counts.decays(factorial.scaled(study, quantities, by), factorial.axis_inputs(study), study.learned)
     if by is not None:
         quantities = factorial.with_factors(study, quantities)
     predicted = model.predict(points)
-    table = validation.validate(model, cases, quantities)
+    table = validation.validate(model, cases, None if study.crossed else quantities)
     names = study.learned
     stacked = {
         "exact": cases[names].to_dataarray("output"),

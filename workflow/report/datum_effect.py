@@ -51,11 +51,12 @@ def of_design(study: Study, target: Target, answer: xr.Dataset) -> list[dict[str
     deviations = {str(one) for one in target.limits if one.deviation}
     own = study.narrowed({name: kind for name, kind, _ in answers.kinds(answer)})
     hangs, rows = hanging(own), []
+    constants = {name: own.constant(name) for name in target.constants()}
     for label in map(str, answer["term"].values):
         if hangs.isdisjoint(expressions[label].names()):
             continue
         case = _case(answer.sel(term=label))
-        known: dict[str, Any] = {**case, **_solved(own, case, every=True)}
+        known: dict[str, Any] = {**own.fixed, **constants, **case, **_solved(own, case, every=True)}
         values = np.broadcast_to(expressions[label].evaluate(known), len(_TIMES))
         rows.append(
             {

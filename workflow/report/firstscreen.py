@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from solver.names import CHOICES
 from workflow.dataset import factorial
-from workflow.design import answers
+from workflow.design import answers, tolerances
 from workflow.design.spoken import UNREACHABLE, Verdict, verdict
 from workflow.language import titles
 from workflow.language.factors import FACTORS
@@ -68,8 +68,7 @@ class Answer:
 def answered(study: Study, name: str, target: Target, found: xr.Dataset) -> Answer:
     """The first screen's part on one target, from its design."""
     kinds = {key: kind for key, kind, _ in answers.kinds(found)}
-    worst = found["worst"].isel(term=0)
-    varied = {str(key): float(worst.sel(factor=key)) for key in found["factor"].values}
+    varied = answers.case(found)
     case: Case = {**study.fixed, **kinds, **varied}
     told = verdict(found)
     body, punch = body_in_words(study, case), punch_in_words(case)
@@ -191,14 +190,15 @@ def limit(told: Verdict) -> str:
 
 
 def cost(found: xr.Dataset) -> str:
-    """What an error of 1 % in each variable that matters costs."""
-    parts = []
+    """What the tolerances cost, and an error of 1 % in every other variable that matters."""
+    parts = tolerances.in_words(found)
     for name in found["factor"].values:
         one = found.sel(factor=name)
         share = float(one["cost"])
-        if str(one["role"].values) == "variable" and bool(one["matters"]) and share > 0:
+        toleranced = bool(str(one["tolerance"].values))
+        if str(one["role"].values) == "variable" and bool(one["matters"]) and share > 0 and not toleranced:
             parts.append(f"1 % of {titles.title(str(name))} costs {number(100 * share, 2)} %")
-    return f"{'; '.join(parts)}." if parts else ""
+    return f"{titles.capital('; '.join(parts))}." if parts else ""
 
 
 def sure(found: xr.Dataset) -> str:

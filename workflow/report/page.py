@@ -13,7 +13,8 @@ from storage.netcdf import read_whole
 from surrogate import load
 from workflow.dataset import factorial
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import counted, number, raised, shown
+from workflow.language.numbers import counted, number, shown
+from workflow.language.titles import title
 from workflow.learning.timing import by_quantity
 from workflow.report import datum_effect, firstscreen, problem, sentences, tables, whatif
 from workflow.report.figures.design_kinds import kinds
@@ -36,6 +37,11 @@ _MEANINGS = {
 
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
+#: Scripts of the page, in the order in which they need each other.
+_SCRIPTS = (
+    "contents.js", "numbers.js", "hover.js", "surrogate.js", "stack.js", "chart.js", "fields.js", "explore.js",
+    "share.js", "whatif.js", "effects.js",
+)  # fmt: skip
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -71,8 +77,8 @@ def page(
         "number": number,
         "seconds": _seconds,
         "words": _words,
+        "title": title,
         "si": shown,
-        "raised": raised,
         "counted": counted,
     }
     content: dict[str, Any] = {
@@ -87,7 +93,7 @@ def page(
         "hanging": hangs,
         "datum": length(study),
         "on_film": study.on_film,
-        "together": factorial.TOGETHER,
+        "together": factorial.together(study),
         "tabled": study.tabled,
         "film_beside": study.effects.film if study.effects else {},
         "costly": study.costly.issuperset(study.quantities),
@@ -103,8 +109,10 @@ def page(
         "answers": [],
         "whatif": None,
         "readouts": [],
-        "scripts": [_script(name) for name in ("contents.js", "numbers.js", "hover.js", "surrogate.js", "whatif.js")],
+        "scripts": [_script(name) for name in _SCRIPTS],
         "effects": list(study.effects.vary) if study.effects else [],
+        "effects_table": tables.effects(study, folder) if study.effects else [],
+        "changed": tables.CHANGED,
         "verification": tables.verification(folder) if study.verification else None,
     }
     if study.factors:
@@ -130,7 +138,8 @@ def page(
         ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")
-        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, found, hangs)
+        fields = load(folder / "surface.nc") if study.surrogate.fields else None
+        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, found, hangs, fields)
         content["whatif_json"] = whatif.as_json(content["whatif"])
     content["says"] = _says(study, folder, content)
     return environment.get_template("report.html.j2").render(content)
@@ -142,7 +151,7 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
     if study.factors:
         validation, indices = content["validation"], read_whole(folder / "sensitivity.nc")
         says |= {
-            "dataset": sentences.dataset(study, content["dataset"]["rows"]),
+            "dataset": sentences.dataset(study, content["dataset"]["cases"], content["dataset"]["rows"]),
             "surrogate": sentences.surrogate(validation["worst"], validation["tolerance"]),
             "sensitivity": sentences.sensitivity(indices, study.of_interest),
             "time": sentences.time(content["timing"]),
@@ -155,7 +164,8 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
     if content["readouts"]:
         says["readout"] = sentences.readout(content["readouts"])
     if study.effects:
-        says["effects"] = sentences.effects(study)
+        says["effects"] = sentences.strongest(content["effects_table"])
+        says["varied"] = sentences.effects(study)
     if content["verification"]:
         says["speed"] = sentences.speed(content["verification"]["timings"])
     return says

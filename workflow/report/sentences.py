@@ -6,7 +6,7 @@ from typing import Any
 import xarray as xr
 
 from solver.names import ALL_QUANTITIES
-from workflow.design.spoken import UNREACHABLE, Verdict
+from workflow.design.spoken import UNREACHABLE, Verdict, unread
 from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, listed
@@ -34,14 +34,12 @@ def study(study: Study) -> str:
     return f"On {where}, {len(names)} factors are varied: {listed(names)}."
 
 
-def dataset(study: Study, rows: Sequence[Row]) -> str:
+def dataset(study: Study, cases: int, rows: Sequence[Row]) -> str:
     """How many cases, and how far the first quantity of interest goes."""
     interesting = [name.partition("[")[0] for name in study.of_interest]
     row = next((row for name in interesting for row in rows if row["name"] == name), rows[0])
     ends = (shown(row[end], row["units"], 3) for end in ("low", "high"))
-    return (
-        f"{counted(study.cases)} exact cases; over them {titles.title(str(row['name']))} goes from {' to '.join(ends)}."
-    )
+    return f"{counted(cases)} exact cases; over them {titles.title(str(row['name']))} goes from {' to '.join(ends)}."
 
 
 def surrogate(worst: Row, tolerance: float) -> str:
@@ -79,8 +77,9 @@ def time(times: Mapping[str, float]) -> str:
 def readout(readouts: Sequence[Row]) -> str:
     """How often the intervals held what they infer, and how wide they are."""
     parts = [
-        f"{titles.title(row['name'])} is read to {number(100 * row['width'], 2)} %, and its 95 % interval held it in "
-        f"{number(100 * row['coverage'], 3)} % of {counted(one['cases'])} cases"
+        unread(row["name"], row["left"])
+        or f"{titles.title(row['name'])} is read to {number(100 * row['width'], 2)} %, and its 95 % interval held it "
+        f"in {number(100 * row['coverage'], 3)} % of {counted(one['cases'])} cases"
         for one in readouts
         for row in one["rows"]
     ]
@@ -114,6 +113,16 @@ def effects(study: Study) -> str:
         named = isinstance(values[0], str)
         spans.append(f"{titles.title(name)} {', '.join(said) if named else f'{said[0]} to {said[-1]}'}")
     return f"Varied one at a time: {'; '.join(spans)}."
+
+
+def strongest(rows: Sequence[Row]) -> str:
+    """Which factor of a parametric study moves each quantity of its summary most, and how far."""
+    parts = []
+    for name in dict.fromkeys(name for row in rows for name in row["spans"]):
+        row = max(rows, key=lambda row: row["shares"].get(name, 0.0))
+        ends = " to ".join(titles.value(name, end, 3) for end in row["spans"][name])
+        parts.append(f"{titles.title(name)} changes most with {titles.title(row['name'])} ({ends})")
+    return f"{capital('; '.join(parts))}."
 
 
 def provenance(given: Row) -> str:

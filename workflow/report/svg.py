@@ -40,7 +40,6 @@ def inlined(path: Path, alt: str) -> Markup:
 def element(text: str, name: str, alt: str, enlarged: float = 1.0) -> Markup:
     """An SVG of our own making as an element of the page, at most so many times as wide as it is drawn."""
     text = text[text.index("<svg") :]
-    text = re.sub(r"<metadata>.*?</metadata>", "", text, count=1, flags=re.DOTALL)  # of matplotlib
 
     def renamed(match: re.Match[str]) -> str:
         before, own, after = (part for part in match.groups() if part is not None)

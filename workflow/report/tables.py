@@ -17,8 +17,10 @@ from workflow.language.statements import limit
 from workflow.report import sentences
 from workflow.report.verdict import findings
 from workflow.study.datum import meaning
-from workflow.study.model import CHECK_GROUPS
+from workflow.study.model import CHECK_GROUPS, Study
 
+#: Quantities that the summary of a parametric study tells.
+CHANGED = ("peak_pressure", "trailing_tension", "depth", "voltage")
 _JUDGED = ("coverage", "worst_decile_coverage", "worst_corner_coverage", "pit_distance", "crps")
 _INTERVALS = (*_JUDGED, *(f"raw_{key}" for key in _JUDGED), "raw_max_error")
 
@@ -51,7 +53,8 @@ def dataset(folder: Path, hangs: frozenset[str]) -> dict[str, Any]:
         }
         for name, array in data.data_vars.items()
     ]
-    return {"rows": rows, "slabs": len(card["files"]), "bytes": card["bytes"]}
+    places = sum(one["levels"] for one in card["files"])  # of a cross approximation
+    return {"rows": rows, "slabs": len(card["files"]), "bytes": card["bytes"], "cases": card["cases"], "places": places}
 
 
 def surface(path: Path) -> list[dict[str, Any]]:
@@ -92,7 +95,7 @@ def validation(folder: Path) -> dict[str, Any]:
             "name": str(name),
             "error": float(one["max_error"]),
             "rmse": float(one["rmse"]),
-            "baseline": float(one["baseline_max_error"]),
+            "baseline": float(one["baseline_max_error"]) if "baseline_max_error" in one else None,
             "r2": float(one["r2"]),
             **{key: float(one[key]) for key in _INTERVALS},
         }
@@ -131,11 +134,37 @@ def validation(folder: Path) -> dict[str, Any]:
     }
 
 
+def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
+    """What each factor of a parametric study does to a few quantities: their least and largest over its values."""
+    assert study.effects is not None
+    rows = []
+    for factor, values in study.effects.vary.items():
+        data = read_whole(folder / "fields" / f"effect_{factor}.nc")
+        named = isinstance(values[0], str)
+        said = [value if isinstance(value, str) else titles.value(factor, value, 3) for value in values]
+        known = [name for name in CHANGED if name in data and factor in data[name].dims]  # not every punch has all
+        own = {name: data[name].isel({factor: slice(len(values))}) for name in known}
+        spans = {name: (float(one.min()), float(one.max())) for name, one in own.items() if one.notnull().all()}
+        over = ", ".join(said) if named else f"{said[0]} to {said[-1]}"
+        rows.append({"name": factor, "over": over, "spans": spans, "shares": _shares(spans)})
+    return rows
+
+
+def _shares(spans: dict[str, tuple[float, float]]) -> dict[str, float]:
+    """How far each goes over its larger end."""
+    return {name: (high - low) / max(abs(low), abs(high), np.finfo(float).tiny) for name, (low, high) in spans.items()}
+
+
 def readout(name: str, path: Path) -> dict[str, Any]:
     """How often the intervals of a read-out hold, and how wide they are."""
     data = read_whole(path)
     rows = [
-        {"name": str(factor), "coverage": float(one["coverage"]), "width": float(one["width"])}
+        {
+            "name": str(factor),
+            "coverage": float(one["coverage"]),
+            "width": float(one["width"]),
+            "left": float(one["left"]),
+        }
         for factor in data["factor"].values
         for one in [data.sel(factor=factor)]
     ]

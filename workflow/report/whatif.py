@@ -1,7 +1,7 @@
 """What the what-if panel (whatif.html.j2) needs: the surrogate as plain data, ranges, and the designs with limits."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,10 +15,11 @@ from surrogate.gp.export import exported
 from workflow.dataset import factorial
 from workflow.design import answers, assessment, scenarios
 from workflow.design.sources import Predicted
+from workflow.language import titles
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
-from workflow.language.titles import title
+from workflow.report import live
 from workflow.study.categories import Kinds, output
 from workflow.study.datum import HANGING, meaning
 from workflow.study.model import Study
@@ -26,8 +27,6 @@ from workflow.study.target import Target
 
 #: Points of the box that tell the ranges of a surrogate in groups.
 _POINTS = 4096
-#: Quantities that give the contact pressure of a circular punch in closed form.
-_PRESSURE = {"contact_trailing", "contact_leading", "pressure_exponent", "peak_pressure"}
 
 
 def content(
@@ -36,6 +35,7 @@ def content(
     quantities: xr.Dataset,
     designs: Sequence[xr.Dataset],
     hangs: frozenset[str] = HANGING,
+    fields: GaussianProcess | None = None,
 ) -> dict[str, Any] | None:
     """The panel's data; None where the browser cannot evaluate the surrogate.
 
@@ -47,17 +47,19 @@ def content(
         Answers of the study's targets, in its order, offered as starting points.
     hangs
         Quantities that hang on the datum.
+    fields
+        The surrogate of the surface fields, where the study has one.
     """
     stored = exported(model)
     if stored is None:
         return None
-    values = [{name: float(one["worst"].sel(factor=name)[0]) for name in model.box} for one in designs]
+    values = [answers.case(one) for one in designs]
     kinds = [study.combinations.index({name: kind for name, kind, _ in answers.kinds(one)}) for one in designs]
     start = values[0] if values else {}
     return {
         "surrogate": stored,
         "quantities": [
-            {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs), "title": title(name)}
+            {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs), "title": titles.title(name)}
             for name in study.outputs
         ],
         "categories": study.categories,
@@ -66,9 +68,11 @@ def content(
         "fixed": {name: factor.default for name, factor in FACTORS.items() if factor.default is not None}
         | {name: value for name, value in study.fixed.items() if not isinstance(value, str)},
         "cases": [
-            {"values": case, "kind": kind, **_target(name, target, one)}
+            {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, one)}
             for (name, target), one, case, kind in zip(study.design.items(), designs, values, kinds, strict=True)
         ],
+        "stack": live.drawable(study),
+        **live.fields(study, fields),
         "kind": kinds[0] if kinds else 0,
         "start": [
             float(np.clip(one.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, one in model.box.items()
@@ -87,12 +91,12 @@ def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[l
 
 def _kind(study: Study, model: GaussianProcess, kinds: Kinds) -> dict[str, Any]:
     """One combination of the categories: the surrogate's columns for it, and whether it shows a pressure."""
-    profile = {**study.fixed, **kinds}.get("profile", "cylinder")
     return {
         "names": kinds,
         "allowances": assessment.allowances(study, Predicted(model, kinds), study.outputs),
         "columns": [model.outputs_.index(output(name, kinds)) for name in study.outputs],
-        "pressure": set(study.outputs) >= _PRESSURE and profile == "cylinder" and not study.on_film,
+        "pressure": live.closed_pressure(study, kinds),
+        "body": live.body(study, kinds) if live.drawable(study) else None,
     }
 
 
@@ -102,21 +106,23 @@ def as_json(data: dict[str, Any] | None) -> Markup:
     return Markup(text.replace("<", "\\u003c").replace("&", "\\u0026"))
 
 
-def _target(name: str, target: Target, answer: xr.Dataset) -> dict[str, Any]:
+def _target(study: Study, name: str, target: Target, answer: xr.Dataset) -> dict[str, Any]:
     """A target's limits with the verdict on its design, and the scenarios that they must stand anywhere else.
 
     What a limit counts as over distributions, and a deviation, are not judged elsewhere: no one point tells them.
     """
     corners = scenarios.corners(target, scenarios.SEARCHED)
     limits = []
+    constants = {constant: study.constant(constant) for constant in target.constants()}
     for limit in target.limits:
         one = answer.sel(term=str(limit))
         exact = float(one["exact"])
         limits.append(
             {
                 "text": str(limit),
-                "tree": _tree(limit.expression),
-                "value": limit.value,
+                "words": titles.bound(limit, float(one["limit"]), str(one["units"].values)),
+                "tree": _tree(limit.expression, constants),
+                "value": float(one["limit"]),
                 "upper": limit.upper,
                 "units": str(one["units"].values),
                 "judged": limit.probability is None and not limit.deviation,
@@ -129,25 +135,53 @@ def _target(name: str, target: Target, answer: xr.Dataset) -> dict[str, Any]:
         f"{factor.replace('_', ' ')} {' to '.join(shown(end, FACTORS[factor].units, 4) for end in ends)}"
         for factor, ends in ranges.items()
     ]
+    if target.tolerance:
+        over.append(f"the tolerances of {titles.listed([titles.title(one) for one in target.tolerance])}")
     return {
         "name": name,
         "limits": limits,
+        "goal": _goal(target, answer, " and ".join(over), constants),
+        "variables": target.continuous,
         "over": " and ".join(over),
         "scenarios": {factor: values.tolist() for factor, values in corners.values.items()},
+        "offsets": {factor: values.tolist() for factor, values in corners.offsets.items()},
+        "tolerances": {factor: list(target.tolerances[factor]) for factor in corners.offsets},
         "count": corners.count,
+        "few": _few(corners),
     }
 
 
-def _tree(node: Expression) -> Any:
+def _few(corners: scenarios.Scenarios) -> list[int]:
+    """Scenarios over which the map counts: all while they are few, else those at ends of every range."""
+    levels = [*corners.values.values(), *corners.offsets.values()]
+    ends = [(one == one.min()) | (one == one.max()) for one in levels]
+    many = corners.count > scenarios.SEARCHED[1]
+    return np.flatnonzero(np.all(ends, axis=0)).tolist() if many else list(range(corners.count))
+
+
+def _goal(target: Target, answer: xr.Dataset, over: str, constants: Mapping[str, float]) -> dict[str, Any]:
+    """The first goal: over the scenarios where it counts at worst, else at one point."""
+    first = target.objectives[0]
+    worst = target.statistic.deviations is None and bool(over)
+    return {
+        "title": titles.objective(str(first)) + (f" at worst over {over}" if worst else ""),
+        "tree": _tree(first.expression, constants),
+        "units": str(answer["units"].values[0]),
+        "maximise": first.maximise,
+        "worst": worst,
+    }
+
+
+def _tree(node: Expression, constants: Mapping[str, float]) -> Any:
     """An expression as nested lists."""
     if isinstance(node, Number):
         return node.value
     if isinstance(node, Name):
-        return node.name
+        return constants.get(node.name, node.name)
     if isinstance(node, Operation):
-        return [node.symbol, _tree(node.left), _tree(node.right)]
+        return [node.symbol, _tree(node.left, constants), _tree(node.right, constants)]
     if isinstance(node, Power):
-        return ["^", _tree(node.base), node.exponent]
+        return ["^", _tree(node.base, constants), node.exponent]
     if isinstance(node, Call):
-        return [node.function, *map(_tree, node.arguments)]
+        return [node.function, *(_tree(argument, constants) for argument in node.arguments)]
     raise TypeError(f"unknown node {node!r}")

@@ -5,9 +5,11 @@
 
 import sys
 from functools import cache
+from itertools import count
 
+from workflow.dataset import batches
 from workflow.design import unreached
-from workflow.run import lock, provenance
+from workflow.run import crate, lock, provenance
 from workflow.study import location, partition, planned
 from workflow.study import model as studies
 from workflow.study.model import CHECK_GROUPS, CONVERGING, PHYSICS
@@ -80,6 +82,7 @@ def levels_of(wildcards):
 def figures_of(wildcards):
     study = study_of(wildcards)
     names = ["fields", "decay", "errors", "parity", "intervals", "sensitivity", "main_effects"] if study.factors else []
+    names = names[1:] if study.crossed else names  # whose cases have no surface fields
     names += [f"readout_{name}" for name in study.readout]
     names += effects_of(study)
     names += [f"convergence_{group}" for group in CONVERGING if study.verification]
@@ -102,5 +105,23 @@ def captions_of(*figures):
     return [f"workflow/report/captions/{figure}.rst" for figure in figures]
 
 
+def curves_of(wildcards):
+    """The slabs, where the surrogate learns curves that lie in them."""
+    return slabs_of(wildcards, "results/{study}/fields/slab_{slab}.nc") if study_of(wildcards).regions else []
+def batches_of(wildcards, rounds=None):
+    """The slabs of the batches that a cross approximation asks for, of the first rounds or of all."""
+    files = []
+    for number in count() if rounds is None else range(rounds):
+        places = checkpoints.places.get(study=wildcards.study, round=number).output[0]
+        slabs = range(batches.slabs(study_of(wildcards), places))
+        if not slabs:
+            break
+        files += expand("results/{study}/cross/{round}_{slab}.nc", study=wildcards.study, round=number, slab=slabs)
+    return files
+
+
 def slabs_of(wildcards, file):
+    """The slabs of the data set, a file each."""
+    if study_of(wildcards).crossed:
+        return batches_of(wildcards)
     return expand(file, study=wildcards.study, slab=range(partition.count(study_of(wildcards))))

@@ -35,6 +35,41 @@ rule slab:
         "../scripts/slab.py"
 
 
+# Of a study of films whose factorial is too large: places in it, asked for round by round from what is known by then.
+checkpoint places:
+    input:
+        lambda wildcards: batches_of(wildcards, int(wildcards.round)),
+    output:
+        "results/{study}/cross/{round}.nc",
+    priority: 2
+    params:
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation"),
+        code=provenance.code("workflow/scripts/places.py"),
+    log:
+        "logs/{study}/places/{round}.log",
+    script:
+        "../scripts/places.py"
+
+
+rule batch:
+    input:
+        "results/{study}/cross/{round}.nc",
+    output:
+        "results/{study}/cross/{round}_{slab}.nc",
+    priority: 2
+    resources:
+        mem_mb=partition.MEMORY,
+    params:
+        study=sections(*PHYSICS, "dataset", "surrogate"),
+        code=provenance.code("workflow/scripts/batch.py"),
+    log:
+        "logs/{study}/batch/{round}_{slab}.log",
+    benchmark:
+        "logs/{study}/batch/{round}_{slab}.tsv"
+    script:
+        "../scripts/batch.py"
+
+
 rule quantities:
     input:
         lambda wildcards: slabs_of(wildcards, "results/{study}/fields/slab_{slab}.nc"),
@@ -58,6 +93,7 @@ rule card:
     output:
         json="results/{study}/datacard.json",
         markdown="results/{study}/datacard.md",
+        croissant="results/{study}/croissant.json",
     params:
         study=sections("title", *PHYSICS, "dataset"),
         code=provenance.code("workflow/scripts/card.py"),

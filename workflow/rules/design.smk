@@ -7,7 +7,7 @@ rule target:
     output:
         "results/{study}/design/{name}.nc",
     params:
-        study=sections(*PHYSICS, "dataset", "surrogate", "validation", "design"),
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation", "device", "design"),
         code=provenance.code("workflow/scripts/target.py"),
     log:
         "logs/{study}/target/{name}.log",

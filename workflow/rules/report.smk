@@ -140,11 +140,14 @@ rule provenance:
     input:
         results_of,
     output:
-        "results/{study}/provenance.json",
+        provenance="results/{study}/provenance.json",
+        crate=expand("results/{{study}}/{file}", file=[crate.METADATA, crate.WORKFLOW, crate.STUDY]),
     params:
+        title=lambda wildcards: study_of(wildcards).title,
+        last=lambda wildcards: study_of(wildcards).final_files,
         study=lambda wildcards: study_of(wildcards).digest(*type(study_of(wildcards)).model_fields),
         seed=lambda wildcards: study_of(wildcards).validation.seed,
-        code=provenance.code("workflow/scripts/provenance.py"),
+        code=provenance.code("workflow/scripts/provenance.py", "workflow/Snakefile"),
     log:
         "logs/{study}/provenance.log",
     script:

@@ -19,6 +19,7 @@ rule cases:
 
 rule surrogate:
     input:
+        slabs=curves_of,
         quantities="results/{study}/quantities.nc",
         calibration="results/{study}/cases/calibration.nc",
     output:
@@ -37,6 +38,7 @@ rule surrogate:
 
 rule validation:
     input:
+        slabs=curves_of,
         quantities="results/{study}/quantities.nc",
         cases="results/{study}/cases/validation.nc",
         surrogate="results/{study}/surrogate.nc",

@@ -5,12 +5,14 @@ import hashlib
 import json
 import platform
 from collections.abc import Iterator
+from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
 from storage.files import write_text
 from storage.sealed import sha256
+from workflow.run import crate
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("storage", "solver", "surrogate", "workflow", "verification")
@@ -76,6 +78,18 @@ def write(path: Path, study: str, study_digest: str, seed: int, results: list[Pa
         "results_sha256": {file.name: sha256(file).hex() for file in results},
     }
     write_text(path, json.dumps(content, indent=2) + "\n")
+
+
+def write_crate(folder: Path, name: str, title: str, study: str, results: list[Path], others: list[str]) -> None:
+    """Write the RO-Crate of a run, with copies of the study and of the workflow's main file, into the results' folder.
+
+    ``others`` are files of the crate that come after it, below the folder.
+    """
+    write_text(folder / crate.STUDY, (folder / study).read_text(encoding="utf-8"))
+    write_text(folder / crate.WORKFLOW, (ROOT / "workflow/Snakefile").read_text(encoding="utf-8"))
+    digests = {file.relative_to(folder).as_posix(): sha256(file).hex() for file in results}
+    content = crate.crate(name, title, digests | dict.fromkeys(others, ""), versions(), datetime.now(UTC))
+    write_text(folder / crate.METADATA, json.dumps(content, indent=1) + "\n")
 
 
 def _room(room: str) -> list[Path]:

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from storage.files import write_text
-from workflow.dataset import datacard, levels
+from workflow.dataset import croissant, datacard, levels
 from workflow.run import joblog
 from workflow.study import planned
 
@@ -12,7 +12,9 @@ snakemake = joblog.start(globals())
 name = snakemake.wildcards.study
 config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
 slabs = [Path(slab) for slab in snakemake.input.slabs]
-times = [Path(snakemake.log[0]).with_name("slab") / f"{number}.tsv" for number in range(len(slabs))]
+kind = "batch" if config.crossed else "slab"
+times = [Path(snakemake.log[0]).with_name(kind) / f"{slab.stem.removeprefix('slab_')}.tsv" for slab in slabs]
 card = datacard.card(config, name, slabs, times)
 write_text(Path(snakemake.output.json), json.dumps(card, indent=1) + "\n")
 write_text(Path(snakemake.output.markdown), datacard.markdown(card))
+write_text(Path(snakemake.output.croissant), json.dumps(croissant.croissant(card), indent=1) + "\n")

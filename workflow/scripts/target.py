@@ -4,11 +4,11 @@ from pathlib import Path
 
 from storage.netcdf import write_whole
 from surrogate import load
-from workflow.design import search
+from workflow.design import answers, search
 from workflow.run import joblog
 from workflow.study import planned
 
 snakemake = joblog.start(globals())
 config = planned.study(snakemake)
 answer = search.solve_target(config, snakemake.wildcards.name, load(snakemake.input[0]))
-write_whole(answer, Path(snakemake.output[0]))
+write_whole(answers.entire(answer), Path(snakemake.output[0]))

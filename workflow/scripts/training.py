@@ -5,12 +5,13 @@ from pathlib import Path
 from storage.netcdf import read_whole
 from surrogate import save
 from workflow.dataset import factorial
-from workflow.learning import training
+from workflow.learning import curves, training
 from workflow.run import joblog
 from workflow.study import planned
 
 snakemake = joblog.start(globals())
 config = planned.study(snakemake)
-model = training.fit(config, read_whole(Path(snakemake.input.quantities)))
+quantities = read_whole(Path(snakemake.input.quantities))
+model = training.fit(config, curves.joined(config, quantities, snakemake.input.slabs))
 model.calibrate(factorial.learned(config, read_whole(Path(snakemake.input.calibration))))
 save(model, Path(snakemake.output[0]))

@@ -7,7 +7,7 @@ from storage.files import write_text
 from storage.netcdf import read_whole, write_whole
 from surrogate import load
 from workflow.dataset import levels
-from workflow.learning import timing, training
+from workflow.learning import curves, timing, training
 from workflow.run import joblog
 from workflow.study import planned
 
@@ -17,5 +17,6 @@ quantities = read_whole(Path(snakemake.input.quantities))
 model = load(snakemake.input.surrogate)
 cases = read_whole(Path(snakemake.input.cases))
 write_whole(training.validate(config, quantities, cases, model), Path(snakemake.output.validation))
+quantities = curves.joined(config, quantities, snakemake.input.slabs)
 times = timing.timing(config, quantities, cases, model)
 write_text(Path(snakemake.output.timing), json.dumps(times, indent=2) + "\n")

@@ -30,7 +30,7 @@ class Below(Strict):
 
 
 class BodyLayer(Strict):
-    """A layer; its numbers may be names of factors: in the top layer its own, in others ``<word>_<its own>``."""
+    """A layer; its numbers may be names of factors: the top layer's own, in others these or ``<word>_<its own>``."""
 
     material: str | None = Field(None, description="name of a material; or else a composite")
     composite: Literal["fibrous", "laminate", "AlScN"] | None = Field(None, description="of the study's phases")
@@ -102,6 +102,15 @@ def named(layers: Layers) -> list[str]:
     return list(dict.fromkeys(one for layer in layers for one in layer.numbers.values() if isinstance(one, str)))
 
 
+def tabled(layers: Layers) -> list[str]:
+    """Those of them for whose every value the solver makes tables: a thickness that all layers share is none.
+
+    By dimension only the ratios of the thicknesses need tables of their own (`solver.film.similar`).
+    """
+    shared = {layer.thickness for layer in layers}
+    return [name for name in named(layers) if shared != {name}]
+
+
 def check(layers: Layers, fixed: Mapping[str, float | str], ranges: Mapping[str, tuple[float, float]]) -> None:
     """Raise ValueError unless every factor that is named is there, within bounds, and every own factor is named.
 
@@ -120,7 +129,8 @@ def check(layers: Layers, fixed: Mapping[str, float | str], ranges: Mapping[str,
         for kind, one in layer.numbers.items():
             if not isinstance(one, str):
                 continue
-            if (one == kind) != (number == 0):
+            as_the_top = number > 0 and one == kind == layers[0].numbers.get(kind)
+            if (one == kind) != (number == 0) and not as_the_top:
                 allowed = kind if number == 0 else f"<word>_{kind}"
                 raise ValueError(f"body.{number}: {kind}: {one!r} must be {allowed}, or a number")
             if one not in fixed and one not in ranges:

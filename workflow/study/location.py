@@ -34,7 +34,7 @@ def given(text: str) -> str:
     if not path.is_file():
         reason = "not a file" if path.exists() else "No such file"
         raise InputError(f"{path}: {reason}; a study is given by its name in {FOLDER}/, or by the path of its file")
-    _check_name(path.stem, str(path))
+    check_name(path.stem, str(path))
     known = _paths()
     whole = str(path.absolute())
     if known.get(path.stem, whole) != whole:
@@ -55,7 +55,7 @@ def location(name: str) -> Path:
         return Path(paths[name])
     known = sorted(file.stem for file in FOLDER.glob("*.yaml"))
     if name in known:
-        _check_name(name, f"study: {name!r}")
+        check_name(name, f"study: {name!r}")
         return FOLDER / f"{name}.yaml"
     if known:
         raise InputError(f"study: {name!r} is unknown; {nearest(name, known)}; or the path of a study's file")
@@ -87,7 +87,8 @@ def _paths() -> dict[str, str]:
     return dict(json.loads(os.environ.get(_GIVEN, "{}")))
 
 
-def _check_name(name: str, where: str) -> None:
+def check_name(name: str, where: str) -> None:
+    """Refuse a name that cannot name results; InputError begins with `where`."""
     if not _NAME.fullmatch(name):
         raise InputError(
             f"{where}: a study's file must be named with up to 100 of the letters a to z, digits, - and _, "

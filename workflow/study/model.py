@@ -4,7 +4,7 @@ import hashlib
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -13,12 +13,16 @@ import xarray as xr
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from solver import Material, solve
+from solver.curves import FOLLOWS
 from solver.film.powerlaw import SMOOTH
-from solver.names import ALL_PEAKS, ALL_QUANTITIES, FILM_PEAKS, PEAKS, TABLED
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, FILM_PEAKS, OF_A_FILM, PEAKS, TABLED
 from solver.similarity import Weight, weight_of
+from workflow.language.constants import BORNE, DEVICE
 from workflow.language.factors import FACTORS
 from workflow.study import datum, grouped, layered
+from workflow.study.borne import MADE_OF, Borne, borne
 from workflow.study.categories import Kinds, combinations, output
+from workflow.study.device import Device
 from workflow.study.location import location
 from workflow.study.messages import first_problem
 from workflow.study.reading import InputError, read_material, read_yaml
@@ -39,6 +43,7 @@ from workflow.study.sections import (
 from workflow.study.target import Target
 from workflow.study.types import CategoryName, FactorName, InputName, Number, Strict
 
+_OF_FILMS = {*OF_A_FILM, *EVERY_FILM_QUANTITY}
 _LABEL = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 _SMOOTH = {"profile": "cylinder", "electric": "conducting", "magnetic": "conducting"}
 #: Groups of checks in verification/, in the order of the page.
@@ -87,6 +92,7 @@ class Study(Strict):
     dataset: DataSet = Field(default_factory=DataSet, description="what is stored of the factorial")
     surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
     validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
+    device: Device | None = Field(None, description="what the punch is connected to, for figures of a device")
     design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
     readout: dict[str, Readout] = Field(default_factory=dict, description="what measurements tell, by name")
     effects: Effects | None = Field(None, description="one factor at a time, as figures")
@@ -114,7 +120,7 @@ class Study(Strict):
     @property
     def tabled(self) -> list[str]:
         """The axes for whose every value the solver makes tables of films."""
-        names = (*TABLED, *layered.named(self.body))
+        names = (*TABLED, *layered.tabled(self.body))
         return [name for name in self.factors if self.on_film and name in names]
 
     @property
@@ -139,6 +145,16 @@ class Study(Strict):
         return usual | {name: value for name, value in self.fixed.items() if not isinstance(value, str)}
 
     @property
+    def crossed(self) -> list[str]:
+        """The axes in which a cross approximation asks for places; none where the whole factorial is solved.
+
+        Those of the most levels come first, where ranks are small.
+        """
+        if self.surrogate.method == "factorial":
+            return []
+        return sorted(self.tabled, key=lambda name: -(self.factors[name].levels or 0))
+
+    @property
     def costly(self) -> frozenset[str]:
         """Quantities of which a case costs milliseconds: searched for, or read from tables of the case's own."""
         return frozenset(ALL_QUANTITIES if self.tabled else ALL_PEAKS)
@@ -148,6 +164,11 @@ class Study(Strict):
         """Number of cases of the factorial; 0 while some of its levels are open."""
         levels = prod(axis.levels or 0 for axis in self.axes.values()) if self.factors else 0
         return levels * len(self.combinations)
+
+    @property
+    def block(self) -> int:
+        """Number of cases at a place of the crossed axes."""
+        return self.cases // prod(self.factors[name].levels or 1 for name in self.crossed)
 
     @property
     def combinations(self) -> list[Kinds]:
@@ -185,6 +206,17 @@ class Study(Strict):
         return frozenset({"depth"} if self.on_film else set()) & self._hanging
 
     @property
+    def regions(self) -> list[str]:
+        """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
+
+        None where it stands on groups or on a cross approximation: it then learns the largest stresses themselves.
+        """
+        if self.groups or self.crossed or not self.surrogate.curves:
+            return []
+        followed = [FOLLOWS[name].region for name in self.outputs if name in FOLLOWS]
+        return list(dict.fromkeys(followed))
+
+    @property
     def learned(self) -> list[str]:
         """What the surrogate calls them: those of every combination of categories."""
         return [output(name, kinds) for kinds in self.combinations for name in self.outputs]
@@ -217,10 +249,45 @@ class Study(Strict):
         top = self.body[0].numbers.get(name) if self.body else None
         return self.fixed.get(name, FACTORS[name].default if top is None else top)
 
+    def bears(self, name: str) -> Borne:
+        """What the top material or the base bears, of a study whose body has no open category.
+
+        Raises
+        ------
+        ValueError
+            Nothing is known of it.
+        """
+        given: dict[str, Any] = dict(self.fixed)
+        if self.body:
+            given |= {key: value for key, value in self.body[0] if key in MADE_OF and isinstance(value, str | float)}
+        return borne(name, given, self.own_materials, self.phases)
+
+    def constant(self, name: str) -> float:
+        """One of ``CONSTANTS``, of a study whose body has no open category.
+
+        Raises
+        ------
+        ValueError
+            Nothing is known of it.
+        """
+        if name in BORNE:
+            return self.bears(name).value
+        found = self.device.constants if self.device else {}
+        if name not in found:
+            part = "device" if name in Device.model_fields else "device: amplifier"
+            raise ValueError(f"{part}: {name}: missing; must be a number with a unit [{DEVICE[name].units}]")
+        return found[name]
+
     def narrowed(self, kinds: Mapping[str, str]) -> Self:
         """The study with some of its categories held at a name."""
         rest = {name: names for name, names in self.categories.items() if name not in kinds}
         return self.model_copy(update={"fixed": {**self.fixed, **kinds}, "categories": rest})
+
+    def with_materials(self, materials: Mapping[str, Material]) -> Self:
+        """The study with other constants under the names of some materials; its quantities stay those that it has."""
+        copy = self.model_copy()
+        copy._origin = replace(self._origin, materials={**self.own_materials, **materials})
+        return copy
 
     def model_post_init(self, origin: Any, /) -> None:
         """Take what stands beside the file, before anything is checked: the context of the validation."""
@@ -330,7 +397,9 @@ class Study(Strict):
 
     def _check_size(self) -> None:
         """Whether what the study asks for can be computed and stored at all."""
-        if self.cases > MOST_CASES:
+        if self.surrogate.method == "cross":
+            self._check_crossed()
+        elif self.cases > MOST_CASES:
             raise ValueError(f"factors: {self.cases} cases are more than {MOST_CASES}")
         corners = 2 ** len(self.factors) * len(self.combinations)
         if corners > MOST_CORNERS:
@@ -338,6 +407,8 @@ class Study(Strict):
         if not self.factors:
             return
         cases, positions = self.cases or self.dataset.budget, self.dataset.positions.count
+        if self.crossed:
+            cases, positions = self.dataset.budget, 1  # without surface fields
         if cases * positions > MOST_VALUES:
             raise ValueError(
                 f"dataset: {cases} cases x {positions} positions are more than {MOST_VALUES} values of each field"
@@ -345,6 +416,24 @@ class Study(Strict):
         if cases * self.surrogate.fields > MOST_LEARNED:
             raise ValueError(
                 f"surrogate: fields: {cases} cases x {self.surrogate.fields} angles are more than {MOST_LEARNED}"
+            )
+
+    def _check_crossed(self) -> None:
+        """Whether a cross approximation has places to ask for, and a block of cases at each."""
+        if not self.tabled:
+            raise ValueError("surrogate: method: cross is for films with factors that need tables of their own")
+        for name, axis in self.factors.items():
+            if axis.levels is None:
+                raise ValueError(f"factors: {name}: levels are missing; surrogate: method: cross needs them")
+        if self.surrogate.fields or self.surrogate.kernel != "chebyshev":
+            raise ValueError("surrogate: method: cross learns no fields, and its kernel is chebyshev")
+        if self.groups:
+            raise ValueError("groups: surrogate: method: cross stands on the factors themselves, not on groups")
+        if self.dataset.peaks:
+            raise ValueError("dataset: peaks: surrogate: method: cross learns no largest stresses; must be false")
+        if self.block > self.dataset.budget:
+            raise ValueError(
+                f"factors: {self.block} cases at a place are more than dataset: budget: {self.dataset.budget}"
             )
 
     def _check_quantities(self) -> None:
@@ -398,10 +487,52 @@ class Study(Strict):
                 places = "over, at, worst_case or uncertain" if name in self.factors else "over or at"
                 raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
         for name in target.names():
+            if name in FACTORS and name not in self.factors and not isinstance(self.held(name), float | int):
+                raise ValueError(f"{where}: {name!r} {self._lack(name) or 'has no value in this study'}")
             if name in ALL_QUANTITIES and name not in self.outputs:
                 searched = name in ALL_PEAKS and name not in self._absent and not self.dataset.peaks
-                needs = "needs dataset: peaks: true" if searched else ""
+                needs = "needs dataset: peaks: true" if searched else self._lack(name)
                 raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
+        for name in target.tolerance:
+            self._check_tolerance(f"{where}: tolerance: {name}", name, target)
+        for name in target.constants():
+            for own in self.chosen(target):
+                try:
+                    own.constant(name)
+                except ValueError as error:
+                    raise ValueError(f"{where}: {error}") from None
+
+    def _check_tolerance(self, where: str, name: str, target: Target) -> None:
+        """Whether a tolerance leaves values of its variable whose whole tolerance is within the study's range."""
+        if name not in self.factors:
+            raise ValueError(f"{where}: a category has none")
+        axis, given = self.factors[name], target.tolerance[name]
+        if target.tolerances[name][1] and axis.low <= 0:
+            raise ValueError(f"{where}: {given} of what may be 0 is none; must have a unit [{FACTORS[name].units}]")
+        low, high = target.room(name, axis.low, axis.high)
+        if name in target.continuous:
+            low, high = target.range(name, low, high)
+        if not low < high:
+            raise ValueError(f"{where}: {given} is larger than the range {axis.low:g} to {axis.high:g} leaves room for")
+        for value in target.variables[name].choices:
+            if isinstance(value, str) or not low <= value <= high:
+                raise ValueError(f"{where}: {given} of {value} is not within {axis.low:g} to {axis.high:g}")
+
+    def _lack(self, name: str) -> str:
+        """Why no case has a quantity or factor, where the body is why."""
+        return "is a film's: a half-plane has none" if name in _OF_FILMS and not self.on_film else ""
+
+    def chosen(self, target: Target) -> list[Self]:
+        """The study for every combination of categories among which a target may choose."""
+        allowed = {
+            name: (variable.choices or names) if (variable := target.variables.get(name)) else [target.at[name]]
+            for name, names in self.categories.items()
+        }
+        return [
+            self.narrowed(kinds)
+            for kinds in self.combinations
+            if all(kind in allowed[name] for name, kind in kinds.items())
+        ]
 
     def check_values(self, where: str, name: str, values: Sequence[float | str]) -> None:
         """Whether the study has a factor or category, and values are among what it has of it."""
@@ -418,7 +549,9 @@ class Study(Strict):
             if isinstance(value, str):
                 raise ValueError(f"{where}: {name}: {value!r} is not a number")
             if not axis.low <= value <= axis.high:
-                raise ValueError(f"{where}: {name} = {value:g} is not within {axis.low:g} to {axis.high:g}")
+                end = "low" if value < axis.low else "high"
+                told = f"{name} = {value:g} is not within {axis.low:g} to {axis.high:g}"
+                raise ValueError(f"{where}: {told}; factors: {name}: {end} says so")
 
     def digest(self, *sections: str) -> str:
         """Hash of some sections, and of own materials where the physics is among them."""
@@ -426,6 +559,8 @@ class Study(Strict):
         for name in ("body", "groups"):  # which studies had before there were any
             if not content.get(name):
                 content.pop(name, None)
+        if self.surrogate.method == "factorial" and "surrogate" in content:  # the same
+            content["surrogate"].pop("method")
         text = json.dumps(content, sort_keys=True)
         if "phases" in sections:
             text += json.dumps(self._plain_materials(), sort_keys=True)
@@ -484,6 +619,18 @@ def thawed(frozen: Mapping[str, Any]) -> Study:
         frozen["study"],
         Origin(Path(frozen["path"]), materials, frozenset(frozen["absent"]), frozenset(frozen["hanging"])),
     )
+
+
+def remade(study: Study, **sections: Any) -> Study:
+    """A study with other sections, checked as one that is read from a file.
+
+    Raises
+    ------
+    InputError
+        As `load` does.
+    """
+    origin = Origin(study.path, study.own_materials)
+    return _made(study.model_dump(mode="json") | sections, origin)
 
 
 def _made(content: dict[str, Any], origin: Origin) -> Study:

@@ -15,17 +15,23 @@ MOST, USUAL = 8, 4
 def count(study: Study) -> int:
     """Number of slabs: what the study asks for, or one for each job that cores and memory let run at once.
 
-    At most one a level of the first axis. The cores and the memory are this machine's (or what the process may use);
-    on a cluster the study should say it.
+    At most one a level of the first axis; of a cross approximation, those of a batch. The cores and the memory are this
+    machine's (or what the process may use); on a cluster the study should say it.
     """
+    if study.crossed:
+        return study.dataset.slabs or max(1, _at_once())
     first = next(iter(study.axes.values()), None)
     if first is None:
         return 0
     if first.levels is None:  # its levels follow from the slabs, and must not from the machine
         return min(study.dataset.slabs or USUAL, MOST)
+    return min(study.dataset.slabs or max(1, _at_once()), first.levels)
+
+
+def _at_once() -> int:
+    """Jobs that cores and memory let run at once."""
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2**20
-    at_once = min(len(os.sched_getaffinity(0)), memory // MEMORY)
-    return min(study.dataset.slabs or max(1, at_once), first.levels)
+    return min(len(os.sched_getaffinity(0)), memory // MEMORY)
 
 
 def with_slabs(study: Study) -> Study:
@@ -37,6 +43,7 @@ def with_slabs(study: Study) -> Study:
 
 def orphans(study: Study, folder: Path) -> list[Path]:
     """Files in ``results/<study>`` that the study's data set no longer has: slabs beyond its count, chosen levels."""
-    slabs = {f"slab_{number}.nc" for number in range(count(study))}
+    slabs = set() if study.crossed else {f"slab_{number}.nc" for number in range(count(study))}
     left = [file for file in sorted((folder / "fields").glob("slab_*.nc")) if file.name not in slabs]
+    left += [] if study.crossed else sorted((folder / "cross").glob("*.nc"))
     return left if study.open else [*left, folder / "levels.nc"]

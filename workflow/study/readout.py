@@ -1,16 +1,12 @@
 """A read-out, as the study's model has it: what is measured how well, and what it shall tell."""
 
-import re
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from workflow.language import units
-from workflow.language.expressions import units_of
+from workflow.language.sizes import size
 from workflow.study.categories import Kinds
 from workflow.study.types import FactorName, InputName, Number, QuantityName, Strict
-
-_ERROR = re.compile(r"\s*(?P<value>\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)\s*(?P<unit>.*?)\s*")
 
 
 class Readout(Strict):
@@ -48,15 +44,7 @@ def error(quantity: str, text: str) -> tuple[float, float]:
     ValueError
         No number, or a unit that is neither the quantity's nor %.
     """
-    match = _ERROR.fullmatch(text)
-    if match is None or not float(match["value"]) > 0:
-        raise ValueError(f"measured: {quantity}: {text!r} is not a positive number with a unit, as '2 V' or '0.5 %'")
     try:
-        unit = units.parse(match["unit"])
+        return size(quantity, text)
     except ValueError as problem:
         raise ValueError(f"measured: {quantity}: {problem}") from None
-    if match["unit"] == "%":
-        return 0.0, float(match["value"]) * unit.scale
-    if match["unit"] and not unit.fits(units.parse(units_of(quantity))):
-        raise ValueError(f"measured: {quantity}: unit mismatch: {text!r} for a quantity in {units_of(quantity)}")
-    return float(match["value"]) * unit.scale, 0.0

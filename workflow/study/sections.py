@@ -89,8 +89,15 @@ class DataSet(Strict):
 class Surrogate(Strict):
     """The Gaussian process on the factorial."""
 
+    method: Literal["factorial", "cross"] = Field(
+        "factorial",
+        description="cases: all of the factorial; or of films those places in it that a cross approximation asks for",
+    )
     kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
     outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
+    curves: bool = Field(
+        True, description="learn largest stresses by the curves that they follow from, which have no kinks as they have"
+    )
     log: list[QuantityName] | None = Field(
         None,
         description="over groups, quantities whose logarithm is learned; null: those whose coefficients fall faster so",

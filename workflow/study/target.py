@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from workflow.language import statements
+from workflow.language.constants import CONSTANTS
 from workflow.language.factors import FACTORS
+from workflow.language.sizes import size
 from workflow.study.types import FactorName, InputName, Interval, Number, Strict
 
 CUT = 3.0  # a normal distribution ends this many standard deviations from its mean
@@ -97,6 +99,9 @@ class Target(Strict):
     uncertain: dict[FactorName, Distribution] = Field(
         default_factory=dict, description="factors with a distribution: uniform, normal or triangular"
     )
+    tolerance: dict[FactorName, Number | str] = Field(
+        default_factory=dict, description="how far a variable may be off as built: '5 %' of it, '10 um', or SI"
+    )
     robust: str = Field("worst case", description="objective counts as 'worst case', 'mean' or 'mean - K std'")
     subject_to: list[str] = Field(
         default_factory=list, description='limits "expression <= number [unit] [with probability p]"; deviation(...)'
@@ -109,6 +114,36 @@ class Target(Strict):
     def variables(self) -> dict[str, Variable]:
         """Design variables by name."""
         return dict(self.over) if isinstance(self.over, dict) else {name: Variable() for name in self.over}
+
+    @property
+    def tolerances(self) -> dict[str, tuple[float, float]]:
+        """Absolute part and share of every tolerance."""
+        return {
+            name: size(name, given) if isinstance(given, str) else (given, 0.0)
+            for name, given in self.tolerance.items()
+        }
+
+    @property
+    def random(self) -> list[str]:
+        """What is drawn where a limit or a statistic asks for draws: uncertain factors, and tolerances, uniformly."""
+        return [*self.uncertain, *self.tolerance]
+
+    def room(self, name: str, low: float, high: float) -> tuple[float, float]:
+        """Ends between which a factor stands if its tolerance is to stay within others."""
+        absolute, share = self.tolerances.get(name, (0.0, 0.0))
+        return low / (1 - share) + absolute, high / (1 + share) - absolute
+
+    def range(self, name: str, low: float, high: float) -> tuple[float, float]:
+        """The range of a design variable: what is asked for of it, within others."""
+        variable = self.variables[name]
+        return (
+            low if variable.low is None else max(low, variable.low),
+            high if variable.high is None else min(high, variable.high),
+        )
+
+    def deviating(self, one: statements.Objective | statements.Limit) -> tuple[str, ...]:
+        """The factors over which a statement's deviation is taken: those that it names, or all that are not chosen."""
+        return one.over or (*self.worst_case, *self.random)
 
     @property
     def continuous(self) -> list[str]:
@@ -145,17 +180,38 @@ class Target(Strict):
         for name, (low, high) in self.worst_case.items():
             if not low <= high:
                 raise ValueError(f"worst_case: {name}: {low:g} must not be above {high:g}")
-        if self.statistic.deviations is not None and not self.uncertain:
+        self._check_tolerance()
+        if self.statistic.deviations is not None and not self.random:
             raise ValueError(f"robust: {self.robust!r} needs uncertain factors")
         for limit in self.limits:
-            if limit.probability is not None and not self.uncertain:
-                raise ValueError(f"subject_to: {limit}: a probability needs uncertain factors")
-            if limit.deviation and not (self.uncertain or self.worst_case):
-                raise ValueError(f"subject_to: {limit}: a deviation needs worst_case or uncertain factors")
+            if limit.probability is not None and not self.random:
+                raise ValueError(f"subject_to: {limit}: a probability needs uncertain factors, or a tolerance")
+        stated: list[statements.Objective | statements.Limit] = [*self.objectives, *self.limits]
+        for one in stated:
+            if one.deviation and not self.deviating(one):
+                raise ValueError(f"{_part(one)}: {one}: a deviation needs worst_case or uncertain factors")
+            for name in one.over:
+                if name not in (*self.worst_case, *self.random):
+                    raise ValueError(f"{_part(one)}: {one}: {name!r} is none of worst_case, uncertain or tolerance")
+        if self.statistic.deviations is not None and any(one.deviation for one in self.objectives):
+            raise ValueError(f"robust: {self.robust!r}: a deviation is an objective as it is; must be 'worst case'")
         combinations = prod(len(variable.choices) or 1 for variable in self.variables.values())
         if combinations > MOST_CHOICES:
             raise ValueError(f"over: {combinations} combinations of choices are more than {MOST_CHOICES}")
         return self
+
+    def _check_tolerance(self) -> None:
+        for name, given in self.tolerance.items():
+            if name not in self.variables:
+                raise ValueError(f"tolerance: {name}: is not one of the design variables: {', '.join(self.variables)}")
+            try:
+                _, share = self.tolerances[name]
+            except ValueError as error:
+                raise ValueError(f"tolerance: {name}: {error}") from None
+            if not isinstance(given, str) and not given > 0:
+                raise ValueError(f"tolerance: {name}: {given:g} is not a positive number")
+            if share >= 1:
+                raise ValueError(f"tolerance: {name}: {given}: must be below 100 %")
 
     def values(self, name: str) -> list[float | str]:
         """Every value that the question gives to a factor: its ends, choices, or the one it is held at."""
@@ -168,7 +224,19 @@ class Target(Strict):
         variable = self.variables.get(name, Variable())
         return [*variable.choices, *(end for end in (variable.low, variable.high) if end is not None)]
 
+    def constants(self) -> list[str]:
+        """Names of constants in objectives and limits, and of what bounds limits."""
+        bounds = [limit.borne for limit in self.limits if limit.borne]
+        return list(dict.fromkeys([*(name for name in self.names() if name in CONSTANTS), *bounds]))
+
     def names(self) -> list[str]:
         """Names in objectives and limits."""
         goals, limits = [goal.expression for goal in self.objectives], [limit.expression for limit in self.limits]
         return list(dict.fromkeys(name for expression in goals + limits for name in expression.names()))
+
+
+def _part(one: statements.Objective | statements.Limit) -> str:
+    """The key of a target under which a statement stands."""
+    if isinstance(one, statements.Limit):
+        return "subject_to"
+    return "maximise" if one.maximise else "minimise"

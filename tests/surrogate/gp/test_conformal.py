@@ -10,8 +10,9 @@ import xarray as xr
 from scipy.optimize import linprog
 
 from surrogate import GridGP, ScatterGP, load, save
-from surrogate.gp.conformal import calibrate, sharing
+from surrogate.gp.conformal import calibrate
 from surrogate.gp.quantile import quantile_regression
+from surrogate.gp.sharing import places, sharing
 from surrogate.use.validation import validate
 from tests.surrogate import functions
 
@@ -210,3 +211,23 @@ def test_two_clusters_of_errors_have_a_quantile() -> None:
     ends = found.distribution.ends(0.9) * found.std(np.full((1, 60), 1e-6), t)[0, 0]
     assert np.all(np.isfinite(ends))
     assert np.mean((ends[0] <= error) & (error <= ends[1])) >= 0.85
+
+
+def test_shared_inputs_are_learnt_from_as_their_places_allow() -> None:
+    """120 places along two inputs, of ten cases each."""
+    random = np.random.default_rng(0)
+    t = np.concatenate([np.repeat(random.uniform(-1, 1, (2, 120)), 10, axis=1), random.uniform(-1, 1, (2, 1200))])
+    groups = sharing(t)
+    assert places(t, groups).tolist() == [120, 120, 1200, 1200]
+    assert places(t[2:], sharing(t[2:])).tolist() == [1200, 1200]
+    error = np.exp(t[0] + t[2]) * random.standard_normal(1200)
+    found = calibrate(error[None], [np.full((1, 1200), 1e-6)], t, groups)
+    by_input = found.trend[1:25, 0].reshape(4, 6)
+    assert (by_input[:2, 2:] == 0).all()
+    assert (by_input[2:] != 0).all()
+    # a corner of the two has about one place, slabs of one of them a dozen, corners of the others a dozen cases
+    assert (found.guard.slabs[:2] == 0).all()
+    assert (found.guard.corners[0] == 0).all()
+    apart = calibrate(error[None], [np.full((1, 1200), 1e-6)], t, np.arange(1200))
+    assert apart.guard.slabs[:2].any()
+    assert apart.trend.shape == found.trend.shape

@@ -9,8 +9,8 @@ from numpy.polynomial.chebyshev import chebval, chebval2d
 
 from surrogate import GridGP, load, save
 from surrogate.gp import correction
-from surrogate.gp.conformal import sharing
 from surrogate.gp.correction import Correction, correct, degrees
+from surrogate.gp.sharing import sharing
 from surrogate.use.validation import validate
 from tests.surrogate import functions
 
@@ -41,6 +41,22 @@ def test_every_term_has_its_cases(cases: int) -> None:
     # whatever costs no more than the dearest is there
     every = np.stack(np.meshgrid(*[np.arange(9)] * 5, indexing="ij"), -1).reshape(-1, 5)
     assert len(found) == np.count_nonzero(every @ cost <= (found @ cost).max() + 1e-9)
+
+
+def test_terms_have_no_more_parts_along_shared_factors_than_places_allow() -> None:
+    rho = (0.3, 1e-3, 0.02, 0.05, 1e-3)
+    free, bound = degrees(rho, 3000), degrees(rho, 3000, [100, 3000, 3000, 100, 3000])
+    assert free is not None
+    assert bound is not None
+    # 100 places bear 14 terms, which are T_n of either factor and of the others with the same parts
+    parts = {(row[0], row[3]) for row in bound.tolist()}
+    assert len(parts) == 100 // 7 // 3
+    assert {tuple(row) for row in bound.tolist()} <= {tuple(row) for row in free.tolist()} | {(0,) * 5}
+    wanted = [tuple(row) for row in free.tolist() if (row[0], row[3]) in parts]
+    assert {tuple(row) for row in bound.tolist()} >= set(wanted)
+    only = degrees(rho, 3000, [10, 3000, 3000, 10, 3000])
+    assert only is not None
+    assert {(row[0], row[3]) for row in only.tolist()} == {(0, 0)}
 
 
 def test_slow_decay_does_not_fill_the_memory() -> None:

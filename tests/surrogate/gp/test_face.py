@@ -327,7 +327,7 @@ def test_unknown_kernels_and_bad_hyperparameters_are_refused() -> None:
     data = functions.factorial((3, 3, 3, 3, 2))
     with pytest.raises(ValueError, match="kernel 'cubic' is none of chebyshev, rbf"):
         GridGP("cubic").fit(data)  # type: ignore[arg-type]  # bad on purpose
-    with pytest.raises(ValueError, match="kernel 'cubic' is none of rbf"):
+    with pytest.raises(ValueError, match="kernel 'cubic' is none of auto, rbf"):
         ScatterGP("cubic", outputs=["f"]).fit(data)  # type: ignore[arg-type]  # bad on purpose
     with pytest.raises(ValueError, match=r"rho must lie between 0 and 1, got 1\.5"):
         GridGP(inputs=functions.INPUTS, hyperparameters={"mixture": 1.5}).fit(data)

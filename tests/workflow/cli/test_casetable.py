@@ -27,9 +27,28 @@ def test_tables_of_other_programs_are_read(tmp_path: Path) -> None:
     assert table.empty("radius").tolist() == [False, True, False]
 
 
+def test_units_behind_names_are_those_of_the_numbers(tmp_path: Path) -> None:
+    path = tmp_path / "cases.csv"
+    path.write_text(
+        "# from a colleague\nradius [mm],load[kN/m],voltage [kV]\n50,10,-0.2\n#50,20,0\n,1,\n", encoding="utf-8"
+    )
+    table = read_cases(path, {"voltage": "V"})
+    np.testing.assert_allclose(table.columns["radius"], [0.05, np.nan], rtol=1e-15)
+    np.testing.assert_allclose(table.columns["load"], [1e4, 1e3], rtol=1e-15)
+    np.testing.assert_allclose(table.columns["voltage"], [-200.0, np.nan], rtol=1e-15)
+    assert table.lines.tolist() == [3, 5]
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
+        ("radius [mm,load\n1,1\n", "column 'radius [mm': unknown factor; did you mean 'radius'?"),
+        ("radius [ells]\n1\n", "column 'radius': 'ells' is not a unit"),
+        ("radius [Pa]\n1\n", "column 'radius': unit mismatch: 'Pa' does not measure what 'm' measures"),
+        ("radius [m],radius [mm]\n1,1\n", "column 'radius': given twice"),
+        ("load [Tm-1 Tm-1]\n1e300\n", "unit mismatch"),
+        ("load [TN/fm]\n1e300\n", "line 2: load: inf is not a finite number > 0 [N m-1]"),
+        ("material [1]\nsteel\n", "column 'material': holds names, which have no unit"),
         ("load\n1_00_000\n", "line 2: load: '1_00_000' is not a finite number > 0 [N m-1]"),
         ("load\n\n\u0663\n", "line 3: load: '\u0663' is not a finite number"),
         ("load\n\uff11\n", "is not a finite number"),

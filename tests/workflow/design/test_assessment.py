@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 import yaml
 
-from solver import solve
+from solver import find, solve
 from workflow.dataset import factorial
 from workflow.design import assessment, search, spoken
 from workflow.learning import training
@@ -52,7 +52,8 @@ def test_a_punch_without_a_voltage_is_judged_and_drawn(ask: Ask, insulating: lis
     assert bool(answer["feasible"])
     assert float(answer["value"].sel(factor="radius")) == pytest.approx(0.05, rel=1e-6)
     assert "voltage" not in answer["quantity"].values
-    assert answer["flags"].item() == ""
+    assert answer["flags"].item() == answer["beyond"].item().partition(" (bending")[0]
+    assert "field" not in answer["flags"].item()  # but the tension
     assert set(figures_of(answer, Target.model_validate(target))) == {"map", "slices", "bars", "contact"}
 
 
@@ -118,6 +119,30 @@ def test_a_worst_case_at_a_kink_is_that_of_both_its_sides(ask: Ask) -> None:
     assert low == pytest.approx(-high, rel=1e-9)
 
 
+def test_what_the_material_bears_is_a_limit_and_its_linear_range_is_told(ask: Ask) -> None:
+    """BaTiO3 alone, a volume fraction of 1, has these figures in the library; the field is the voltage's of its own."""
+    target = {"maximise": "abs(voltage_sensitivity)", "over": ["radius"], "at": {"load": 1e4}}
+    fixed, factors = {"volume_fraction": 1.0, "composite": "fibrous"}, {"radius": RADIUS, "load": LOAD}
+    answer = ask(factors, fixed, **target, subject_to=["trailing_tension <= 120 % of tensile_strength"])
+    one = answer.isel(term=1)
+    assert float(one["limit"]) == pytest.approx(1.2 * 35e6, rel=1e-12)
+    assert one["bound"].item() == "tensile strength of BaTiO3"
+    assert one["source"].item() == find("BaTiO3").limits["tensile_strength"].source
+    told = spoken.verdict(answer)
+    assert told.kind.startswith("beyond linear theory; otherwise ")
+    case = {
+        "composite": "fibrous",
+        "friction": 0.2,
+        **fixed,
+        "load": 1e4,
+        "radius": float(answer["value"].sel(factor="radius")),
+    }
+    exact = solve(case)
+    field = abs(exact["voltage"]) / (exact["contact_trailing"] + exact["contact_leading"])
+    assert bool(field > 0.3e6) == ("coercive field of BaTiO3" in told.beyond)
+    assert bool(exact["trailing_tension"] > 35e6) == ("tensile strength of BaTiO3" in told.beyond)
+
+
 def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: Ask) -> None:
     target = {"maximise": "abs(stroke_per_volt)", "subject_to": ["peak_pressure <= 500 MPa"]}
     answer = ask(SQUARE, {"load": 1e4}, over=list(SQUARE), **target)
@@ -134,7 +159,13 @@ def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: 
     assert "volume_fraction at the upper end of the range asked for" in answer["status"].item()
     words = spoken.verdict(answer)
     assert words.stops == "volume fraction at its upper end as asked for (0.7) stops it."
-    assert words.idle == "Radius does not matter to the goal."
+    assert words.idle.startswith("Radius does not matter to the goal: the least is taken at which every limit has 1 % ")
+    # which is the least radius that leaves 1 % to the limit, by the exact solver
+    at = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "volume_fraction": 0.7}
+    radius = float(answer["value"].sel(factor="radius"))
+    pressure = solve({**at, "radius": [radius, 0.999 * radius]})["peak_pressure"].values / 500e6
+    assert pressure[0] <= 0.99 + 1e-6
+    assert pressure[1] > 0.99 or radius == pytest.approx(0.02)
     # what a little more would bring, from the exact solver
     at = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "radius": 0.1}
     strokes = np.log(np.abs(solve({**at, "volume_fraction": 0.7 * np.array([0.9999, 1.0001])})["stroke_per_volt"]))

@@ -277,7 +277,7 @@ def test_few_exact_cases_tell_what_many_would_say(words: dict[str, object], most
     term = next(term for term in question.terms if budget.names(question, term))
     found = budget.count_exactly(Designs(question, Guessed(), known, np.zeros((1, 2))), term)
     assert found.cases == known.cases <= most
-    chosen = question.judged[term.drawn]
+    chosen = question.judged[term.key]
     every = closed(chosen.values["friction"]).reshape(1, chosen.groups, chosen.draws)
     assert found.value == pytest.approx(float(term.counted(every)[0]), rel=accuracy)
 

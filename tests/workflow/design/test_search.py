@@ -9,8 +9,10 @@ import xarray as xr
 from solver import solve
 from surrogate import GaussianProcess
 from tests.surrogate.hypervolume import hypervolume
+from tests.test_notebooks import table
 from workflow.dataset import factorial
 from workflow.design import search
+from workflow.design.chosen import Design
 from workflow.learning import training
 from workflow.study.model import Study, load
 from workflow.study.target import Target
@@ -58,7 +60,13 @@ def test_designs_have_no_regret_and_break_no_limit(
 
 
 def test_the_sensor_is_interior_in_composition_and_bound_in_radius(quickstart: Study, model: GaussianProcess) -> None:
-    answer = search.solve_target(quickstart, "sensor", model)
+    design = Design.of(quickstart, "sensor", model)
+    answer = design.answer
+    assert design.verdict.kind == "recommended"
+    assert design.exact["trailing_tension <= 50 MPa"] == pytest.approx(50e6, rel=1e-9)
+    rows = table(design._repr_html_())
+    assert ["volume_fraction", f"{design.factors['volume_fraction']:.5g}", "variable"] in rows
+    assert ["trailing_tension <= 50 MPa", "50 MPa", "50 MPa"] in rows
     assert 0.1 < float(answer["value"].sel(factor="volume_fraction")) < 0.9
     assert float(answer["margin"].sel(term="trailing_tension <= 50 MPa")) < 1e-6
 

@@ -17,7 +17,8 @@ def design(
     **more: Any,
 ) -> xr.Dataset:
     """A design of radius and load with stroke_per_volt for its goal, trailing_tension and peak_pressure limited."""
-    terms = ["stroke_per_volt", "trailing_tension <= 50 MPa", "peak_pressure <= 500 MPa"][: len(exact)]
+    tension = more.get("tension", "trailing_tension <= 50 MPa")
+    terms = ["stroke_per_volt", tension, "peak_pressure <= 500 MPa"][: len(exact)]
     bounds = np.array([np.nan, *limits])
     return xr.Dataset(
         {
@@ -25,8 +26,12 @@ def design(
             "limit": ("term", bounds),
             "margin": ("term", (bounds - exact) / bounds),
             "units": ("term", ["m V-1", "Pa", "Pa"][: len(exact)]),
+            "bound": ("term", more.get("bound", [""] * len(exact))),
+            "source": ("term", ["", "a table", "another"][: len(exact)]),
+            "beyond": more.get("beyond", ""),
             "elasticity": (("factor", "term"), elasticity),
             "value": ("factor", [0.2, 1e4]),
+            "tolerance": ("factor", ["", ""]),
             "edge": ("factor", list(edge)),
             "matters": ("factor", more.get("matters", [True, True])),
         },
@@ -40,7 +45,9 @@ def test_a_limit_or_nothing_stops_a_recommended_design() -> None:
     assert str(held) == "Recommended: tension behind the contact of 50 MPa stops it."
     free = spoken.verdict(design([1e-9, 5e6, 1e6], [50e6, 500e6], [[0.0, 1, 0], [0, 2, 0]], matters=[False, True]))
     assert (
-        str(free) == "Recommended: best within the ranges, and no limit stops it. Radius does not matter to the goal."
+        str(free)
+        == "Recommended: best within the ranges, and no limit stops it. Radius does not matter to the goal: the "
+        "least is taken at which every limit has 1 % of room, or as much as it can."
     )
 
 
@@ -78,3 +85,16 @@ def test_a_miss_says_by_how_much_and_what_would_help(matters: bool) -> None:
         "A limit on tension behind the contact of 91.8 MPa would make it reachable. "
         "Radius of 220 mm would likely change it by 5 % for the better."
     )
+
+
+def test_a_limit_of_the_material_is_named_with_its_source_and_linear_theory_comes_first() -> None:
+    answer = design([1e-9, 25e6, 1e6], [25e6, 500e6], [[1.0, 1, 0], [2, 2, 0]],
+                    tension="trailing_tension <= 0.5 tensile_strength",
+                    bound=["", "tensile strength of PZT", ""],
+                    beyond="nominal field of 2 kV/mm exceeds it (a book)")  # fmt: skip
+    told = spoken.verdict(answer)
+    assert told.kind == "beyond linear theory; otherwise recommended"
+    assert told.stops == "tension behind the contact of 25 MPa (50 % of the tensile strength of PZT) stops it."
+    assert told.beyond == "Nominal field of 2 kV/mm exceeds it (a book)."
+    assert told.sources == "Tensile strength of PZT: a table."
+    assert str(told).startswith("Beyond linear theory; otherwise recommended: tension behind")

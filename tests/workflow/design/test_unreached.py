@@ -1,10 +1,11 @@
 """Targets that no design reaches are told at the end of a run, by either command."""
 
+import re
 import shutil
 from pathlib import Path
 
 from tests.workflow.conftest import Project
-from workflow.design import unreached
+from workflow.design import outcome, unreached
 
 LINE = (
     "target impossible: not reachable: trailing_tension <= 1 MPa binds; the least violated design misses it by 9075 %"
@@ -16,10 +17,21 @@ def test_every_target_out_of_reach_is_a_line_and_no_other(ran: Project, tmp_path
     assert unreached.lines(tmp_path / "design.nc") == []
 
 
-def test_a_run_ends_with_it_also_where_nothing_is_to_be_done(ran: Project) -> None:
+def test_a_run_ends_with_it_also_where_nothing_is_to_be_done(ran: Project, tmp_path: Path) -> None:
     done = ran.run("meecontact", "run", "small", "--cores", "2")
     assert done.stdout.splitlines()[-2:] == [LINE, "report: results/small/report.html"]
     assert done.stdout.count(LINE) == 1
+    table = done.stdout.splitlines()[:-2]
+    assert table == outcome.table(ran.folder / "results/small", ["sensor", "impossible"])
+    assert table[0].split() == ["target", "verdict", "goal", "design"]
+    assert re.match(
+        r"sensor +recommended +voltage per load 4[\d.]+ mV·m/N +volume fraction 0\.6\d+, radius 1", table[1]
+    )
+    assert table[2].strip() == "Tension behind the contact of 50 MPa stops it."
+    assert re.match("impossible +not reachable +stroke per volt", table[3])
+    assert "9075 % beyond" in table[4]
+    assert "writing the page" not in done.stderr  # nothing was to be done
+    assert outcome.table(tmp_path, []) == []
 
 
 def test_plain_snakemake_tells_it_of_the_designs_that_it_makes(ran: Project, tmp_path: Path) -> None:

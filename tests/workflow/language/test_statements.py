@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from solver.names import ALL_QUANTITIES, FACTORS
 from workflow.language import grammar, statements, units
+from workflow.language.constants import FIGURES
 from workflow.language.expressions import units_of
 
 NAMES = ["voltage", "magnetic_potential", "load", "radius", "contact_trailing", "peak_pressure"]
@@ -146,9 +147,38 @@ def test_reads_limits_in_si(text: str, value: float, upper: bool) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "share", "borne"),
+    [
+        ("nominal_field <= 0.3 coercive_field", 0.3, "coercive_field"),
+        ("trailing_tension < tensile_strength", 1.0, "tensile_strength"),
+        ("peak_pressure <= 50 % of depoling_stress with probability 0.9", 0.5, "depoling_stress"),
+        ("base_peak_von_mises <= base_yield_strength", 1.0, "base_yield_strength"),
+    ],
+)
+def test_reads_limits_that_name_what_a_material_bears(text: str, share: float, borne: str) -> None:
+    limit = statements.limit(text)
+    assert (limit.value, limit.borne, limit.unitless) == (share, borne, False)
+
+
+def test_figures_of_a_device_are_read_as_their_formulas() -> None:
+    text = "abs(signal_voltage) * circuit_capacitance / signal_charge * time_constant / input_resistance"
+    tree = grammar.parse(text)
+    assert str(tree.unit()) == "F"
+    names = {"charge_sensitivity": 3e-10, "load": 2e4, "electrode_length": 0.01, "capacitance": 2e-8}
+    known = {**names, "input_capacitance": 1e-11, "cable_capacitance": 1e-10, "input_resistance": 1e12}
+    value = tree.evaluate({name: np.array(one) for name, one in known.items()})
+    assert float(value) == pytest.approx(2e-10 + 1.1e-10, rel=1e-14)
+    for name, one in FIGURES.items():
+        assert str(grammar.parse(name).unit()) == str(units.parse(one.units))
+
+
+@pytest.mark.parametrize(
     ("text", "reason"),
     [
         ("depth", "is not of the form"),
+        ("depth <= tensile_strength", "unit mismatch: tensile_strength is in Pa, the expression in m"),
+        ("peak_pressure <= 3 mm depoling_stress", "'m' before depoling_stress: must be a pure number or %"),
+        ("peak_pressure <= -1 depoling_stress", "-1 of depoling_stress is no bound"),
         ("depth < x", "is not of the form"),
         ("depth <= 1e", "is not of the form"),
         ("depth <= nan", "is not of the form"),

@@ -64,7 +64,7 @@ def test_errors_of_measurement(text: str, expected: tuple[float, float]) -> None
 
 @pytest.mark.parametrize(
     ("text", "reason"),
-    [("2 A", "unit mismatch: '2 A' for a quantity in V"), ("-2 V", "is not a positive"), ("0 V", "is not a pos"),
+    [("2 A", "unit mismatch: '2 A' for a number in V"), ("-2 V", "is not a positive"), ("0 V", "is not a pos"),
      ("2 volts", "'volts' is not a unit"), ("much", "is not a positive number")],
 )  # fmt: skip
 def test_refuses_other_errors(text: str, reason: str) -> None:

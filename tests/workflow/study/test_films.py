@@ -43,7 +43,8 @@ def test_cases_have_the_quantities_of_films(study: Study) -> None:
     searched = study.model_copy(update={"dataset": study.dataset.model_copy(update={"peaks": True})})
     # no file holds a position where nothing is tensile, and a rigid base has no stresses
     assert set(searched.quantities) - set(study.quantities) == {
-        "interface_shear", "interface_tension", "film_peak_von_mises", "film_peak_principal_tension"
+        "interface_shear", "interface_shear_position", "interface_tension", "film_peak_von_mises",
+        "film_peak_principal_tension",
     }  # fmt: skip
 
 

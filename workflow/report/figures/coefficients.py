@@ -29,7 +29,8 @@ def figure(validation: xr.Dataset) -> Figure:
         one = validation.sel({along: name})
         sizes = one["coefficient"].transpose("mode", "output").values
         sizes = np.maximum(sizes[~np.isnan(sizes).all(axis=1)], _FLOOR)
-        ax.semilogy(sizes, color=BLUE, lw=0.7, alpha=0.45)
+        for line, output in zip(ax.semilogy(sizes, color=BLUE, lw=0.7, alpha=0.45), one["output"].values, strict=True):
+            line.set_gid(str(output))
         ax.semilogy(sizes.max(axis=1), "o-", ms=2.5, color=BLUE, lw=1.6)
         for output in one["output"].values[one["kinked"].values > 0]:
             ax.semilogy(

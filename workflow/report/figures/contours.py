@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import FigureBase
 
 from workflow.report.figures.style import field_label, ticked
 from workflow.report.svg import INK
@@ -13,7 +13,9 @@ from workflow.report.svg import INK
 _LEVELS = 15
 
 
-def below(figure: Figure, axes: Sequence[Axes], fields: Sequence[xr.DataArray], where: str = "") -> tuple[float, str]:
+def below(
+    figure: FigureBase, axes: Sequence[Axes], fields: Sequence[xr.DataArray], where: str = ""
+) -> tuple[float, str]:
     """Fields of one name over ``x`` and ``y``, each on its axes, with one colour bar; its unit's size and its label.
 
     The edges of a conducting punch are singular: the scale leaves out the topmost percent.

@@ -32,7 +32,7 @@ def figure(validation: xr.Dataset) -> Figure:
     for ax, (key, title) in zip(
         panels[len(names) :], {"raw_pit": "PIT, not calibrated", "pit": "PIT, calibrated"}.items(), strict=False
     ):
-        _transform(ax, validation[key].values)
+        _transform(ax, validation[key])
         ax.set_title(title)
     for ax in panels[len(names) + 2 :]:
         ax.set_visible(False)
@@ -41,7 +41,10 @@ def figure(validation: xr.Dataset) -> Figure:
 
 def _deciles(ax: Axes, one: xr.Dataset, name: str) -> None:
     coverage = one["decile_coverage"].transpose("output", "decile").values
-    ax.plot(one["decile"], coverage.T, color=BLUE, lw=0.7, alpha=0.5)
+    for line, quantity in zip(
+        ax.plot(one["decile"], coverage.T, color=BLUE, lw=0.7, alpha=0.5), one["output"].values, strict=True
+    ):
+        line.set_gid(str(quantity))
     ax.plot(one["decile"], coverage.min(axis=0), color=ORANGE, lw=1.5, label="least of all quantities")
     ax.axhline(_NOMINAL, color=GREY, ls="--", lw=1)
     ax.set_ylim(min(0.84, float(coverage.min()) - 0.01), 1.003)
@@ -51,10 +54,11 @@ def _deciles(ax: Axes, one: xr.Dataset, name: str) -> None:
     ax.legend(loc="lower right")
 
 
-def _transform(ax: Axes, pit: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> None:
-    share = (np.arange(pit.shape[1]) + 0.5) / pit.shape[1]
-    some = slice(None, None, max(1, pit.shape[1] // 120))
-    for row in np.sort(pit, axis=1):
-        ax.plot(share[some], row[some], color=BLUE, lw=0.7, alpha=0.5)
+def _transform(ax: Axes, pit: xr.DataArray) -> None:
+    share = (np.arange(pit.sizes["case"]) + 0.5) / pit.sizes["case"]
+    some = slice(None, None, max(1, pit.sizes["case"] // 60))
+    for row in pit.transpose("output", "case"):
+        drawn = ax.plot(share[some], np.sort(row.values)[some], color=BLUE, lw=0.7, alpha=0.5)
+        drawn[0].set_gid(str(row["output"].values))
     ax.plot([0, 1], [0, 1], color=GREY, ls="--", lw=1)
     ax.set_xlabel("share of cases")

@@ -11,11 +11,13 @@ from matplotlib.figure import Figure
 from workflow.design.contact_fields import SURFACE
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import label, number, prefixed
+from workflow.language.titles import objective
 from workflow.report.figures.contours import below
 from workflow.report.figures.design_kinds import kinds
 from workflow.report.figures.hover import attach_map
 from workflow.report.figures.style import (
     BLUE,
+    DISTINCT,
     GREY,
     NEAR_EDGE,
     ORANGE,
@@ -23,6 +25,7 @@ from workflow.report.figures.style import (
     by_ratio,
     factor_scale,
     field_label,
+    logarithmic,
     styled,
     ticked,
 )
@@ -48,10 +51,10 @@ def _map(answer: xr.Dataset) -> Figure:
     sizes = [factor_scale(name, axis.values)[0] for name, axis in zip(names, axes, strict=True)]
     x, y = (axis.values / size for axis, size in zip(axes, sizes, strict=True))
     figure, ax = plt.subplots(figsize=(5.6, 4.1))
-    objective, excess = answer["map_objective"].values.T, answer["map_excess"].values.T
+    values, excess = answer["map_objective"].values.T, answer["map_excess"].values.T
     size, words = _objective(answer)
-    filled = ax.contourf(x, y, objective / size, 24, cmap="viridis")
-    filled.set_edgecolor("face")
+    filled = ax.contourf(x, y, values / size, 24, cmap="viridis")
+    filled.set_rasterized(True)
     if excess.max() > 0:
         ax.contourf(x, y, excess, [0.0, float(excess.max())], colors="none", hatches=["////"])
         if excess.min() < 0:
@@ -60,7 +63,7 @@ def _map(answer: xr.Dataset) -> Figure:
     ax.plot(*([one] for one in best), "*", ms=15, mfc=ORANGE, mec="white", label=_star(answer))
     for name, axis, which in zip(names, axes, ("x", "y"), strict=True):
         _factor_axis(ax, which, name, axis.values)
-    attach_map(ax, x, y, objective / size, words)
+    attach_map(ax, x, y, values / size, words)
     figure.colorbar(filled, ax=ax, label=words, format=ticked)
     ax.grid(visible=False)
     figure.legend(loc="outside upper left")
@@ -107,7 +110,7 @@ def _bars(answer: xr.Dataset) -> Figure:
     for k, name in enumerate(names):
         values = answer["elasticity"].sel(factor=name).values
         places = np.arange(len(terms)) + (k - (len(names) - 1) / 2) * height
-        drawn = ax.barh(places, values, height * 0.9, color=plt.get_cmap("tab10")(k), label=name.replace("_", " "))
+        drawn = ax.barh(places, values, height * 0.9, color=DISTINCT[k % len(DISTINCT)], label=name.replace("_", " "))
         texts = [number(value, 2) if np.isfinite(value) else "" for value in values]
         ax.bar_label(drawn, texts, padding=3, fontsize=7.5)
     ax.axvline(0, color=INK, lw=0.8)
@@ -125,11 +128,10 @@ def _contact(answer: xr.Dataset) -> Figure:
     surface = [name for name in SURFACE if f"field_{name}" in answer]
     inside = [name for name in ("von_mises", "stress_xx") if f"inside_{name}" in answer]
     figure = plt.figure(figsize=(10.4, 5.2))
-    grid = figure.add_gridspec(2, 12, height_ratios=[1, 1.15])
-    width = 12 // len(surface)
+    # apart, so that a colour bar below makes no gap above
+    above, under = figure.subfigures(2, 1, height_ratios=[1, 1.15], squeeze=False)[:, 0]
     X = answer["position"].values
-    for k, name in enumerate(surface):
-        ax = figure.add_subplot(grid[0, k * width : (k + 1) * width])
+    for name, ax in zip(surface, above.subplots(1, len(surface)), strict=True):
         values = answer[f"field_{name}"].values
         away = (np.abs(np.abs(X) - 1) > NEAR_EDGE) & (np.abs(X) < 3)
         size, words = field_label(answer[f"field_{name}"].rename(name), float(np.abs(values[away]).max()))
@@ -142,10 +144,9 @@ def _contact(answer: xr.Dataset) -> Figure:
         ax.set_title(words)
         ax.set_ylabel("")
         ax.set_xlabel("(x - c)/h")
-    for k, name in enumerate(inside):
-        ax = figure.add_subplot(grid[1, k * (12 // len(inside)) : (k + 1) * (12 // len(inside))])
+    for name, ax in zip(inside, under.subplots(1, len(inside), squeeze=False).flat, strict=True):
         field = answer[f"inside_{name}"].rename(name).transpose("y", "x")
-        size, words = below(figure, [ax], [field], "below")
+        size, words = below(under, [ax], [field], "below")
         attach_map(ax, field["x"].values, field["y"].values, field.values / size, words)
         ax.set_xlabel("(x - c)/h")
         ax.set_ylabel("y/h")
@@ -179,7 +180,7 @@ def _front(answer: xr.Dataset) -> Figure:
                 style,
                 ms=2.5,
                 lw=1,
-                color=plt.get_cmap("tab10")(2 * k % 10),
+                color=DISTINCT[k % len(DISTINCT)],
                 label=words,
             )
         ax.plot(*best, "*", ms=15, mfc=ORANGE, mec=INK, mew=0.6, label=_star(answer, "compromise"))
@@ -206,12 +207,12 @@ def _star(answer: xr.Dataset, kind: str = "design") -> str:
 def _objective(answer: xr.Dataset) -> tuple[float, str]:
     """What to divide the first objective by, and its label."""
     size, units = prefixed(float(np.abs(answer["exact"][0])), str(answer["units"].values[0]))
-    return size, label(f"{answer.attrs['statistic']} {answer.attrs['objective']}", units, 34)
+    return size, label(f"{answer.attrs['statistic']} {objective(str(answer.attrs['objective']))}", units, 34)
 
 
 def _factor_axis(ax: Axes, which: str, name: str, values: Array) -> None:
     """Scale and label of an axis that is a factor."""
     if by_ratio(values):
-        (ax.set_xscale if which == "x" else ax.set_yscale)("log")
+        logarithmic(ax, which, values / factor_scale(name, values)[0])
     words = label(FACTORS[name].long_name, factor_scale(name, values)[1], 40)
     (ax.set_xlabel if which == "x" else ax.set_ylabel)(words)

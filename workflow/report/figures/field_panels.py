@@ -13,7 +13,7 @@ from workflow.dataset.effects import HALF_PLANE
 from workflow.language import numbers
 from workflow.language.factors import FACTORS
 from workflow.report.figures.contours import below
-from workflow.report.figures.style import GREY, NEAR_EDGE, Array, field_label, styled
+from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, Array, field_label, styled
 from workflow.report.svg import INK
 
 #: Fields that the parametric study shows, in the paper's order.
@@ -87,7 +87,7 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
     colours = (
         plt.get_cmap("viridis")(np.linspace(0.0, 0.88, len(values)))
         if np.issubdtype(values.dtype, np.number)
-        else plt.get_cmap("tab10")(np.arange(len(values)) % 10)
+        else np.array([to_rgba(DISTINCT[number % len(DISTINCT)]) for number in range(len(values))])
     )
     # the half-plane beside films
     styles = ["--" if _said(varied, value) == HALF_PLANE else "-" for value in values]
@@ -107,7 +107,13 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
                 use = part & shown
                 if use.any():
                     ax.plot(
-                        X[use], curve[use], color=colour, ls=style, lw=1.4, label=text if part[X.size // 2] else None
+                        X[use],
+                        curve[use],
+                        color=colour,
+                        ls=style,
+                        lw=1.4,
+                        gid=text,  # which the page's script tells of every part
+                        label=text if part[X.size // 2] else None,
                     )
         ax.set_ylabel(label)
         _bounded(ax, curves[:, away])

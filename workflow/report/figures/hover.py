@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_DIGITS = 5
-_MOST = 600  # points of one curve; beyond it, a curve is a cloud and says nothing
+_DIGITS = 4
+_KEPT = 61  # points of one curve
 _GRID = 41  # points a side of a map
 _maps: "WeakKeyDictionary[Axes, dict[str, Any]]" = WeakKeyDictionary()
 
 
 def attach_map(ax: Axes, x: Array, y: Array, values: Array, label: str) -> None:
     """Let a filled contour over x (n,), y (m,) say its values, (m, n)."""
-    columns, rows = (np.unique(np.linspace(0, size - 1, min(size, _GRID)).astype(int)) for size in (x.size, y.size))
+    columns, rows = (_some(size, _GRID) for size in (x.size, y.size))
     _maps[ax] = {
         "x": _rounded(x[columns]),
         "y": _rounded(y[rows]),
@@ -40,8 +40,10 @@ def _axes(ax: Axes) -> dict[str, Any] | None:
     curves = []
     for line in ax.lines:
         x, y = _data(line.get_xdata(), line.get_ydata())
-        if line.get_transform() == ax.transData and 0 < x.size <= _MOST:
-            label = str(line.get_label())
+        if line.get_transform() == ax.transData and x.size:
+            label = str(line.get_gid() or line.get_label())
+            some = _some(x.size, _KEPT)
+            x, y = x[some], y[some]
             curves.append({"label": "" if label.startswith("_") else label, "x": _rounded(x), "y": _rounded(y)})
     if not curves and ax not in _maps:
         return None
@@ -78,6 +80,11 @@ def _scale(limits: tuple[float, float], kind: str, label: str) -> dict[str, Any]
 def _plain(label: str) -> str:
     """A label on one line, without the marks of formulas."""
     return " ".join(label.replace("$", "").replace("\\sigma_{xx}", "σxx").split())
+
+
+def _some(size: int, most: int) -> NDArray[np.intp]:
+    """Places of at most so many of some values, both ends among them."""
+    return np.unique(np.linspace(0, size - 1, min(size, most)).astype(np.intp))
 
 
 def _rounded(values: Array) -> list[float]:

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from workflow.language.numbers import prefixed
-from workflow.report.figures.style import BLUE, ORANGE, by_ratio, factor_scale, styled
+from workflow.report.figures.style import BLUE, ORANGE, by_ratio, factor_scale, logarithmic, styled
 
 _SHOWN = 4
 _BAND = 2  # root-mean-square errors on either side of a main effect
@@ -67,4 +67,4 @@ def _curve(ax: Axes, one: xr.Dataset, name: str, size: float) -> None:
     ax.axhline(0, color="black", lw=0.5)
     ax.tick_params(labelsize=7)
     if by_ratio(value):
-        ax.set_xscale("log")
+        logarithmic(ax, "x", value)

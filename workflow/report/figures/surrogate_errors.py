@@ -47,10 +47,11 @@ def errors(validation: xr.Dataset) -> Figure:
     floor = 1e-17
     ax.plot(np.maximum(validation["max_error"], floor), y, "o", color=BLUE, label="Gaussian process, max")
     ax.plot(np.maximum(validation["rmse"], floor), y, "o", mfc="none", color=BLUE, label="its RMS error")
-    ax.plot(
-        np.maximum(validation["baseline_max_error"], floor), y, "x", color=ORANGE,
-        label="tensor Chebyshev interpolation, max",
-    )  # fmt: skip
+    if "baseline_max_error" in validation:
+        ax.plot(
+            np.maximum(validation["baseline_max_error"], floor), y, "x", color=ORANGE,
+            label="tensor Chebyshev interpolation, max",
+        )  # fmt: skip
     ax.axvline(validation.attrs["tolerance"], color=GREY, ls="--", lw=1, label="tolerance of the study")
     ax.set_xscale("log")
     ax.set_yticks(y, [name.replace("_", " ") for name in names])

@@ -1,9 +1,24 @@
 // A pointer over a figure: the nearest point of its curves, or the value of its map, with names and units.
 "use strict";
 
+const TIP_MARGIN = 8; // pixels between the words and the end of the page
+const tip = Object.assign(document.createElement("div"), { className: "tip", hidden: true });
+document.querySelector("main").append(tip);
+
+function showTip(lines, event) {
+  tip.replaceChildren(...lines.filter(Boolean).map((line) => Object.assign(document.createElement("div"), { textContent: line })));
+  tip.hidden = false;
+  const most = document.documentElement.clientWidth - tip.offsetWidth - TIP_MARGIN;
+  tip.style.left = `${Math.max(Math.min(event.pageX + 14, most), TIP_MARGIN / 2)}px`;
+  tip.style.top = `${event.pageY + 16}px`;
+}
+
+function hideTip() {
+  tip.hidden = true;
+}
+
 (function () {
   const REACH = 0.12, ON_CURVE = 0.03; // shares of a panel's height within which a curve is meant, beside no map and over one
-  const MARGIN = 8; // pixels between the words and the end of the page
 
   // Where a value lies along an axis, and where a pointer lies in a panel, both from 0 to 1.
   function place(scale, value) {
@@ -55,37 +70,28 @@
     return nearest(axes, pointer, aspect, ON_CURVE) || valueOfMap(axes, pointer);
   }
 
-  function showWords(tip, lines, event) {
-    tip.replaceChildren(...lines.filter(Boolean).map((line) => Object.assign(document.createElement("div"), { textContent: line })));
-    tip.hidden = false;
-    const most = document.documentElement.clientWidth - tip.offsetWidth - MARGIN;
-    tip.style.left = `${Math.max(Math.min(event.pageX + 14, most), MARGIN / 2)}px`;
-    tip.style.top = `${event.pageY + 16}px`;
-  }
-
-  // Lets a figure answer; what it knows is read at the first move of a pointer over it.
-  function watch(svg, stored, tip) {
+  // Lets a figure answer; what it knows stands in it, or is read at the first move of a pointer over it.
+  function watch(svg) {
     const mark = document.createElementNS("http://www.w3.org/2000/svg", "circle");
     mark.setAttribute("class", "mark");
     mark.setAttribute("r", "3.5");
-    const [, , width, height] = svg.getAttribute("viewBox").split(" ").map(Number);
-    let described = null;
 
     function leave() {
-      tip.hidden = true;
+      hideTip();
       mark.remove();
     }
 
     function move(event) {
-      described = described || JSON.parse(stored.textContent);
+      svg.described = svg.described || JSON.parse(svg.querySelector("metadata.hover").textContent);
+      const [, , width, height] = svg.getAttribute("viewBox").split(" ").map(Number);
       const frame = svg.getBoundingClientRect();
       const X = (event.clientX - frame.left) / frame.width, Y = (event.clientY - frame.top) / frame.height;
-      const axes = described.find(({ box: [x0, y0, x1, y1] }) => X >= x0 && X <= x1 && Y >= y0 && Y <= y1);
+      const axes = svg.described.find(({ box: [x0, y0, x1, y1] }) => X >= x0 && X <= x1 && Y >= y0 && Y <= y1);
       if (!axes) return leave();
       const [x0, y0, x1, y1] = axes.box, wide = (x1 - x0) * width, high = (y1 - y0) * height;
       const found = told(axes, { s: (X - x0) / (x1 - x0), t: (y1 - Y) / (y1 - y0) }, wide / high);
       if (!found) return leave();
-      showWords(tip, found.lines, event);
+      showTip(found.lines, event);
       mark.setAttribute("cx", x0 * width + found.s * wide);
       mark.setAttribute("cy", y1 * height - found.t * high);
       svg.append(mark);
@@ -95,12 +101,7 @@
     svg.addEventListener("pointerleave", leave);
   }
 
-  const tip = document.createElement("div");
-  tip.className = "tip";
-  tip.hidden = true;
-  document.body.append(tip);
-  for (const svg of document.querySelectorAll("svg.figure")) {
-    const stored = svg.querySelector("metadata.hover");
-    if (stored) watch(svg, stored, tip);
+  for (const svg of document.querySelectorAll("svg.figure, svg.chart")) {
+    if (svg.matches(".chart") || svg.querySelector("metadata.hover")) watch(svg);
   }
 })();

@@ -1,4 +1,4 @@
-// Numbers for people, as workflow/language/numbers.py writes them: decimal prefixes, exponents as superscripts.
+// Numbers for people, as workflow/language/numbers.py writes them: decimal prefixes, units with a slash.
 "use strict";
 
 const PREFIXES = { "-15": "f", "-12": "p", "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T" };
@@ -7,13 +7,21 @@ const SUPERSCRIPT = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴",
 const raised = (text) => [...text].map((c) => SUPERSCRIPT[c]).join("");
 const decimalPower = (value, count) => Number(value.toExponential(count - 1).split("e")[1]);
 
+// A unit as people write it: "V m N-1" as V·m/N.
+function written(units) {
+  const parts = units === "1" ? [] : [...units.matchAll(/([A-Za-zµΩ%]+)(-?)([0-9/]*)/g)];
+  const side = (sign) => parts.filter(([, , minus]) => minus === sign).map(([, symbol, , power]) => symbol + (power === "1" ? "" : raised(power)));
+  const over = side(""), under = side("-"), below = under.join("·");
+  if (!under.length) return over.join("·");
+  return `${over.join("·") || "1"}/${under.length === 1 ? below : `(${below})`}`;
+}
+
 // A prefix fits where the first symbol of a unit has no exponent, as in "V m N-1"; `count` digits will be shown.
 function engineering(value, units, count = 15) {
   const scalable = units && /^[A-Za-z]+( |$)/.test(units) && !units.startsWith("kg");
   const some = scalable && value !== 0 && Number.isFinite(value);
   const power = some ? Math.min(Math.max(3 * Math.floor(decimalPower(value, count) / 3), -15), 12) : 0;
-  const pretty = units === "1" ? "" : units.replace(/([A-Za-z])(-?[0-9/]+)/g, (_, symbol, exponent) => symbol + raised(exponent));
-  return { size: 10 ** power, units: (scalable ? PREFIXES[power] : "") + pretty };
+  return { size: 10 ** power, units: (scalable ? PREFIXES[power] : "") + written(units) };
 }
 
 function digits(value, count = 4) {

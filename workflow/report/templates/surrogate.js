@@ -6,15 +6,32 @@ function readArray(stored) {
   return { shape: stored.shape, data: new Float64Array(bytes.buffer) };
 }
 
+// Whole numbers by groups of seven bits, times a number for the row and one for the column (surrogate/gp/packing.py).
+function readCore(stored) {
+  const [r, modes, s] = stored.shape, text = atob(stored.data), data = new Float64Array(r * modes * s);
+  const rows = readArray(stored.rows).data, columns = readArray(stored.columns).data;
+  let place = 0;
+  for (let n = 0; n < data.length; n++) {
+    let whole = 0, size = 1, byte;
+    do {
+      byte = text.charCodeAt(place++);
+      whole += (byte & 127) * size;
+      size *= 128;
+    } while (byte > 127);
+    data[n] = (whole % 2 ? -(whole + 1) / 2 : whole / 2) * rows[Math.floor(n / (modes * s))] * columns[n % s];
+  }
+  return { shape: stored.shape, data };
+}
+
 function loadSurrogate(plain) {
-  const model = { ...plain, cores: plain.cores.map(readArray) };
-  for (const name of ["offset", "scale", "amplitude", "variance"]) model[name] = readArray(plain[name]);
+  const model = { ...plain, cores: plain.cores.map(readCore) };
+  for (const name of ["offset", "scale", "amplitude", "variance"]) if (plain[name]) model[name] = readArray(plain[name]);
   if (plain.calibration) {
     model.calibration = {};
     for (const name of Object.keys(plain.calibration)) model.calibration[name] = readArray(plain.calibration[name]);
   }
   if (plain.correction) model.correction = { ...plain.correction, coefficients: readArray(plain.correction.coefficients) };
-  model.interval = { lower: readArray(plain.interval.lower), upper: readArray(plain.interval.upper) };
+  if (plain.interval) model.interval = { lower: readArray(plain.interval.lower), upper: readArray(plain.interval.upper) };
   return model;
 }
 
@@ -110,16 +127,30 @@ function predictGrouped(model, t) {
   return found;
 }
 
-function predictAlone(model, t) {
+// Features of every factor at scaled coordinates t, one an input, and the means that they make, not corrected.
+function contracted(model, t) {
   const modes = new Array(t.length);
   model.order.forEach((k, position) => { modes[k] = model.cores[position].shape[1]; });
   const parts = model.factors.map((factor, k) => features(factor, t[k], modes[k]));
   let state = new Float64Array([1]);
   model.order.forEach((k, position) => { state = contract(state, model.cores[position], parts[k].mean); });
-  const count = model.outputs.length, mean = new Float64Array(count), std = new Float64Array(count);
+  return { parts, mean: state.map((one, p) => one * model.scale.data[p] + model.offset.data[p]) };
+}
+
+// Means of all outputs.
+function means(model, t) {
+  if (model.groups) return predictGrouped(model, t).mean;
+  const { mean } = contracted(model, t);
+  if (model.correction) correct(model.correction, t, mean);
+  return mean;
+}
+
+// The same of a model whose axes are its inputs.
+function predictAlone(model, t) {
+  const { parts, mean } = contracted(model, t);
+  const count = model.outputs.length, std = new Float64Array(count);
   const lower = new Float64Array(count), upper = new Float64Array(count);
   for (let p = 0; p < count; p++) {
-    mean[p] = state[p] * model.scale.data[p] + model.offset.data[p];
     let unknown = 0, known = 1;
     parts.forEach((part, f) => {
       const amplitude = model.amplitude.data[f * count + p];

@@ -1,4 +1,4 @@
-// The what-if panel: sliders in, every quantity with its interval, the contact pressure and the limits out.
+// The what-if panel: sliders in, every quantity with its interval and the limits out; map, stack and fields watch it.
 "use strict";
 
 // Two figures of half of an interval's width, as meecontact query prints (workflow/cli/predictions.py).
@@ -32,35 +32,41 @@ function evaluate(tree, values) {
   throw new Error(`unknown operation ${symbol}`);
 }
 
-// Closed form of the pressure under a circular punch, from its extents, exponent and peak.
-function pressure(values, count) {
-  const { contact_trailing: a, contact_leading: b, pressure_exponent: alpha, peak_pressure: peak } = values;
-  const l = a + b, points = [];
-  for (let k = 0; k <= count; k++) {
-    const s = (1 - Math.cos((Math.PI * k) / count)) / 2, x = -b + l * s;
-    points.push([x, peak * ((1 - s) / alpha) ** alpha * (s / (1 - alpha)) ** (1 - alpha)]);
-  }
-  return points;
-}
+const spaced = (name) => name.replaceAll("_", " ");
 
 function startWhatIf(root) {
   const data = JSON.parse(document.getElementById("whatif-data").textContent);
   const model = loadSurrogate(data.surrogate), sliders = [...root.querySelectorAll("input[type=range]")];
   const point = [...data.start]; // finer than a slider's step
-  const choosers = [...root.querySelectorAll("select[data-category]")], svg = root.querySelector("svg");
+  const choosers = [...root.querySelectorAll("select[data-category]")];
+  const watchers = [], targeted = []; // who is told of every move, and of every choice of a target
   let kind = data.kinds[data.kind]; // one combination of the categories
   let chosen = 0, design = data.cases.length ? 0 : null; // whose limits; the design shown, until something moves
 
+  const panel = {
+    data, model, point, values, judged, choose, move,
+    get kind() { return kind; },
+    get chosen() { return chosen; },
+    get goal() { return goal(); },
+    watch: (told) => watchers.push(told),
+    onTarget: (told) => targeted.push(told),
+  };
+
+  // Values of every name at scaled coordinates t, on the means of the surrogate.
+  function values(t = point, mean = means(model, t)) {
+    const found = { ...data.fixed };
+    model.inputs.forEach((input, k) => { found[input.name] = fromUnit(input, t[k]); });
+    data.quantities.forEach((output, p) => { found[output.name] = mean[kind.columns[p]]; });
+    return found;
+  }
+
   function show() {
-    const answer = predict(model, point), values = { ...data.fixed };
+    const answer = predict(model, point), found = values(point, answer.mean);
     const [mean, lower, upper] = [answer.mean, answer.lower, answer.upper].map((all) => kind.columns.map((column) => all[column]));
-    model.inputs.forEach((input, k) => { values[input.name] = fromUnit(input, point[k]); });
-    data.quantities.forEach((output, p) => { values[output.name] = mean[p]; });
-    showInputs(values);
+    showInputs(found);
     showOutputs(mean, lower, upper);
     showLimits();
-    if (svg) svg.closest("figure").hidden = !kind.pressure;
-    if (kind.pressure) drawPressure(svg, values);
+    watchers.forEach((told) => told(found));
   }
 
   function showInputs(values) {
@@ -86,19 +92,46 @@ function startWhatIf(root) {
     });
   }
 
-  // Values of every name in each scenario of a target at the point, and how far the intervals of the quantities reach from their means.
-  function scenarios(target) {
-    return Array.from({ length: target.count }, (_, s) => {
-      const t = model.inputs.map((input, k) => (input.name in target.scenarios ? toUnit(input, target.scenarios[input.name][s]) : point[k]));
-      const answer = predict(model, t), values = { ...data.fixed }, reach = {};
-      model.inputs.forEach((input, k) => { values[input.name] = input.name in target.scenarios ? target.scenarios[input.name][s] : fromUnit(input, t[k]); });
+  // The scaled coordinates of some scenarios of a target at a point: what it must stand, and what is off as built.
+  function scenarios(target, t, some = Array.from({ length: target.count }, (_, s) => s)) {
+    const built = (input, k, offset) => {
+      const value = fromUnit(input, t[k]), [absolute, share] = target.tolerances[input.name];
+      return Math.min(Math.max(toUnit(input, value * (1 + share * offset) + absolute * offset), -1), 1);
+    };
+    return some.map((s) => model.inputs.map((input, k) => {
+      if (input.name in target.scenarios) return toUnit(input, target.scenarios[input.name][s]);
+      return input.name in target.offsets ? built(input, k, target.offsets[input.name][s]) : t[k];
+    }));
+  }
+
+  // Values of every name in each scenario at the point, and how far the intervals of the quantities reach from their means.
+  function cases(target) {
+    return scenarios(target, point).map((t, s) => {
+      const answer = predict(model, t), found = values(t, answer.mean), reach = {};
+      Object.entries(target.scenarios).forEach(([name, all]) => { found[name] = all[s]; });
       data.quantities.forEach(({ name }, p) => {
         const column = kind.columns[p], mean = answer.mean[column];
-        values[name] = mean;
         reach[name] = Math.max(answer.upper[column] - mean, mean - answer.lower[column]);
       });
-      return { values, reach };
+      return { values: found, reach };
     });
+  }
+
+  // The goal of the chosen target; without targets, the first quantity.
+  function goal() {
+    if (data.cases.length) return data.cases[chosen].goal;
+    const { name, title, units } = data.quantities[0];
+    return { title, tree: name, units, worst: false };
+  }
+
+  // The goal at scaled coordinates t, over the scenarios where it counts at worst, and whether some limit is broken there.
+  function judged(t) {
+    const target = data.cases[chosen], { tree, worst, maximise } = goal();
+    const all = target ? scenarios(target, t, target.few).map((one) => values(one)) : [values(t)];
+    const found = worst ? all.map((one) => evaluate(tree, one)) : [evaluate(tree, values(t))];
+    const limits = target ? target.limits.filter((one) => one.judged) : [];
+    const broken = limits.some(({ tree: of, value, upper }) => all.some((one) => (upper ? evaluate(of, one) > value : evaluate(of, one) < value)));
+    return { goal: (maximise ? Math.min : Math.max)(...found), broken };
   }
 
   // The verdict of workflow/design/assessment.py: exact at the design; elsewhere the worst scenario on the surrogate, where what
@@ -119,50 +152,57 @@ function startWhatIf(root) {
   function showLimits() {
     const list = root.querySelector("ul.limits"), target = data.cases[chosen];
     if (!list) return;
-    const over = target.over ? ` over ${target.over}` : "", name = target.name.replaceAll("_", " ");
+    const over = target.over ? ` over ${target.over}` : "", name = spaced(target.name);
     const how = design === null ? `on the surrogate${over}${over ? ", whatever the sliders say of that" : ""}` : `exact${over}, at its design`;
     document.getElementById("judged").textContent = target.limits.length ? `Limits of ${name}, ${how}:` : `${name} has no limits.`;
-    const cases = design === null && target.limits.some(({ judged }) => judged) ? scenarios(target) : [];
+    const found = design === null && target.limits.some(({ judged: one }) => one) ? cases(target) : [];
     list.replaceChildren(...target.limits.map((limit) => {
-      const { value, room, words } = verdict(limit, cases), row = document.createElement("li");
-      row.className = words === "broken" ? "bad" : words.startsWith("not") ? "soft" : "good";
-      Object.assign(row.dataset, { limit: limit.text, verdict: words, value: String(value), room: String(room) });
-      row.textContent = `${limit.text}: ${value === null ? "" : `${said(value, limit.units, 5)}, `}${words}`;
+      const { value, room, words: said_ } = verdict(limit, found), row = document.createElement("li");
+      row.className = said_ === "broken" ? "bad" : said_.startsWith("not") ? "soft" : "good";
+      Object.assign(row.dataset, { limit: limit.text, verdict: said_, value: String(value), room: String(room) });
+      row.textContent = `${limit.words}: ${value === null ? "" : `${said(value, limit.units, 5)}, `}${said_}`;
       return row;
     }));
     root.querySelectorAll("button[data-case]").forEach((button, k) => button.setAttribute("aria-pressed", String(k === chosen)));
   }
 
+  function place(k, t) {
+    point[k] = Math.min(Math.max(t, -1), 1); // finer than a slider's step
+    sliders[k].value = String(point[k]);
+  }
+
+  // Goes to scaled coordinates of some inputs, by their places, and to a combination of the categories.
+  function move(places, t, of = kind) {
+    places.forEach((k, n) => place(k, t[n]));
+    design = null;
+    take(of);
+  }
+
+  function take(of) {
+    kind = of;
+    choosers.forEach((one) => { one.value = kind.names[one.dataset.category]; });
+    show();
+  }
+
+  // A target's design: its own verdict is shown.
+  function choose(number) {
+    chosen = design = number;
+    const target = data.cases[chosen];
+    model.inputs.forEach((input, k) => place(k, toUnit(input, target.values[input.name])));
+    targeted.forEach((told) => told(target));
+    take(data.kinds[target.kind]);
+  }
+
   sliders.forEach((slider, k) => slider.addEventListener("input", () => { point[k] = Number(slider.value); design = null; show(); }));
   choosers.forEach((one) => one.addEventListener("change", () => {
-    kind = data.kinds.find(({ names }) => choosers.every((other) => names[other.dataset.category] === other.value));
-    design = null;
-    show();
+    move([], [], data.kinds.find(({ names }) => choosers.every((other) => names[other.dataset.category] === other.value)));
   }));
-  root.querySelectorAll("button[data-case]").forEach((button) => button.addEventListener("click", () => {
-    chosen = design = Number(button.dataset.case);
-    const { values, kind: k } = data.cases[chosen];
-    kind = data.kinds[k];
-    choosers.forEach((one) => { one.value = kind.names[one.dataset.category]; });
-    model.inputs.forEach((input, k) => {
-      point[k] = Math.min(Math.max(toUnit(input, values[input.name]), -1), 1); // finer than a slider's step
-      sliders[k].value = String(point[k]);
-    });
-    show();
-  }));
+  root.querySelectorAll("button[data-case]").forEach((button) => button.addEventListener("click", () => choose(Number(button.dataset.case))));
+  const parts = { "[data-stack]": showStack, "[data-fields]": showFields, "[data-map]": startMap };
+  Object.entries(parts).forEach(([where, start]) => { const found = root.querySelector(where); if (found) start(panel, found); });
+  if (data.cases.length) targeted.forEach((told) => told(data.cases[0]));
   show();
-}
-
-function drawPressure(svg, values) {
-  const points = pressure(values, 96), width = 420, height = 190, left = 52, bottom = 30, top = 8;
-  const reach = Math.max(values.contact_trailing, values.contact_leading) * 1.12, peak = values.peak_pressure;
-  const xs = engineering(reach, "m"), ys = engineering(peak, "Pa"), most = 1.12 * peak;
-  const X = (x) => left + ((width - left - 8) * (x + reach)) / (2 * reach);
-  const Y = (y) => top + (height - top - bottom) * (1 - y / most);
-  const line = points.map(([x, y]) => `${X(x).toFixed(2)},${Y(y).toFixed(2)}`).join(" ");
-  const ticks = [0, 0.5, 1].map((s) => `<text x="${left - 6}" y="${Y(s * peak) + 4}" text-anchor="end">${digits((s * peak) / ys.size, 3)}</text><line class="grid" x1="${left}" x2="${width - 8}" y1="${Y(s * peak)}" y2="${Y(s * peak)}"/>`);
-  const ends = [[-values.contact_leading, "leading"], [values.contact_trailing, "trailing"]].map(([x, name]) => `<text x="${X(x)}" y="${height - 16}" text-anchor="middle">${digits(x / xs.size, 3)}</text><text class="soft" x="${x < 0 ? left : width - 8}" y="${height - 3}" text-anchor="${x < 0 ? "start" : "end"}">${name} edge [${xs.units}]</text>`);
-  svg.innerHTML = `${ticks.join("")}${ends.join("")}<polygon class="area" points="${line}"/><polyline class="curve" points="${line}"/><text x="${left}" y="${top + 4}" class="soft">p [${ys.units}]</text>`;
+  startSharing(panel, root);
 }
 
 const whatIf = document.getElementById("whatif");

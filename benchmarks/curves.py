@@ -1,0 +1,192 @@
+"""Largest stresses of films by their curves and by themselves, on the same cases: errors on fresh exact maxima, times.
+
+The film is of one thickness; its five groups are the inputs (load, T/P and J/P at a radius). A table of the solver
+holds every load of a composition and a friction; its search is the exact answer.
+"""
+
+import sys
+from collections.abc import Callable, Sequence
+from time import process_time
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+import solver
+from solver.curves import FOLLOWS, REGIONS, described
+from solver.film.contact import FilmContact
+from solver.film.curves import region_curves
+from solver.film.peaks import PeakTable
+from solver.film.stack import RIGID, Layer, Stack
+from solver.film.table import table
+from solver.halfplane.profile import Profile
+from surrogate import GridGP, Input
+from surrogate.gp.curvegp import CurveGP
+from surrogate.gp.curves import Curves, Largest
+from surrogate.gp.measure import Measure
+from surrogate.gp.panels import Panels
+
+Array = NDArray[np.float64]
+
+THICKNESS, RADIUS = 1e-3, 1.0
+BASES = {"rigid": (RIGID, 100.0, 6.0), "steel": ("steel", 70.0, 11.0)}
+#: Tables, then loads and charges of each, and the grids of levels that are compared.
+GRIDS = {"interface": ((10, 4, 16, 3, 2), (13, 5, 21, 4, 3)), "film": ((10, 4, 16, 2, 2),)}
+_OUTPUTS = {
+    "interface": ("interface_shear", "interface_shear_position", "interface_tension"),
+    "film": ("film_peak_von_mises", "film_peak_principal_tension"),
+}
+_NODES, _LEAST = 38, 0.04
+_PLACES, _TOGETHER = 40, 50
+
+
+def inputs(base: str) -> list[Input]:
+    """The groups: composition, friction, P R/(h^2 c33), T/P and J/P."""
+    return [
+        Input("volume_fraction", 0.05, 0.95, "logit"),
+        Input("friction", 0.0, 0.6),
+        Input("load_group", 1.5e-3, BASES[base][1], "log"),
+        Input("charge_per_load", -2e-10, 2e-10),
+        Input("flux_per_load", -1e-7, 1e-7),
+    ]
+
+
+def solved(base: str, region: str, place: Sequence[float], G: Array, charges: Array) -> dict[str, Array]:
+    """Curves and exact maxima over P/h of cases of one composition and friction; (case, ...)."""
+    fraction, friction = place
+    material = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), fraction)
+    body = BASES[base][0]
+    stack = Stack((Layer(material, THICKNESS),), RIGID if base == "rigid" else solver.find(body))
+    whole = table(stack, friction, least=_LEAST, most=BASES[base][2], nodes=_NODES, accuracy=1.0)
+    load = G * THICKNESS**2 * material.c33 / RADIUS
+    contact = FilmContact(
+        whole, Profile.cylinder(np.full(G.shape, RADIUS)), load, load[:, None] * charges, np.ones(G.shape)
+    )
+    of, unit = PeakTable(whole), load / THICKNESS
+    found = {name: one if name.endswith("position") else one / unit[:, None]
+             for name, one in region_curves(of, contact, region).items()}  # fmt: skip
+    found |= {"mean_pressure": THICKNESS / (2 * contact.half_width), "half_length": contact.half_width}
+    if region == "interface":
+        peaks = of.interface(contact)
+        exact = dict(
+            zip(_OUTPUTS[region], (peaks.shear / unit, peaks.shear_position, peaks.tension / unit), strict=True)
+        )
+    else:
+        body_peaks = of.film(contact)
+        exact = dict(
+            zip(_OUTPUTS[region], (body_peaks.von_mises / unit, body_peaks.principal_tension / unit), strict=True)
+        )
+    return found | exact
+
+
+def grid(base: str, region: str, counts: Sequence[int]) -> xr.Dataset:
+    """Curves and maxima on the levels of the groups."""
+    axes = [one.levels(count) for one, count in zip(inputs(base), counts, strict=True)]
+    loads, *charges = (one.ravel() for one in np.meshgrid(*axes[2:], indexing="ij"))
+    parts = [
+        solved(base, region, (v, f), loads, np.stack(charges, -1)) for v in axes[0].tolist() for f in axes[1].tolist()
+    ]
+    names = [one.name for one in inputs(base)]
+    data = xr.Dataset(coords=dict(zip(names, axes, strict=True)))
+    for name in parts[0]:
+        whole = np.stack([part[name] for part in parts])
+        data[name] = ([*names, *[f"{region}_point"] * (whole.ndim - 2)], whole.reshape(*counts, *whole.shape[2:]))
+    return data
+
+
+def fresh(base: str, region: str, places: int, together: int, seed: int) -> xr.Dataset:
+    """Random cases, some at a time of one composition and friction, over `case`."""
+    random, groups = np.random.default_rng(seed), inputs(base)
+    columns: dict[str, list[Array]] = {}
+    for _ in range(places):
+        u = random.uniform(-1, 1, (5, together))
+        u[0], u[1] = u[0, 0], u[1, 0]
+        values = [one.from_unit(row) for one, row in zip(groups, u, strict=True)]
+        part = solved(base, region, (float(values[0][0]), float(values[1][0])), values[2], np.stack(values[3:], -1))
+        part |= {one.name: value for one, value in zip(groups, values, strict=True)}
+        for name, value in part.items():
+            columns.setdefault(name, []).append(value)
+    return xr.Dataset(
+        {name: (("case", f"{region}_point")[: own[0].ndim], np.concatenate(own)) for name, own in columns.items()}
+    )
+
+
+def model(base: str, region: str, error: float) -> CurveGP:
+    """The model of a region, not fitted."""
+    here = REGIONS[region]
+    measures: dict[object, Measure] = {}
+    largest: dict[str, Largest] = {}
+    for name in _OUTPUTS[region]:
+        peak = FOLLOWS[name]
+        own = Measure(np.array(peak.measure.linear), np.array(peak.measure.root))
+        place = here.fields.index(peak.place) if peak.place else -1
+        largest[name] = Largest(0, measures.setdefault(peak.measure, own), place)
+    # over P/h the stresses of the interface have no size of their own
+    sizes = tuple("" if size == "load_over_thickness" else size for size in here.sizes)
+    curves = Curves(tuple(described(region)), sizes, Panels(here.across, here.down), f"{region}_point")
+    return CurveGP(
+        lambda names: GridGP(inputs=inputs(base), compression=1e-2 * error),
+        [curves],
+        largest,
+        _OUTPUTS[region],
+        error=error,
+    )
+
+
+def compared(base: str, region: str, counts: Sequence[int], cases: xr.Dataset, error: float) -> dict[str, Any]:
+    """Errors of the curves' maxima and of the maximum itself, learnt on the same grid, and times."""
+    start = process_time()
+    data = grid(base, region, counts)
+    solved_in = process_time() - start
+    start = process_time()
+    curves = model(base, region, error).fit(data)
+    fitted_in = process_time() - start
+    names = list(_OUTPUTS[region])
+    plain = GridGP(inputs=inputs(base), outputs=names).fit(data[names])
+    X = np.stack([cases[one.name].values for one in inputs(base)], axis=1)
+    exact = np.stack([cases[name].values for name in names], axis=1)
+    spread = np.ptp(exact, axis=0)
+    out: dict[str, Any] = {
+        "cases": int(np.prod(counts)),
+        "tables": counts[0] * counts[1],
+        "rank": len(curves.bases_[0].vectors),
+        "data set [s]": solved_in,
+        "fit [s]": fitted_in,
+        "a query in blocks [us]": 1e6 * _seconds(lambda: curves.predict_array(X)) / len(X),
+        "a query alone [us]": 1e6 * _seconds(lambda: curves.predict_array(X[:1]), 20),
+    }
+    for kind, answers in (("curves", curves.predict_array(X)), ("maximum", plain.predict_array(X))):
+        away = np.abs(answers - exact)
+        for k, name in enumerate(names):
+            out[f"{name}, {kind}"] = {
+                "over range": float(away[:, k].max() / spread[k]),
+                "90 %": float(np.quantile(away[:, k], 0.9) / spread[k]),
+                "relative": float((away[:, k] / np.abs(exact[:, k])).max()),
+            }
+    return out
+
+
+def _seconds(action: Callable[[], object], repeats: int = 3) -> float:
+    action()
+    times = []
+    for _ in range(repeats):
+        start = process_time()
+        action()
+        times.append(process_time() - start)
+    return min(times)
+
+
+def measure() -> dict[str, Any]:
+    """Errors and times of every base, region and grid."""
+    found: dict[str, Any] = {}
+    for base in BASES:
+        for region, grids in GRIDS.items():
+            cases = fresh(base, region, _PLACES, _TOGETHER, 1)
+            for counts, error in zip(grids, (1e-5, 1e-6), strict=False):
+                found[f"{base}, {region}, {np.prod(counts)} cases"] = compared(base, region, counts, cases, error)
+    return found
+
+
+if __name__ == "__main__":
+    print(measure(), file=sys.stdout)

@@ -1,0 +1,172 @@
+"""Scattered cases by the thousand and the hundred thousand: error, interval, time and memory beside other packages.
+
+Six inputs, three functions: the voltage of a transformerless push-pull circuit (E. N. Ben-Ari and D. M. Steinberg,
+Qual. Eng. 19 (2007) 327) as it is, the same with noise of 1 % of its range, and one with a kink. Errors are against the
+truth without noise, over its range; coverage is that of 95 % intervals of new cases, with noise. The rivals estimate
+noise too where they can.
+
+``python -m benchmarks.scattered [CASES ...]``
+"""
+
+import sys
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.util import find_spec
+from resource import RUSAGE_SELF, getrusage
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from sklearn.gaussian_process import GaussianProcessRegressor
+from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
+
+from benchmarks.history import printed
+from benchmarks.rivals import Array
+from surrogate import Input, ScatterGP
+
+#: Cases of a fit, and fresh ones.
+CASES = (1000, 10_000, 100_000)
+FRESH = 4000
+DEVIATIONS = 1.959963984540054
+# Ends of the circuit's inputs: resistances b1, b2, f, c1, c2 in kilo-ohms, and the current gain.
+_LOW = np.array([50, 25, 0.5, 1.2, 0.25, 50])
+_HIGH = np.array([150, 70, 3, 2.5, 1.2, 300])
+#: Mean and standard deviation of new cases, (m,) each, at scaled inputs (m, d).
+Predict = Callable[[Array], tuple[Array, Array]]
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to fit scaled inputs (n, d) and an output (n,), and the most cases that it can be given."""
+
+    name: str
+    package: str
+    most: int
+    fit: Callable[[Array, Array], Predict]
+
+
+def circuit(t: Array) -> Array:
+    """Midpoint voltage at scaled inputs, (n, 6) -> (n,)."""
+    b1, b2, f, c1, c2, gain = (_LOW + (t + 1) / 2 * (_HIGH - _LOW)).T
+    amplified = gain * (c2 + 9)
+    base = 12 * b2 / (b1 + b2)
+    share = amplified + f
+    return np.asarray((base + 0.74) * amplified / share + 11.35 * f / share + 0.74 * f * amplified / (share * c1))
+
+
+def kinked(t: Array) -> Array:
+    """A product with a kink across the middle of the box, (n, 6) -> (n,)."""
+    return np.asarray(np.abs(t[:, 0] + 0.5 * t[:, 1]) * np.exp(0.5 * t[:, 2]) + t[:, 3] * t[:, 4] + 0.1 * t[:, 5])
+
+
+#: Functions and the noise of their cases, over their range.
+FUNCTIONS: dict[str, tuple[Callable[[Array], Array], float]] = {
+    "circuit": (circuit, 0.0), "circuit with noise": (circuit, 0.01), "kink": (kinked, 0.0),
+}  # fmt: skip
+
+
+def ours(t: Array, y: Array) -> Predict:
+    """`ScatterGP` as it comes."""
+    names = [f"x{k}" for k in range(t.shape[1])]
+    data = xr.Dataset({name: ("case", column) for name, column in zip(names, t.T, strict=True)})
+    model = ScatterGP(inputs=[Input(name, -1, 1) for name in names]).fit(data.assign(y=("case", y)))
+
+    def predict(at: Array) -> tuple[Array, Array]:
+        mean, std = model.predict_array(at, return_std=True)
+        return mean[:, 0], std[:, 0]
+
+    return predict
+
+
+def scikit_learn(t: Array, y: Array) -> Predict:
+    """Its Gaussian process, RBF kernel with a length scale an input, noise by marginal likelihood."""
+    smooth = ConstantKernel(1.0, (1e-4, 1e5)) * RBF(np.ones(t.shape[1]), (1e-2, 1e3))
+    kernel = smooth + WhiteKernel(1e-4, (1e-10, 1.0))
+    model = GaussianProcessRegressor(kernel, normalize_y=True, random_state=0).fit(t, y)
+    return lambda at: model.predict(at, return_std=True)
+
+
+def libkriging(t: Array, y: Array) -> Predict:
+    """Nested kriging (D. Rulliere et al., Stat. Comput. 28 (2018) 849), groups of 250 cases, without noise."""
+    import pylibkriging
+
+    model = pylibkriging.NestedKriging(y, np.asfortranarray(t), "matern5_2", max(2, len(t) // 250))
+
+    def predict(at: Array) -> tuple[Array, Array]:
+        mean, std = model.predict(np.asfortranarray(at), True)
+        return np.ravel(mean), np.ravel(std)
+
+    return predict
+
+
+def smt(t: Array, y: Array) -> Predict:
+    """Kriging of the Surrogate Modeling Toolbox, noise estimated, one start of its search."""
+    from smt.surrogate_models import KRG
+
+    model = KRG(theta0=[1e-1] * t.shape[1], print_global=False, n_start=1, eval_noise=True)
+    model.set_training_values(t, y)
+    model.train()
+
+    def predict(at: Array) -> tuple[Array, Array]:
+        variance = model.predict_variances(at)[:, 0] + model.optimal_noise
+        return model.predict_values(at)[:, 0], np.sqrt(np.maximum(variance, 0.0))
+
+    return predict
+
+
+METHODS = [
+    Method("ScatterGP", "surrogate", CASES[-1], ours),
+    Method("scikit-learn GP (RBF, noise)", "sklearn", 1000, scikit_learn),
+    Method("libKriging nested kriging", "pylibkriging", 10_000, libkriging),
+    Method("SMT Kriging", "smt", 1000, smt),
+]
+
+
+def measure(cases: tuple[int, ...] = CASES) -> dict[str, float]:
+    """Seconds, memory, errors and coverage by method, function and number of cases."""
+    found: dict[str, float] = {}
+    for method in METHODS:
+        if not find_spec(method.package):
+            print(f"  left out, as not installed here: {method.name}")
+            continue
+        for count in cases:
+            for name in FUNCTIONS if count <= method.most else ():
+                print(f"  {method.name}, {name}, {count} cases ...", flush=True)
+                for key, value in _row(method, name, count).items():
+                    found[f"{method.name}, {name}, {count} cases: {key}"] = value
+    return found
+
+
+def _row(method: Method, name: str, count: int) -> dict[str, float]:
+    function, share = FUNCTIONS[name]
+    random = np.random.default_rng(0)
+    t, fresh = random.uniform(-1, 1, (count, 6)), random.uniform(-1, 1, (FRESH, 6))
+    truth = function(fresh)
+    over = float(np.ptp(truth))
+    y, new = (values + share * over * random.normal(size=len(values)) for values in (function(t), truth))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a bound met: the rivals' own affair
+        predict, seconds, used = _timed(lambda: method.fit(t, y))
+        (mean, std), answered, _ = _timed(lambda: predict(fresh))
+    return {
+        "fit, seconds": seconds,
+        "fit, seconds of processor time": used,
+        "process so far, megabytes at its peak": getrusage(RUSAGE_SELF).ru_maxrss / 1e3,
+        "a query, microseconds": 1e6 * answered / FRESH,
+        "largest error over range": float(np.abs(mean - truth).max()) / over,
+        "root-mean-square error over range": float(np.sqrt(np.mean((mean - truth) ** 2))) / over,
+        "coverage": float(np.mean(np.abs(mean - new) <= DEVIATIONS * std)),
+    }
+
+
+def _timed(action: Callable[[], Any]) -> tuple[Any, float, float]:
+    """What an action gives, its seconds, and those of processor time."""
+    start, used = perf_counter(), process_time()
+    answer = action()
+    return answer, perf_counter() - start, process_time() - used
+
+
+if __name__ == "__main__":
+    print(printed(measure(tuple(int(word) for word in sys.argv[1:]) or CASES)))

@@ -1,0 +1,12 @@
+"""A film on steel: what a base does to contact and signal, beside the half-plane of the same material."""
+
+import solver
+
+punch = {"material": "PZT-4", "radius": 0.05, "friction": 0.3, "load": 1e5}
+film = solver.solve(punch | {"thickness": [0.2e-3, 0.5e-3, 1e-3], "base": "steel"})
+half_plane = solver.solve(punch)
+
+table = film[["contact_trailing", "voltage_sensitivity", "charge_sensitivity"]].to_dataframe()
+print(table.to_string(float_format="{:.4g}".format))
+ratio = float(film["charge_sensitivity"].sel(thickness=0.5e-3) / half_plane["charge_sensitivity"])
+print(f"charge per load of 0.5 mm over that of the half-plane: {ratio:.4f}")

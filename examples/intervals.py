@@ -1,0 +1,29 @@
+"""Intervals that hold: calibrated on some exact cases, and counted on others."""
+
+import numpy as np
+import xarray as xr
+from scipy.stats import qmc
+
+import solver
+import surrogate
+
+INPUTS = [surrogate.Input("volume_fraction", 0.2, 0.8), surrogate.Input("radius", 0.02, 0.2, "log")]
+
+
+def scattered(count: int, seed: int) -> xr.Dataset:
+    """Random exact cases, along one dimension."""
+    unit = 2 * qmc.LatinHypercube(len(INPUTS), rng=seed).random(count) - 1
+    columns = {one.name: ("case", one.from_unit(unit[:, k])) for k, one in enumerate(INPUTS)}
+    return solver.solve(dict(xr.Dataset(columns)) | {"load": 1e4, "friction": 0.2})
+
+
+levels = {one.name: one.levels(count) for one, count in zip(INPUTS, (12, 8), strict=True)}
+exact = solver.solve(levels | {"load": 1e4, "friction": 0.2})
+model = surrogate.GridGP(inputs=INPUTS, outputs=["voltage"]).fit(exact).calibrate(scattered(5000, 1))
+
+fresh = scattered(3000, 2)
+points = {one.name: fresh[one.name] for one in INPUTS}
+for level in (0.5, 0.8, 0.95):
+    ends = model.interval(points, level=level)
+    inside = (ends["voltage_lower"] <= fresh["voltage"]) & (fresh["voltage"] <= ends["voltage_upper"])
+    print(f"{level:.0%} intervals hold {float(np.mean(inside)):.1%} of 3,000 fresh cases")

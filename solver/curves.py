@@ -1,0 +1,183 @@
+"""Curves whose largest values are peaks: which fields on which panels, and how every peak follows from them.
+
+A peak is kinked where its place jumps, the stresses over a region tied to the contact are smooth in every factor. The
+curves of a case are fields at the nodes of Chebyshev panels side by side; a peak is the largest value of a measure of
+these fields, ``max over branches of linear . s + |root s|``, or what another field is at that place.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.names import Described
+
+
+@dataclass(frozen=True)
+class Region:
+    """A net of panels of Chebyshev points over a region, and the fields that are given there.
+
+    The points come panel by panel, row by row of panels, and in a panel row by row.
+
+    Attributes
+    ----------
+    fields
+        Their names; every one is given as ``<region>_<field>``.
+    across, across_at
+        Number of points of every panel from the leading to the trailing side, and the ends of the panels in the
+        coordinate of the region.
+    down, down_at
+        The same of every row of panels; of an interface one point.
+    size
+        The size by which the stresses scale.
+    """
+
+    fields: tuple[str, ...]
+    across: tuple[int, ...]
+    across_at: tuple[float, ...]
+    down: tuple[int, ...] = (1,)
+    down_at: tuple[float, ...] = (0.0, 0.0)
+    size: str = "mean_pressure"
+
+    @property
+    def points(self) -> int:
+        """Number of points."""
+        return sum(self.down) * sum(self.across)
+
+    @property
+    def sizes(self) -> tuple[str, ...]:
+        """What every field scales by from case to case; empty where by nothing."""
+        own = {"position": "", "depth": "half_length"}
+        return tuple(own.get(field, self.size) for field in self.fields)
+
+    def by_panel(self, values: Array) -> Array:
+        """Values at all points across and down, (..., down, across), in the order of the points; (..., point)."""
+        rows, columns = np.cumsum(self.down)[:-1], np.cumsum(self.across)[:-1]
+        panels = [part for row in np.split(values, rows, -2) for part in np.split(row, columns, -1)]
+        return np.concatenate([part.reshape(*part.shape[:-2], -1) for part in panels], -1)
+
+    def lines(self) -> tuple[Array, Array]:
+        """Coordinates of all points across and down; (across,) and (down,)."""
+        return _line(self.across, self.across_at), _line(self.down, self.down_at)
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A measure of fields s: the largest over branches of ``linear . s + |root s|``, which no kink of s leaves.
+
+    Attributes
+    ----------
+    linear
+        One row a branch, (branch, field).
+    root
+        One matrix a branch, (branch, row, field).
+    """
+
+    linear: tuple[tuple[float, ...], ...]
+    root: tuple[tuple[tuple[float, ...], ...], ...]
+
+    def of(self, fields: Array) -> Array:
+        """The measure of fields (..., field)."""
+        branches = [
+            fields @ np.array(linear) + np.linalg.norm(fields @ np.array(root).T, axis=-1)
+            for linear, root in zip(self.linear, self.root, strict=True)
+        ]
+        return np.asarray(np.max(branches, axis=0))
+
+
+@dataclass(frozen=True)
+class Peak:
+    """How a quantity follows from curves.
+
+    Attributes
+    ----------
+    region
+        Name in ``REGIONS``.
+    measure
+        Of the first fields of the region; what is largest.
+    place
+        The field that is read where it is largest; empty: the measure itself.
+    """
+
+    region: str
+    measure: Measure
+    place: str = ""
+
+
+_STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
+_HALF = 0.5**0.5
+_NONE = ((0.0, 0.0, 0.0, 0.0),)
+
+#: Von Mises stress of (sigma_xx, sigma_yy, sigma_xy, sigma_zz) in plane strain.
+VON_MISES = Measure(
+    _NONE,
+    (((_HALF, -_HALF, 0.0, 0.0), (0.0, _HALF, 0.0, -_HALF), (-_HALF, 0.0, 0.0, _HALF), (0.0, 0.0, 3.0**0.5, 0.0)),),
+)
+#: Largest principal stress of these, 0 where none is tensile.
+TENSION = Measure(
+    ((0.5, 0.5, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 0.0)),
+    (((0.5, -0.5, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)), _NONE * 2, _NONE * 2),
+)
+#: Of (sigma_xy, sigma_yy): the size of the shear stress, and the tension, 0 where there is none.
+SHEAR = Measure(((0.0, 0.0),), (((1.0, 0.0),),))
+PULL = Measure(((0.0, 1.0), (0.0, 0.0)), (((0.0, 0.0),), ((0.0, 0.0),)))
+
+_BODY = (-2.0, -1.5, -1.2, -1.0, -0.8, -0.5, 0.5, 0.8, 1.0, 1.2, 1.5, 2.0)
+_FILM = (-3.0, -2.0, -1.0, -0.75, -0.4, 0.4, 0.75, 1.0, 2.0, 3.0)
+
+#: Regions by name: the half-plane, the lowest interface, the film and its base.
+REGIONS: dict[str, Region] = {
+    "body": Region((*_STRESSES, "depth"), (8, 9, 11, 11, 9, 13, 9, 11, 11, 9, 8), _BODY, (9, 9), (0.0, 0.5, 1.0)),
+    "interface": Region(
+        ("stress_xy", "stress_yy", "position"),
+        (24, 24, 40, 24, 24),
+        (-5.0, -3.0, -1.0, 1.0, 3.0, 5.0),
+        size="load_over_thickness",
+    ),
+    "film": Region(_STRESSES, (10, 14, 11, 11, 16, 11, 11, 14, 10), _FILM, (9, 9), (-1.0, 0.0, 1.0)),
+    "base": Region(_STRESSES, (10, 14, 11, 11, 16, 11, 11, 14, 10), _FILM, (9, 9), (-1.0, 0.0, 1.0)),
+}
+
+#: How every peak follows, by its name.
+FOLLOWS: dict[str, Peak] = {
+    "peak_von_mises": Peak("body", VON_MISES),
+    "peak_von_mises_depth": Peak("body", VON_MISES, "depth"),
+    "peak_principal_tension": Peak("body", TENSION),
+    "interface_shear": Peak("interface", SHEAR),
+    "interface_shear_position": Peak("interface", SHEAR, "position"),
+    "interface_tension": Peak("interface", PULL),
+    "film_peak_von_mises": Peak("film", VON_MISES),
+    "film_peak_principal_tension": Peak("film", TENSION),
+    "base_peak_von_mises": Peak("base", VON_MISES),
+    "base_peak_principal_tension": Peak("base", TENSION),
+}
+
+#: What a field of any region is.
+FIELDS: dict[str, Described] = {
+    **{name: Described("Pa", f"sigma_{name[-2:]} at the points of the panels") for name in _STRESSES},
+    "depth": Described("m", "depth of the points"),
+    "position": Described("1", "position X = (x - c)/h of the points"),
+}
+
+#: Sizes of a case, smooth and positive, by which fields scale.
+SIZES: dict[str, Described] = {
+    "mean_pressure": Described("Pa", "load over the width of the contact"),
+    "half_length": Described("m", "half the width of the contact, h"),
+    "load_over_thickness": Described("Pa", "load over the thickness of the film"),
+}
+
+
+def nodes(count: int) -> Array:
+    """Chebyshev points on [-1, 1], rising: those of a panel."""
+    return np.asarray(-np.cos(np.pi * (np.arange(count) + 0.5) / count))
+
+
+def _line(counts: tuple[int, ...], ends: tuple[float, ...]) -> Array:
+    return np.concatenate(
+        [(a + b) / 2 + (b - a) / 2 * nodes(n) for n, a, b in zip(counts, ends[:-1], ends[1:], strict=True)]
+    )
+
+
+def described(region: str) -> dict[str, Described]:
+    """The variables of a region: unit and meaning by name, ``<region>_<field>``."""
+    return {f"{region}_{field}": FIELDS[field] for field in REGIONS[region].fields}

@@ -1,0 +1,36 @@
+"""Stresses of the body below depth 0.1 h on panels tied to the edges of the contact: what the peaks are searched in.
+
+The coordinate across is X up to the edges and 2 at infinity, X = 1 + (s - 1)/(2 - s); that of the depth, from 0 to 1,
+is the logarithm of 0.1 h to 2 h.
+No largest von Mises stress lies deeper, and no tension that is as large as one at the least depth.
+"""
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.curves import REGIONS
+from solver.halfplane.contact import Contact
+from solver.halfplane.interior import interior_parts
+from solver.halfplane.peaks import DEPTH
+
+_DEEPEST = 2.0
+_REGION = REGIONS["body"]
+_STRESSES = _REGION.fields[:4]
+
+
+def body_curves(contact: Contact) -> dict[str, Array]:
+    """Fields of the region ``body`` by name; (..., point), SI."""
+    X, depth = _points()
+    stresses = interior_parts(contact, X, -depth, _STRESSES).whole(contact)
+    found = {f"body_{name}": stresses[..., k, :] for k, name in enumerate(_STRESSES)}
+    return found | {"body_depth": contact.half_width[..., None] * depth}
+
+
+def _points() -> tuple[Array, Array]:
+    """X and depth over h; (point,) each."""
+    across, down = _REGION.lines()
+    size = np.abs(across)
+    X = np.where(size < 1, across, np.sign(across) * (1 + (size - 1) / (2 - size)))
+    depth = DEPTH * (_DEEPEST / DEPTH) ** down
+    whole = np.meshgrid(X, depth)
+    return _REGION.by_panel(whole[0]), _REGION.by_panel(whole[1])

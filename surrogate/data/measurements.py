@@ -1,0 +1,56 @@
+"""Measured rows: where outputs were measured, what was read, and how well."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.data.arrays import Array
+
+#: Rows that a model is corrected by, at most: the cost grows with their cube.
+MOST_ROWS = 1000
+
+
+@dataclass(frozen=True)
+class Measurements:
+    """Measured values in a flat list, a row of which may hold several outputs or none.
+
+    Attributes
+    ----------
+    points : ndarray, shape (rows, d)
+        Inputs of every row, in their units.
+    row, output : ndarray of int, shape (n,)
+        Row and number of the output of every value; no row has an output twice.
+    value : ndarray, shape (n,)
+        What was measured, in the output's unit.
+    error : ndarray, shape (n,)
+        Standard deviation of its error; NaN where nobody knows it.
+
+    Raises
+    ------
+    ValueError
+        Values that are not finite, errors that are not positive, an output twice in a row.
+    """
+
+    points: Array
+    row: NDArray[np.intp]
+    output: NDArray[np.intp]
+    value: Array
+    error: Array
+
+    def __post_init__(self) -> None:
+        if not np.isfinite(self.points).all() or not np.isfinite(self.value).all():
+            raise ValueError("measured rows must hold finite numbers")
+        if (self.error <= 0).any() or np.isinf(self.error).any():
+            raise ValueError("errors of measurement must be positive and finite, or NaN where unknown")
+        if len({*zip(self.row.tolist(), self.output.tolist(), strict=True)}) < len(self.row):
+            raise ValueError("an output is measured twice in a row")
+
+    def of(self, output: int) -> NDArray[np.intp]:
+        """Places of the values of one output."""
+        return np.flatnonzero(self.output == output)
+
+    @property
+    def outputs(self) -> list[int]:
+        """Outputs that are measured anywhere, ascending."""
+        return [int(one) for one in np.unique(self.output)]

@@ -1,0 +1,78 @@
+"""Newton's iteration to the top of a measure of fields on a panel, all of a block of curves at once."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.data.arrays import Array
+from surrogate.gp.measure import Bent, Measure
+from surrogate.gp.panels import Indices, jets, rows, spacing
+
+STEPS = 10
+CLOSE = 3e-4  # a step of Newton's iteration, in the half-width of a panel: the next is of its square
+
+
+def climb(fields: Array, measure: Measure, start: tuple[Array, Array]) -> tuple[Array, Array, Array]:
+    """Return coordinates across and down and the measure of the highest points met from starting points; (n,) each.
+
+    Parameters
+    ----------
+    fields : ndarray, shape (n, m, down, across)
+        At the points of a panel.
+    measure : Measure
+        Of the m fields.
+    start : pair of ndarray, shape (n,)
+        Coordinates across and down, in [-1, 1].
+    """
+    counts = fields.shape[3], fields.shape[2]
+    (u, v), active = start, np.arange(len(fields))
+    best = np.stack([u, v, np.full(len(u), -np.inf)])
+    for _ in range(STEPS):
+        jet = jets(fields, rows(counts[0], u), rows(counts[1], v))
+        bent = measure.bent(jet[..., 0, 0])
+        gradient, bends = hill(jet, bent)
+        step = _step(gradient, bends, u, v, counts)
+        ahead = np.clip(np.stack([u, v]) + step, -1.0, 1.0)
+        close = np.abs(step).max(axis=0) < CLOSE
+        # what the last step brings is its gain on a parabola, to the third order of it
+        gain = np.where(close, np.maximum((gradient * (ahead - [u, v])).sum(axis=0), 0.0) / 2, 0.0)
+        up = bent.value + gain > best[2, active]
+        best[:, active[up]] = np.stack([*np.where(close, ahead, [u, v]), bent.value + gain])[:, up]
+        u, v = ahead
+        if close.any():
+            if close.all():
+                break
+            going = ~close
+            active, u, v, fields = active[going], u[going], v[going], fields[going]
+    return best[0], best[1], best[2]
+
+
+def hill(jet: Array, bent: Bent) -> tuple[Array, Array]:
+    """Return gradient (2, n) and curvature (3, n), of uu, vv and uv, of a measure by the coordinates of a panel."""
+    slope, steep = bent.slope, jet[..., [0, 1], [1, 0]]  # by u, by v: (n, m, 2)
+    gradient = np.asarray(slope[:, None] @ steep)[:, 0].T
+    quadratic = np.swapaxes(steep, 1, 2) @ bent.bend @ steep
+    seconds = (slope[:, None] @ jet[..., [0, 2, 1], [2, 0, 1]])[:, 0]
+    return gradient, np.stack([seconds[:, 0] + quadratic[:, 0, 0], seconds[:, 1] + quadratic[:, 1, 1],
+                               seconds[:, 2] + quadratic[:, 0, 1]])  # fmt: skip
+
+
+def held(place: Array, slope: Array, count: int | Indices) -> NDArray[np.bool_]:
+    """Whether an end of the panel holds a coordinate, or there is no such coordinate."""
+    return np.asarray(((np.abs(place) >= 1) & (place * slope > 0)) | (np.asarray(count) == 1))
+
+
+def _step(gradient: Array, bends: Array, u: Array, v: Array, counts: tuple[int, int]) -> Array:
+    """Newton's step, (2, n), uphill and no longer than points lie apart; along an end of the panel that holds it."""
+    (gu, gv), (uu, vv, uv) = gradient, bends
+    fixed = np.stack([held(u, gu, counts[0]), held(v, gv, counts[1])])
+    gradient = np.where(fixed, 0.0, gradient)
+    gu, gv = gradient
+    room = np.stack([spacing(u, counts[0]), spacing(v, counts[1])])
+    # not on top of a hill: each coordinate by its own curvature, its sign made that of one
+    alone = gradient / np.maximum(np.abs(bends[:2]), np.abs(gradient) / room + 1e-300)
+    determinant = uu * vv - uv**2
+    whole = (uu < 0) & (determinant > 0) & ~fixed.any(axis=0)
+    if not whole.any():
+        return np.asarray(np.clip(alone, -room, room))
+    newton = np.stack([uv * gv - vv * gu, uv * gu - uu * gv]) / np.where(whole, determinant, 1.0)
+    return np.asarray(np.clip(np.where(whole, newton, alone), -room, room))

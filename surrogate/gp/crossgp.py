@@ -1,0 +1,218 @@
+"""The grid's Gaussian process where the full factorial is too large: its tensor train from few cases, asked for."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Self
+
+import numpy as np
+import xarray as xr
+
+from surrogate.data.arrays import Array
+from surrogate.data.factorial import LEVEL_TOLERANCE, output_names, text_attrs
+from surrogate.data.inputs import Input
+from surrogate.gp.cross import Cross, Crossed, Indices, run
+from surrogate.gp.factors import cosine_basis
+from surrogate.gp.gridgp import GridGP
+from surrogate.gp.tensortrain import TensorTrain, compress
+
+#: The dimension of the places that are asked for.
+PLACE = "place"
+# Error of the compressed train over the outputs' ranges, of `compression`, which is over their standard deviations.
+SMALL = 0.1
+
+
+class CrossGP(GridGP):
+    """Gaussian process of the "chebyshev" kernel on a grid, of which a cross approximation asks for few cases.
+
+    Some inputs are *crossed*: `ask` names the places, of their levels, that are to be solved next. All levels of the
+    others are solved at every place, which must be cheap. What `fit` makes, and what is saved of it, is a `GridGP`.
+
+    Parameters
+    ----------
+    inputs : sequence of Input
+        The box.
+    levels : mapping
+        Chebyshev-Gauss levels of every input by name.
+    crossed : sequence of str
+        Names of the crossed inputs. Those of the most levels should come first: the last have the largest ranks.
+    tolerance : float
+        Largest error over its range that an output may show at fresh places, on levels.
+    outputs : sequence of str, optional
+        Outputs to model, by default every variable.
+    compression : float
+        As of `GridGP`.
+    most : int
+        Places that are enough, whatever the error.
+
+    Attributes
+    ----------
+    error_ : dict of str to float
+        Largest error of every output over its range at the last fresh places, on levels.
+    places_ : int
+        Places that were asked for.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> from surrogate import CrossGP, Input
+    >>> box = [Input(name, 0, 1) for name in "xyz"]
+    >>> model = CrossGP(box, {"x": 8, "y": 7, "z": 6}, ["x", "y"], tolerance=1e-6)
+    >>> def truth(places):
+    ...     z = xr.DataArray(box[2].levels(6), dims="z", name="z")
+    ...     return places.assign(f=np.exp(places.x * places.y + z) / (2 + places.x), z=z)
+    >>> data, places = None, model.ask(None)
+    >>> while "place" in places.sizes:
+    ...     data = xr.concat([truth(places)] if data is None else [data, truth(places)], "place", data_vars="all")
+    ...     places = model.ask(data)
+    >>> float(model.fit(data).predict({"x": 0.3, "y": 0.8, "z": 0.5})["f"].round(4))
+    0.9113
+    >>> model.whole, len(model.blocks(data)) == model.places_
+    (('z',), True)
+    """
+
+    def __init__(
+        self,
+        inputs: Sequence[Input],
+        levels: Mapping[str, int],
+        crossed: Sequence[str],
+        tolerance: float,
+        outputs: Sequence[str] | None = None,
+        compression: float = 1e-9,
+        most: int = 10_000,
+    ) -> None:
+        super().__init__("chebyshev", inputs, outputs, compression=compression)
+        names = [one.name for one in inputs]
+        unknown = [name for name in (*crossed, *levels) if name not in names]
+        if unknown or not crossed or set(levels) != set(names):
+            raise ValueError(f"crossed and levels must name inputs, {', '.join(names)}, got {', '.join(unknown)}")
+        self.levels, self.crossed, self.tolerance, self.most = dict(levels), tuple(crossed), tolerance, most
+
+    @property
+    def whole(self) -> tuple[str, ...]:
+        """Names of the inputs whose levels are all solved at every place."""
+        return tuple(name for name in self.levels if name not in self.crossed)
+
+    def ask(self, X: xr.Dataset | None) -> xr.Dataset:
+        """Return the places to be solved next or, when there are enough, the error.
+
+        Parameters
+        ----------
+        X : Dataset or None
+            All cases solved so far, as `fit` takes them; None before any.
+
+        Returns
+        -------
+        Dataset
+            The crossed inputs over `place`; in the end `error` over `output`, the largest over its range at the last
+            fresh places, on levels.
+        """
+        found = run(self._cross.steps(), {} if X is None else self.blocks(X))
+        if X is not None and isinstance(found, Crossed):
+            error = ("output", found.error, {"long_name": "largest error over range at fresh places"})
+            return xr.Dataset({"error": error}, {"output": self._names(X)})
+        columns = [(self._input(name), index) for name, index in zip(self.crossed, np.asarray(found).T, strict=True)]
+        return xr.Dataset(
+            {one.name: (PLACE, one.levels(self.levels[one.name])[index], one.attrs) for one, index in columns}
+        )
+
+    def fit(self, X: xr.Dataset) -> Self:
+        """Fit to the cases that were asked for.
+
+        Parameters
+        ----------
+        X : Dataset
+            The outputs over `place` and the inputs that are not crossed; the crossed inputs over `place`.
+
+        Raises
+        ------
+        ValueError
+            Cases are missing, or are not finite; a value is no level.
+        """
+        found = run(self._cross.steps(), self.blocks(X))
+        if not isinstance(found, Crossed):
+            raise ValueError(f"{len(found)} places are still to be solved; `ask` names them")
+        assert self.inputs is not None
+        self.inputs_ = tuple(self.inputs)
+        self.levels_ = tuple(one.levels(self.levels[one.name]) for one in self.inputs)
+        self.outputs_ = tuple(self._names(X))
+        self.attrs_ = {name: text_attrs(X[name]) for name in self.outputs_}
+        self.calibration_ = self.correction_ = None
+        names = [one.name for one in self.inputs]
+        self.order_ = tuple(names.index(name) for name in (*self.crossed, *self.whole))
+        self.error_ = dict(zip(self.outputs_, found.error.tolist(), strict=True))
+        self.places_ = found.entries
+        self._standardise(self._train(found), found)
+        return self
+
+    @property
+    def _cross(self) -> Cross:
+        return Cross(tuple(self.levels[name] for name in self.crossed), self.tolerance, self.most)
+
+    def _names(self, X: xr.Dataset) -> list[str]:
+        return output_names(X, self.outputs, exclude=tuple(self.levels))
+
+    def _input(self, name: str) -> Input:
+        assert self.inputs is not None
+        return next(one for one in self.inputs if one.name == name)
+
+    def blocks(self, X: xr.Dataset) -> dict[tuple[int, ...], Array]:
+        """Return the cases of every place, (b, p), by the place's indices among the levels; ValueError as for `fit`."""
+        names = self._names(X)
+        indices = np.stack([self._index(name, X[name].values) for name in self.crossed], axis=1)
+        for name in self.whole:
+            self._index(name, X[name].values)
+        like = xr.DataArray(
+            np.zeros([len(indices), *(self.levels[name] for name in self.whole)]), dims=(PLACE, *self.whole)
+        )
+        columns = [(X[name].drop_vars(X[name].coords) + like).transpose(PLACE, *self.whole) for name in names]
+        blocks = np.stack([column.values.reshape(len(indices), -1) for column in columns], axis=-1)
+        bad = ~np.isfinite(blocks).all(axis=(0, 1))
+        if bad.any():
+            raise ValueError(f"output {names[int(bad.argmax())]!r} is not finite in some case")
+        return dict(zip(map(tuple, indices.tolist()), blocks, strict=True))
+
+    def _index(self, name: str, values: Array) -> Indices:
+        """The level of every value; ValueError for one that is none."""
+        one = self._input(name)
+        levels, unit = one.to_unit(one.levels(self.levels[name])), one.to_unit(values)
+        nearest = np.abs(unit[:, None] - levels).argmin(axis=1)
+        away = np.abs(unit - levels[nearest]) > LEVEL_TOLERANCE
+        if away.any():
+            raise ValueError(f"input {name!r}: {values[away][0]:.10g} is none of its {self.levels[name]} levels")
+        return np.asarray(nearest, dtype=np.intp)
+
+    def _train(self, found: Crossed) -> TensorTrain:
+        """The train of the coefficients in the orthonormal bases, of values less offset over scale."""
+        bases = [cosine_basis(self.levels[name])[0] for name in (*self.crossed, *self.whole)]
+        cores = [np.einsum("rns,nm->rms", core, basis) for core, basis in zip(found.cores[:-1], bases, strict=False)]
+        last = found.cores[-1]
+        rest: Any = last.reshape(*last.shape[:2], *(self.levels[name] for name in self.whole), last.shape[-1])
+        for k, basis in enumerate(bases[len(cores) :], start=1):
+            rest = np.moveaxis(np.tensordot(rest, basis, (k, 0)), -1, k)
+        # rows before the last core interpolate, so that an error of its entries is about one of all
+        small = SMALL * self.compression
+        split = compress(rest.reshape(-1, *rest.shape[2:]), small * float(np.sqrt(last.size))).cores
+        first = split[0].reshape(*last.shape[:2], -1)
+        whole = TensorTrain((*cores, first, *split[1:]))
+        return whole.only(range(last.shape[-1]), small * float(np.sqrt(self._cases())))
+
+    def _standardise(self, train: TensorTrain, found: Crossed) -> None:
+        """Take the outputs' means and standard deviations from the train, then kernels and variance as on a grid."""
+        sizes = [len(self.levels_[k]) for k in self.order_]
+        constants, grams = [np.eye(size)[:, :1] for size in sizes], train.grams()
+        for k, (gram, size) in enumerate(zip(grams, sizes, strict=True)):
+            # as if the mean were zero, as that of a grid's standardised outputs is
+            line = train.evaluate([*constants[:k], np.eye(size), *constants[k + 1 :]])
+            mean = line[:, :1].copy()
+            gram[:, 0] -= mean * line
+            line[:, 0] = 0
+            gram[:, :, 0] -= mean * line
+        spread = np.sqrt(np.trace(grams[0], axis1=1, axis2=2) / self._cases())
+        spread[spread <= 0] = 1.0
+        self.offset_, self.scale_ = found.offset, found.scale * spread
+        for gram, size in zip(grams, sizes, strict=True):
+            gram /= (spread**2 * (self._cases() / size))[:, None, None]
+        back = np.argsort(self.order_)
+        points = [one.to_unit(levels) for one, levels in zip(self.inputs_, self.levels_, strict=True)]
+        self._choose(points, [grams[k] for k in back])
+        whole = TensorTrain((*train.cores[:-1], train.cores[-1] / spread))
+        self.train_ = whole.scaled([self.factors_[k].weights for k in self.order_])

@@ -1,0 +1,80 @@
+"""Measures of several fields at a point: the largest over branches of ``linear . s + |root s|``, with derivatives.
+
+Norms, largest eigenvalues of small symmetric matrices and one-sided values are of this kind. A measure is data alone.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from surrogate.data.arrays import Array
+
+_TINY = np.finfo(float).tiny
+
+
+class Bent(NamedTuple):
+    """A measure at points, with its slope and bend by the fields: (n,), (n, m), (n, m, m)."""
+
+    value: Array
+    slope: Array
+    bend: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Measure:
+    """The largest over branches of ``linear . s + |root s|`` of the first m of some fields s.
+
+    Attributes
+    ----------
+    linear : ndarray, shape (branches, m)
+        The linear part of every branch.
+    root : ndarray, shape (branches, rows, m)
+        What the norm of every branch is taken of.
+
+    Raises
+    ------
+    ValueError
+        Shapes that do not fit each other, or numbers that are not finite.
+    """
+
+    linear: Array
+    root: Array
+
+    def __post_init__(self) -> None:
+        branches, fields = np.shape(self.linear) if np.ndim(self.linear) == 2 else (0, 0)
+        if not fields or np.ndim(self.root) != 3 or (len(self.root), self.root.shape[2]) != (branches, fields):
+            raise ValueError(f"a measure of shapes {np.shape(self.linear)} and {np.shape(self.root)} is none")
+        if not (np.isfinite(self.linear).all() and np.isfinite(self.root).all()):
+            raise ValueError("a measure has numbers that are not finite")
+
+    @property
+    def fields(self) -> int:
+        """Number m of fields that it takes."""
+        return int(self.linear.shape[1])
+
+    def values(self, s: Array) -> Array:
+        """Return the measure of fields s, (B, >= m, n): (B, n)."""
+        found: Array | None = None
+        for linear, root in zip(self.linear, self.root, strict=True):
+            squares = sum(_product(row, s) ** 2 for row in root if row.any())
+            branch = _product(linear, s) + np.sqrt(squares)
+            found = np.asarray(branch) if found is None else np.maximum(found, branch, out=found)
+        return np.broadcast_to(np.asarray(found), (len(s), s.shape[2]))
+
+    def bent(self, s: Array) -> Bent:
+        """Return the measure of fields s, (n, m), with its derivatives along the branch that is largest."""
+        branches, count, fields = self.root.shape
+        inner = (s @ self.root.reshape(-1, fields).T).reshape(len(s), branches, count)
+        norms = np.sqrt((inner * inner).sum(axis=2))
+        every = s @ self.linear.T + norms
+        which, rows = every.argmax(axis=1), np.arange(len(s))
+        root, norm = self.root[which], np.maximum(norms[rows, which], _TINY)[:, None]
+        along = (inner[rows, which][:, None] @ root)[:, 0] / norm
+        bend = (np.swapaxes(root, 1, 2) @ root - along[:, :, None] * along[:, None]) / norm[..., None]
+        return Bent(every[rows, which], self.linear[which] + along, np.where(norm[..., None] > _TINY, bend, 0.0))
+
+
+def _product(row: Array, s: Array) -> Array:
+    """A combination of fields, (B, n); terms that are zero cost nothing."""
+    return np.asarray(sum(weight * s[:, k] for k, weight in enumerate(row.tolist()) if weight))

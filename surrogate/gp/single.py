@@ -1,0 +1,217 @@
+"""One query alone on a Chebyshev grid: the same formulas as for blocks, laid out once, in few operations.
+
+A block of queries spends its time in arithmetic; one query spends it in starting operations. Here the polynomials of
+all factors stand in one vector, and every part of the answer is a gather from it and one product with a matrix.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from math import log
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import eval_chebyt
+
+from surrogate.data.arrays import Array
+from surrogate.data.inputs import Input
+from surrogate.gp.conformal import Calibration
+from surrogate.gp.correction import Correction
+from surrogate.gp.factors import ChebyshevFactor
+from surrogate.gp.guard import SLABS
+from surrogate.gp.tensortrain import TensorTrain
+
+Indices = NDArray[np.intp]
+# 0 in the lowest slab, 2 in the highest, 1 between: places in the guard of corners.
+_EDGE = np.array([0, *[1] * (SLABS - 2), 2])
+
+
+@dataclass(frozen=True)
+class Process:
+    """What a Chebyshev grid process is made of; the parts are told apart by identity.
+
+    Attributes
+    ----------
+    inputs, factors : tuple
+        One a factor.
+    order : tuple of int
+        Factors in the order of the train.
+    train : TensorTrain
+        Coefficients of the standardised means.
+    offset, scale : ndarray, shape (p,)
+        What takes them to the outputs.
+    amplitude : ndarray, shape (d, p)
+        Of every factor's kernel.
+    size : ndarray, shape (p,)
+        Variance of the process in units of the outputs.
+    correction, calibration
+        What held-out cases say; None where there were none.
+    """
+
+    inputs: tuple[Input, ...]
+    factors: tuple[ChebyshevFactor, ...]
+    order: tuple[int, ...]
+    train: TensorTrain
+    offset: Array
+    scale: Array
+    amplitude: Array
+    size: Array
+    correction: Correction | None
+    calibration: Calibration | None
+
+
+class SinglePoint:
+    """Means and standard deviations of all outputs at one point.
+
+    Parameters
+    ----------
+    process : Process
+        A fitted process.
+    """
+
+    def __init__(self, process: Process) -> None:
+        self._inputs = [_mapping(one) for one in process.inputs]
+        self._offset, self._scale = process.offset, process.scale
+        self._rows = _Rows(process)
+        self._lay_out_mean(process)
+        self._lay_out_variance(process)
+        self._correction = None if process.correction is None else _SingleCorrection(process.correction, self._rows)
+        self._stretch = None if process.calibration is None else _SingleStretch(process.calibration, self._rows)
+
+    def __call__(self, point: Sequence[float], with_std: bool) -> tuple[Array, Array | None] | None:
+        """Return means and, where wanted, standard deviations, (p,) each; None for a point outside of the box."""
+        t = []
+        for x, (low, high, width, logarithmic) in zip(point, self._inputs, strict=True):
+            if not low <= x <= high:
+                return None
+            unit = 2 * (log(x / low) if logarithmic else x - low) / width - 1
+            t.append(min(max(unit, -1.0), 1.0))
+        scaled = np.array(t)
+        T = self._rows.polynomials(scaled)
+        features = T[self._mean_rows]
+        features -= self._damping * T[self._nodal_rows] * T[self._mirror_rows]
+        state = features[self._slices[0]] @ self._cores[0]
+        for core, own in zip(self._cores[1:], self._slices[1:], strict=True):
+            state = (state[:, None] * features[own]).ravel() @ core
+        mean = state * self._scale
+        mean += self._offset
+        if self._correction is not None:
+            mean += self._correction(T)
+        if not with_std:
+            return mean, None
+        variance = self._variance(T)
+        if self._stretch is None:
+            return mean, np.sqrt(variance)
+        return mean, self._stretch(variance, scaled, T)
+
+    def _lay_out_mean(self, process: Process) -> None:
+        self._cores, self._slices, start = [], [], 0
+        mean, mirror, nodal, damping = [], [], [], []
+        for factor, core in zip(process.order, process.train.cores, strict=True):
+            own, first = process.factors[factor], self._rows.first[factor]
+            m = np.arange(core.shape[1])
+            mean.append(first + m)
+            mirror.append(first + np.maximum(own.levels - m, 0))
+            nodal.append(np.full(len(m), first + own.levels))
+            damping.append(2 * own.damping[: len(m)])
+            self._slices.append(slice(start, start := start + len(m)))
+            self._cores.append(np.ascontiguousarray(core.reshape(-1, core.shape[2])))
+        self._mean_rows, self._mirror_rows = np.concatenate(mean), np.concatenate(mirror)
+        self._nodal_rows, self._damping = np.concatenate(nodal), np.concatenate(damping)
+
+    def _lay_out_variance(self, process: Process) -> None:
+        d = len(process.factors)
+        shares = np.zeros((2 * d, self._rows.count))
+        for k, (factor, first) in enumerate(zip(process.factors, self._rows.first, strict=True)):
+            shares[k, first : first + len(factor.decay)] = factor.decay
+            shares[d + k, first : first + len(factor.unknown)] = factor.unknown
+        self._shares, self._amplitude, self._size = shares, process.amplitude, process.size
+        self._constant = np.array([[factor.constant] for factor in process.factors])
+        weights = np.ones_like(self._amplitude) if process.calibration is None else process.calibration.weights
+        self._weights = weights * process.size
+
+    def _variance(self, T: Array) -> Array:
+        """As `GridGP._unit_variance`, with running products in place of the loop."""
+        squares = T * T
+        both = self._shares @ squares
+        d = len(both) // 2
+        both[d:] *= squares[self._rows.nodal]
+        known = self._amplitude * both[:d, None]
+        known += self._constant
+        unknown = self._amplitude * both[d:, None]
+        after = np.multiply.accumulate(known[:0:-1])[::-1]
+        known -= unknown
+        before = np.multiply.accumulate(known[:-1])
+        unknown *= self._weights
+        unknown[:-1] *= after
+        unknown[1:] *= before
+        return np.asarray(np.add.reduce(unknown))
+
+
+class _Rows:
+    """The polynomials of all factors in one vector, each factor's from T_0 on."""
+
+    def __init__(self, process: Process) -> None:
+        trend = 0
+        if process.calibration is not None:
+            trend = process.calibration.trend_degree(len(process.factors))
+        sizes = []
+        for k, factor in enumerate(process.factors):
+            corrected = 0 if process.correction is None else int(process.correction.indices[:, k].max())
+            sizes.append(1 + max(2 * factor.levels - 1, corrected, trend))
+        self.first = np.cumsum([0, *sizes[:-1]])
+        self.nodal = self.first + [factor.levels for factor in process.factors]
+        self.count = sum(sizes)
+        self._degree = np.concatenate([np.arange(size) for size in sizes])
+        self._factor = np.repeat(np.arange(len(sizes)), sizes)
+
+    def polynomials(self, t: Array) -> Array:
+        return np.asarray(eval_chebyt(self._degree, t[self._factor]))
+
+
+class _SingleCorrection:
+    """As `Correction.values`."""
+
+    def __init__(self, correction: Correction, rows: _Rows) -> None:
+        self._terms = np.ascontiguousarray((rows.first + correction.indices).T)
+        self._nodal = rows.nodal
+        d, m, p = correction.coefficients.shape
+        self._matrix, self._shape = (
+            np.ascontiguousarray(correction.coefficients.transpose(1, 0, 2).reshape(m, -1)),
+            (d, p),
+        )
+
+    def __call__(self, T: Array) -> Array:
+        amplitudes = (np.multiply.reduce(T[self._terms]) @ self._matrix).reshape(self._shape)
+        return np.asarray(T[self._nodal] @ amplitudes)
+
+
+class _SingleStretch:
+    """As `Calibration.std`: floor, local scale, guard of slabs and corners."""
+
+    def __init__(self, calibration: Calibration, rows: _Rows) -> None:
+        d, degree = len(rows.first), calibration.trend_degree(len(rows.first))
+        self._floor, self._trend = calibration.floor, calibration.trend
+        # T_0 of the first factor is the constant
+        own = rows.first[:, None] + np.arange(1, degree + 1)
+        self._terms = np.concatenate([rows.first[:1], own.ravel()])
+        self._i, self._j = np.array(list(combinations(range(d), 2)), dtype=np.intp).reshape(-1, 2).T
+        guard = calibration.guard
+        self._cells = np.concatenate([part.reshape(-1, part.shape[-1]) for part in (guard.slabs, guard.corners)])
+        self._slabs = SLABS * np.arange(d)
+        self._corners = SLABS * d + 9 * np.arange(len(self._i))
+
+    def __call__(self, variance: Array, t: Array, T: Array) -> Array:
+        terms = np.concatenate((T[self._terms], t[self._i] * t[self._j]))
+        slab = np.minimum(((t + 1) / 2 * SLABS).astype(np.intp), SLABS - 1)
+        edge = _EDGE[slab]
+        cells = np.concatenate((self._slabs + slab, self._corners + 3 * edge[self._i] + edge[self._j]))
+        scale = terms @ self._trend
+        scale += np.maximum.reduce(self._cells[cells])
+        return np.asarray(np.sqrt(variance + self._floor) * np.exp(scale))
+
+
+def _mapping(one: Input) -> tuple[float, float, float, bool]:
+    """The ends of an input, its width on its own scale, and whether that is logarithmic."""
+    logarithmic = one.scale == "log"
+    return one.low, one.high, log(one.high / one.low) if logarithmic else one.high - one.low, logarithmic

@@ -1,0 +1,61 @@
+"""Decay of Chebyshev coefficients along the lines that the cases of a cross approximation happen to complete."""
+
+import numpy as np
+import xarray as xr
+
+from surrogate.data.arrays import Array
+from surrogate.data.factorial import output_names
+from surrogate.gp.cross import Indices
+from surrogate.gp.crossgp import CrossGP
+from surrogate.gp.factors import cosine_basis
+from surrogate.levels.counts import Decays
+from surrogate.levels.decay import decay_of
+
+
+def decays(model: CrossGP, X: xr.Dataset) -> Decays:
+    """Judge the decay of every output along every input, from all lines of whole levels among the cases.
+
+    Parameters
+    ----------
+    model : CrossGP
+        That asked for them; it need not be fitted.
+    X : Dataset
+        The cases, as for `CrossGP.fit`. A sweep asks for whole lines along every crossed input.
+
+    Raises
+    ------
+    ValueError
+        As `CrossGP.fit`.
+    """
+    known = model.blocks(X)
+    indices, blocks = np.array(list(known), dtype=np.intp), np.stack(list(known.values()))
+    spread = np.ptp(blocks, axis=(0, 1))
+    values = blocks / np.where(spread > 0, spread, 1.0)
+    sizes = [model.levels[name] for name in model.whole]
+    found: dict[str, Array] = {}
+    for k, name in enumerate(model.crossed):
+        found[name] = _largest(_whole_lines(indices, values, k, model.levels[name]))
+    whole = values.reshape(len(values), *sizes, -1)
+    for k, name in enumerate(model.whole):
+        found[name] = _largest(np.moveaxis(whole, 1 + k, 1))
+    return {
+        output: {name: decay_of(found[name][:, p]) for name in model.levels}
+        for p, output in enumerate(output_names(X, model.outputs, exclude=tuple(model.levels)))
+    }
+
+
+def _whole_lines(indices: Indices, values: Array, k: int, size: int) -> Array:
+    """Values along all lines of an index that have all of it: (lines, size, b, p)."""
+    others = np.delete(indices, k, axis=1)
+    _, line = np.unique(others, axis=0, return_inverse=True)
+    order = np.lexsort((indices[:, k], line.ravel()))
+    counts = np.bincount(line.ravel())
+    complete = np.repeat(counts == size, counts)
+    return np.asarray(values[order[complete]].reshape(-1, size, *values.shape[1:]))
+
+
+def _largest(values: Array) -> Array:
+    """Largest Chebyshev coefficients, (n, p), of values (lines, n, ..., p) on Chebyshev-Gauss levels."""
+    basis, weights = cosine_basis(values.shape[1])
+    along = np.tensordot(basis * weights, values, (0, 1))
+    return np.asarray(np.abs(along).reshape(values.shape[1], -1, values.shape[-1]).max(axis=1))

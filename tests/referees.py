@@ -1,0 +1,133 @@
+"""What public referees say of a run's files: `python tests/referees.py results/quickstart`, with none of our own code.
+
+CF 1.11 of every netCDF file by the IOOS compliance checker; Croissant by mlcroissant; the Workflow Run RO-Crate by
+roc-validator; values and headers by Debian's ncdump and nco, where they are installed; `meecontact serve` by the client
+of UM-Bridge. `make referees` runs it, in an environment of its own (requirements/referees.in); it exits with 1 where a
+referee finds a fault.
+"""
+
+import shutil
+import subprocess
+import sys
+import warnings
+from collections.abc import Iterator
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+
+ROCRATE = "https://w3id.org/ro/crate/1.1/context"
+# which its own check of monotonicity subtracts
+LABELS = "unsupported operand type(s) for -: 'str' and 'str'"
+
+
+def conventions(folder: Path) -> Iterator[str]:
+    """Faults of the netCDF files by CF 1.11."""
+    from compliance_checker.runner import CheckSuite
+
+    CheckSuite.load_all_available_checkers()
+    for path in sorted(folder.rglob("*.nc")):
+        suite = CheckSuite()
+        with suite.load_dataset(str(path)) as data:
+            results, errors = suite.run_all(data, ["cf:1.11"], [])["cf:1.11"]
+        # the section on scope informs only
+        said = [text for one in results if one.value[0] < one.value[1] for text in one.msgs if "same group" not in text]
+        said += [str(error) for error, _ in errors.values() if str(error) != LABELS]
+        yield from (f"{path}: {text}" for text in said)
+
+
+def croissant(folder: Path) -> Iterator[str]:
+    """Faults of the metadata for programs of machine learning."""
+    import mlcroissant
+
+    try:
+        found = mlcroissant.Dataset(folder / "croissant.json").metadata
+    except mlcroissant.ValidationError as error:
+        yield str(error)
+        return
+    yield from (f"{issue}" for issue in found.ctx.issues.errors)
+    if {one.name for one in found.record_sets} != {"cases"}:
+        yield "croissant.json: the records are not the cases"
+
+
+def crate(folder: Path) -> Iterator[str]:
+    """What the run's crate must have by the profile Workflow Run, and has not."""
+    import requests
+    from rocrate_validator import services
+    from rocrate_validator.utils.http import HttpRequester
+
+    context = files("rocrate").joinpath("data/ro-crate.jsonld").read_bytes()
+
+    def local(_: Any, url: str, **__: Any) -> requests.Response:
+        answer = requests.Response()
+        answer.status_code, answer.url = (200, url) if url == ROCRATE else (404, url)
+        answer.headers["Content-Type"] = "application/ld+json"
+        answer._content = context if url == ROCRATE else b""
+        return answer
+
+    HttpRequester.get = local
+    asked = {
+        "rocrate_uri": str(folder),
+        "profile_identifier": "workflow-run-crate-0.5",
+        "requirement_severity": "REQUIRED",
+    }
+    for issue in services.validate(services.ValidationSettings.parse(asked)).get_issues():
+        yield f"ro-crate-metadata.json: {issue.check.identifier}: {issue.message}"
+
+
+def foreign(folder: Path) -> Iterator[str]:
+    """Files that Debian's own programs cannot read."""
+    for command in (["ncdump"], ["ncks", "-C", "-H"]):
+        if shutil.which(command[0]) is None:
+            print(f"{command[0]}: not installed, left out")
+            continue
+        for path in sorted(folder.glob("*.nc")):
+            done = subprocess.run([*command, str(path)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            if done.returncode:
+                yield f"{path}: {command[0]}: {done.stderr.strip()}"
+
+
+def served(folder: Path) -> Iterator[str]:
+    """What the client of UM-Bridge gets from `meecontact serve` and should not."""
+    import umbridge
+
+    program = Path(sys.executable).parents[2] / "bin/meecontact"
+    command = [str(program), "serve", str(folder / "surrogate.nc"), "--port", "0"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        line = process.stderr.readline()
+        address = next((word for word in line.split() if word.startswith("http://")), None)
+        if address is None:
+            yield f"meecontact serve: {line.strip()}"
+            return
+        model = umbridge.HTTPModel(address, "surrogate")
+        with netCDF4.Dataset(folder / "surrogate.nc") as file:
+            middle = [float(np.mean(file[name][:])) for name in file["input"][:]]
+        (size,) = model.get_output_sizes()
+        value, step = np.array(model([middle])[0]), 1e-4 * middle[0]
+        beside = np.array(model([[middle[0] + step, *middle[1:]]])[0])
+        slopes = np.array(model.apply_jacobian(0, 0, [middle], [1.0] + [0.0] * (len(middle) - 1)))
+        if value.shape != (size,) or not np.allclose(
+            (beside - value) / step, slopes, rtol=0.01, atol=1e-3 * abs(slopes).max()
+        ):
+            yield "meecontact serve: differences are not the derivatives"
+        process.terminate()
+
+
+def main(folders: list[str]) -> int:
+    """Ask every referee about every folder of results."""
+    warnings.simplefilter("ignore")
+    faults = 0
+    for folder in map(Path, folders):
+        for referee in (conventions, croissant, crate, foreign, served):
+            found = list(referee(folder))
+            print(f"{folder}: {referee.__name__}: {len(found) or 'no'} fault{'s' * (len(found) != 1)}")
+            print("".join(f"  {text}\n" for text in found), end="")
+            faults += len(found)
+    return int(faults > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,76 @@
+"""Cross approximation: tensors of known rank from few entries, steps that need no state, rows that interpolate."""
+
+from math import prod
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from surrogate.data.arrays import Array
+from surrogate.gp.cross import Cross, Crossed, interpolation, run
+
+SIZES = (7, 6, 5, 4)
+BLOCK, OUTPUTS = 9, 2
+Known = dict[tuple[int, ...], Array]
+
+
+def separable(rank: int) -> Array:
+    """A sum of so many products of random functions of the indices and of the block: (*SIZES, BLOCK, OUTPUTS)."""
+    random = np.random.default_rng(rank)
+    parts = [random.normal(size=(size, rank)) for size in (*SIZES, BLOCK, OUTPUTS)]
+    return np.asarray(np.einsum("ar,br,cr,dr,er,fr->abcdef", *parts))
+
+
+def found(tensor: Array, cross: Cross, known: Known, batches: list[list[list[int]]] | None = None) -> Crossed:
+    while not isinstance(wanted := run(cross.steps(), known), Crossed):
+        if batches is not None:
+            batches.append(wanted.tolist())
+        known |= {tuple(index): tensor[tuple(index)] for index in wanted.tolist()}
+    return wanted
+
+
+@pytest.mark.parametrize("rank", [1, 3, 6])
+def test_a_tensor_of_known_rank_comes_whole_from_few_entries(rank: int) -> None:
+    tensor, known = separable(rank), Known()
+    got = found(tensor, Cross(SIZES, 1e-9), known)
+    every = np.stack(np.meshgrid(*map(np.arange, SIZES), indexing="ij"), -1).reshape(-1, len(SIZES))
+    whole = got.at(every) * got.scale + got.offset
+    np.testing.assert_allclose(whole, tensor.reshape(whole.shape), atol=1e-7 * np.ptp(tensor))
+    # the offset adds one to the rank
+    assert max(core.shape[0] for core in got.cores) <= rank + 1
+    assert got.error.max() <= 1e-9
+    assert got.entries == len(known) < prod(SIZES) * (0.25 if rank == 1 else 0.75)
+
+
+def test_an_interrupted_approximation_goes_on_with_the_same_batches_to_the_same_bits() -> None:
+    tensor, cross = separable(4), Cross(SIZES, 1e-8)
+    batches: list[list[list[int]]] = []
+    whole = found(tensor, cross, Known(), batches)
+    half: Known = {tuple(i): tensor[tuple(i)] for batch in batches[:3] for i in batch}
+    half |= {tuple(i): tensor[tuple(i)] for i in batches[3][: len(batches[3]) // 2]}
+    rest: list[list[list[int]]] = []
+    again = found(tensor, cross, half, rest)
+    assert rest == [batches[3][len(batches[3]) // 2 :], *batches[4:]]
+    for one, other in zip(whole.cores, again.cores, strict=True):
+        assert one.tobytes() == other.tobytes()
+
+
+def test_no_batch_repeats_an_entry_and_the_most_ends_the_sweeps() -> None:
+    tensor, batches = np.random.default_rng(0).normal(size=(*SIZES, BLOCK, OUTPUTS)), list[list[list[int]]]()
+    got = found(tensor, Cross(SIZES, 1e-3, most=30), Known(), batches)
+    asked = [tuple(index) for batch in batches for index in batch]
+    assert len(set(asked)) == len(asked) == got.entries > 30
+    assert len(batches) == 1 + len(SIZES)
+    assert got.error.max() > 1e-3
+
+
+@given(st.integers(1, 8), st.integers(2, 12), st.integers(3, 15), st.integers(0, 2), st.integers(0, 99))
+def test_all_rows_follow_from_the_chosen_ones(rank: int, rows: int, columns: int, first: int, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    matrix = random.normal(size=(rows, rank)) @ random.normal(size=(rank, columns))
+    given_first = list(range(min(first, rank, rows, columns)))
+    chosen, weights = interpolation(matrix, 1e-9, given_first)
+    assert chosen[: len(given_first)].tolist() == given_first
+    assert len(set(chosen.tolist())) == len(chosen) <= min(rank, rows, columns)
+    np.testing.assert_allclose(weights @ matrix[chosen], matrix, atol=1e-6 * np.abs(matrix).max())

@@ -1,0 +1,100 @@
+"""The process from a cross approximation is that of the whole grid, and says which cases it lacks."""
+
+from math import prod
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from surrogate import CrossGP, GridGP, Input, load, save
+from surrogate.gp.tensortrain import compress
+from surrogate.levels import counts, lines
+from surrogate.use.sensitivity import sobol
+
+BOX = tuple(Input(name, 0.0, 1.0) for name in "uvwxyz")
+LEVELS = {"u": 4, "v": 6, "w": 5, "x": 7, "y": 6, "z": 4}
+CROSSED = ("x", "y", "v", "u")
+
+
+def truth(at: xr.Dataset) -> xr.Dataset:
+    smooth = np.exp(at.x * at.y + at.z * at.w + 0.3 * at.u * at.v) / (2 + at.x)
+    return xr.Dataset({"f": smooth, "g": np.cos(at.w + at.x + at.y) + at.z * at.v, "h": at.u + 0 * at.x})
+
+
+def crossing(tolerance: float = 1e-9) -> CrossGP:
+    return CrossGP(BOX, LEVELS, CROSSED, tolerance, compression=1e-11)
+
+
+def solved(places: xr.Dataset) -> xr.Dataset:
+    whole = {one.name: one.levels(LEVELS[one.name]) for one in BOX if one.name not in CROSSED}
+    return places.assign_coords(whole).pipe(lambda at: at.assign(truth(at)))
+
+
+@pytest.fixture(scope="module")
+def cases() -> xr.Dataset:
+    model, data = crossing(), solved(crossing().ask(None))
+    while "place" in (places := model.ask(data)).sizes:
+        data = xr.concat([data, solved(places)], "place", data_vars="all")
+    assert (places["error"] <= 1e-9).all()
+    return data
+
+
+@pytest.fixture(scope="module")
+def grid() -> xr.Dataset:
+    return truth(xr.Dataset(coords={one.name: one.levels(LEVELS[one.name]) for one in BOX}))
+
+
+@pytest.fixture(scope="module")
+def model(cases: xr.Dataset) -> CrossGP:
+    return crossing().fit(cases)
+
+
+def test_it_is_the_process_of_the_whole_grid_from_a_part_of_it(
+    model: CrossGP, grid: xr.Dataset, cases: xr.Dataset
+) -> None:
+    whole = GridGP(inputs=BOX, compression=1e-11).fit(grid)
+    X = np.random.default_rng(0).uniform(size=(300, len(BOX)))
+    (mean, std), (expected, spread) = model.predict_array(X, return_std=True), whole.predict_array(X, return_std=True)
+    np.testing.assert_allclose(mean, expected, atol=1e-7)
+    np.testing.assert_allclose(std, spread, rtol=0.02, atol=1e-12)
+    np.testing.assert_allclose(model.gradient_array(X), whole.gradient_array(X), atol=1e-5)
+    np.testing.assert_allclose(sobol(model)["total"], sobol(whole)["total"], atol=1e-6)
+    assert model.places_ == cases.sizes["place"] < prod(LEVELS[name] for name in CROSSED) / 2
+    assert max(model.error_.values()) <= 1e-9
+
+
+def test_its_file_is_that_of_a_grid(model: CrossGP, tmp_path: Path) -> None:
+    save(model, tmp_path / "model.nc")
+    again = load(tmp_path / "model.nc")
+    assert type(again) is GridGP
+    X = np.random.default_rng(1).uniform(size=(5, len(BOX)))
+    np.testing.assert_array_equal(again.predict_array(X), model.predict_array(X))
+
+
+def test_lines_of_the_cases_decay_as_those_of_the_grid(cases: xr.Dataset, grid: xr.Dataset) -> None:
+    some, every = lines.decays(crossing(), cases), counts.decays(grid, BOX)
+    assert list(some) == list(every)
+    for output, along in every.items():
+        for name, decay in along.items():
+            found = some[output][name].coefficients
+            assert (found <= decay.coefficients * (1 + 1e-9) + 1e-12).all()
+            assert found[1] >= 0.3 * decay.coefficients[1]
+
+
+def test_grams_are_those_of_the_dense_tensor() -> None:
+    tensor = np.random.default_rng(2).normal(size=(3, 4, 2, 5))
+    for k, gram in enumerate(compress(tensor, 0.0).grams()):
+        flat = np.moveaxis(tensor, k, 0).reshape(tensor.shape[k], -1, tensor.shape[-1])
+        np.testing.assert_allclose(gram, np.einsum("msp,nsp->pmn", flat, flat), atol=1e-12)
+
+
+def test_missing_and_bad_cases_are_named(cases: xr.Dataset) -> None:
+    with pytest.raises(ValueError, match=r"\d+ places are still to be solved"):
+        crossing().fit(cases.isel(place=slice(0, 40)))
+    with pytest.raises(ValueError, match=r"input .x.: 0\.1234 is none of its 7 levels"):
+        crossing().fit(cases.assign(x=("place", np.full(cases.sizes["place"], 0.1234))))
+    with pytest.raises(ValueError, match="output 'f' is not finite"):
+        crossing().fit(cases.assign(f=cases["f"] * np.nan))
+    with pytest.raises(ValueError, match="crossed and levels must name inputs"):
+        CrossGP(BOX, LEVELS, ("x", "q"), 1e-3)

@@ -1,0 +1,293 @@
+"""Constants and discrepancies from measured rows: intervals that hold on truths nobody has measured."""
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
+from scipy.stats import multivariate_normal
+
+from storage.netcdf import read_whole, write_whole
+from surrogate import FormatError, GridGP, Input, load, save
+from surrogate.data.measurements import Measurements
+from surrogate.gp.corrected import CorrectedGP
+from surrogate.gp.discrepancy import Discrepancy
+from surrogate.gp.draws import Draw
+from surrogate.use.learning import Learnt, NotSettledError, learn
+from surrogate.use.residuals import Residuals
+
+Array = NDArray[np.float64]
+INPUTS = (Input("x", 0.0, 1.0), Input("y", 1.0, 10.0, "log"))
+CONSTANTS = {"stiffness": "10 %", "coupling": "10 %", "nothing": "5 %"}
+SIZES = np.array([3.0, 2.0])
+
+
+def model(X: Array, z: Array) -> Array:
+    """Two outputs (n, 2) of two of three scaled constants, not linear in them; the third does nothing."""
+    x, y = X[:, 0], np.log10(X[:, 1])
+    c, e = np.exp(0.1 * z[0]), np.exp(0.1 * z[1])
+    return np.stack([2 + np.sin(2 * x) * c + 0.5 * y / e, e**2 * (1 + x * y) / np.sqrt(c)], -1)
+
+
+def slopes(X: Array, z: Array) -> Array:
+    """Derivatives of the outputs by the constants, (n, 2, 3)."""
+    steps = 1e-5 * np.eye(3)
+    return np.stack([(model(X, z + step) - model(X, z - step)) / 2e-5 for step in steps], -1)
+
+
+@dataclass(frozen=True)
+class Device:
+    """A random truth: constants, smooth discrepancies, and measured rows of which a tenth is missing."""
+
+    seed: int
+    size: float
+    count: int = 20
+
+    @property
+    def constants(self) -> Array:
+        return np.random.default_rng((self.seed, 1)).normal(size=3)
+
+    def cases(self, held_out: int = 20) -> tuple[Array, Array]:
+        """Points, those that are measured first, and the true outputs there."""
+        random = np.random.default_rng((self.seed, 2))
+        t = random.uniform(-1, 1, (self.count + held_out, 2))
+        X = np.stack([one.from_unit(t[:, k]) for k, one in enumerate(INPUTS)], 1)
+        away = cdist(t, t, "mahalanobis", VI=np.diag(random.uniform(1, 3, 2) ** -2.0))
+        root = np.linalg.cholesky(np.exp(-0.5 * away**2) + 1e-9 * np.eye(len(t)))
+        return X, model(X, self.constants) + self.size * SIZES * (root @ random.normal(size=(len(t), 2)))
+
+    def rows(self, noise: float = 0.01) -> Measurements:
+        random = np.random.default_rng((self.seed, 3))
+        X, truth = self.cases()
+        row, output = np.nonzero(random.uniform(size=(self.count, 2)) < 0.9)
+        error = noise * SIZES[output]
+        value = truth[row, output] + error * random.normal(size=len(row))
+        return Measurements(X[: self.count], row, output, value, error)
+
+
+def learnt(rows: Measurements) -> Learnt:
+    def forward(z: Array) -> tuple[Array, Array]:
+        return model(rows.points, z)[rows.row, rows.output], slopes(rows.points, z)[rows.row, rows.output]
+
+    return learn(forward, rows, INPUTS, 3, np.zeros(len(rows.value)))
+
+
+GRID = {"x": INPUTS[0].levels(8), "y": INPUTS[1].levels(6)}
+NODES = np.stack([one.ravel() for one in np.meshgrid(*GRID.values(), indexing="ij")], -1)
+
+
+def fitted(values: Array) -> GridGP:
+    whole = {f"f{k}": (("x", "y"), column.reshape(8, 6)) for k, column in enumerate(values.T)}
+    return GridGP(inputs=INPUTS, hyperparameters={"x": 0.2, "y": 0.2}).fit(xr.Dataset(whole, GRID))
+
+
+@cache
+def nominal() -> GridGP:
+    return fitted(model(NODES, np.zeros(3)))
+
+
+def corrected(found: Learnt, rows: Measurements) -> CorrectedGP:
+    """The corrected surrogate of the synthetic model, both of its members grid surrogates."""
+    shift = model(NODES, found.about) - model(NODES, np.zeros(3))
+    change = np.concatenate([shift[..., None], slopes(NODES, found.about)], -1)
+    effect = fitted(change.reshape(len(NODES), -1))
+    return CorrectedGP(nominal(), effect, CONSTANTS, found.about, found.draws, rows, np.zeros(2), "what it taught")
+
+
+def test_intervals_hold_on_two_hundred_devices() -> None:
+    # discrepancies from none to ten times the noise; 4,000 truths of each output that nobody has measured
+    truths, rows, constants = [], [], []
+    for seed in range(200):
+        device = Device(seed, size=(0.0, 0.003, 0.01, 0.03, 0.1)[seed % 5])
+        measured = device.rows()
+        found = learnt(measured)
+        X, truth = device.cases()
+        lower, upper = corrected(found, measured).interval_array(X[device.count :])
+        inside = (lower <= truth[device.count :]) & (truth[device.count :] <= upper)
+        truths.append(inside.mean())
+        rows.append((abs(measured.value - found.left_out[0]) < 1.96 * found.left_out[1]).mean())
+        constants.append((abs(device.constants - found.mean) < 1.96 * found.contraction).mean())
+    assert 0.93 <= np.mean(truths) <= 0.97
+    assert 0.93 <= np.mean(rows) <= 0.97
+    assert np.mean(constants) >= 0.93
+
+
+@pytest.fixture(scope="module")
+def device() -> Device:
+    return Device(7, size=0.03)
+
+
+@pytest.fixture(scope="module")
+def found(device: Device) -> Learnt:
+    return learnt(device.rows())
+
+
+def dense(rows: Measurements, about: Array, draw: Draw, X: Array, output: int) -> tuple[Array, Array]:
+    """Mean and variance of an output by conditioning all that is unknown at once: one large matrix, no blocks."""
+    every = np.concatenate([rows.points, X])
+    t = np.stack([one.to_unit(every[:, k]) for k, one in enumerate(INPUTS)], 1)
+    where = np.concatenate([rows.row, len(rows.points) + np.arange(len(X))])
+    which = np.concatenate([rows.output, np.full(len(X), output)])
+    J = slopes(every, about)[where, which]
+    covariance = J @ J.T
+    for q, one in draw.discrepancies.items():
+        away = cdist(t[where] / one.lengths, t[where] / one.lengths)
+        covariance += np.outer(which == q, which == q) * one.amplitude**2 * np.exp(-0.5 * away**2)
+    n = len(rows.value)
+    noise = np.empty(n)
+    for q, one in draw.discrepancies.items():
+        noise[rows.of(q)] = one.noise
+    mean = model(every, about)[where, which] - J @ about
+    weights = np.linalg.solve(covariance[:n, :n] + np.diag(noise), covariance[:n, n:]).T
+    left = covariance[n:, n:] - weights @ covariance[:n, n:]
+    return mean[n:] + weights @ (rows.value - mean[:n]), np.diag(left)
+
+
+def test_predictions_are_those_of_one_joint_gaussian(device: Device, found: Learnt) -> None:
+    rows, X = device.rows(), device.cases()[0][device.count :]
+    surrogate = corrected(found, rows)
+    mean, std = surrogate.predict_array(X, return_std=True)
+    for output in range(2):
+        parts = [dense(rows, found.about, draw, X, output) for draw in found.draws]
+        means, variances = (np.array(each) for each in zip(*parts, strict=True))
+        np.testing.assert_allclose(mean[:, output], means.mean(axis=0), rtol=1e-6)
+        own = nominal().predict_array(X, return_std=True)[1][:, output]
+        whole = (variances + means**2).mean(axis=0) - means.mean(axis=0) ** 2 + own**2
+        np.testing.assert_allclose(std[:, output] ** 2, whole, rtol=1e-5)
+
+
+def test_values_left_out_are_predicted_from_all_other_rows(device: Device, found: Learnt) -> None:
+    rows = device.rows()
+    kept = rows.row != rows.row[5]
+    others = Measurements(rows.points, rows.row[kept], rows.output[kept], rows.value[kept], rows.error[kept])
+    parts = []
+    for draw in found.draws:
+        own = {}
+        for q, one in draw.discrepancies.items():
+            some = kept[rows.of(q)]
+            own[q] = Discrepancy(
+                one.points[some], one.noise[some], one.amplitude, one.lengths, one.residual[some], one.slopes[some]
+            )
+        mean, variance = dense(others, found.about, Draw.of(own, 3), rows.points[rows.row[5]][None], rows.output[5])
+        parts.append((mean[0], variance[0] + rows.error[5] ** 2))
+    means, variances = np.array(parts).T
+    assert found.left_out[0][5] == pytest.approx(means.mean(), rel=1e-6)
+    assert found.left_out[1][5] ** 2 == pytest.approx(variances.mean() + means.var(), rel=1e-5)
+
+
+def test_evidence_is_that_of_a_normal_density_and_its_slope_that_of_differences(device: Device) -> None:
+    rows = device.rows()
+    k = rows.of(0)
+    t = np.stack([one.to_unit(rows.points[rows.row[k], i]) for i, one in enumerate(INPUTS)], 1)
+    J, error = slopes(rows.points, np.zeros(3))[rows.row[k], 0], rows.error[k].copy()
+    error[::3] = np.nan
+    nominal = model(rows.points, np.zeros(3))[rows.row[k], 0]
+    some = Residuals.of(t, rows.value[k] - nominal, J, error, np.zeros(len(k)), nominal)
+    prior = Draw(np.array([0.3, -0.2, 0.1]), np.diag([0.5, 1.0, 0.8]), {})
+    loss = some.loss(prior)
+    at, other = np.log([0.05, 1.2, 2.5, 0.03]), np.log([0.1, 2.0, 0.9, 0.01])
+
+    def density(parameters: Array) -> float:
+        one = some.at(parameters)
+        covariance = one.covariance(t) + np.diag(one.noise) + J @ prior.covariance @ J.T
+        return float(multivariate_normal(J @ prior.mean, covariance).logpdf(one.residual)) + some.prior(parameters)
+
+    assert loss(at)[0] - loss(other)[0] == pytest.approx(density(other) - density(at), rel=1e-7)
+    numeric = [(loss(at + step)[0] - loss(at - step)[0]) / 2e-5 for step in 1e-5 * np.eye(4)]
+    np.testing.assert_allclose(loss(at)[1], numeric, rtol=1e-5, atol=1e-5)
+
+
+def test_gradients_are_those_of_the_means(device: Device, found: Learnt) -> None:
+    surrogate = corrected(found, device.rows())
+    X, step = np.array([[0.3, 2.0], [0.8, 6.0]]), np.array([1e-4, 0.0])
+    slope = surrogate.gradient(X, return_std=True)
+    numeric = (surrogate.predict_array(X + step) - surrogate.predict_array(X - step)) / 2e-4
+    np.testing.assert_allclose(slope["f0"].sel(input="x"), numeric[:, 0], rtol=1e-5)
+    assert (slope["f0_std"] > 0).all()
+
+
+def test_a_stored_model_gives_the_same_answers(device: Device, found: Learnt, tmp_path: Path) -> None:
+    surrogate = corrected(found, device.rows())
+    save(surrogate, tmp_path / "a.nc")
+    again = load(tmp_path / "a.nc")
+    assert isinstance(again, CorrectedGP)
+    assert (again.constants_, again.learnt_) == (CONSTANTS, "what it taught")
+    xr.testing.assert_identical(
+        again.interval({"x": [0.2, 0.4], "y": 3.0}), surrogate.interval({"x": [0.2, 0.4], "y": 3.0})
+    )
+    save(again, tmp_path / "b.nc")
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("changed", "reason"),
+    [
+        ({"measured_output": np.full(33, 2)}, "a measured value is of no output or no row"),
+        ({"measured_row": np.zeros(33, int)}, "an output is measured twice in a row"),
+        ({"draw_noise": np.full((16, 33), -1.0)}, "inconsistent"),
+        ({"draw_mean": np.zeros((16, 3))}, "the stored predictions probe_mean do not come out again"),
+        ({"effect_engine": "corrected"}, "unknown engine 'corrected'; known are grid"),
+    ],
+)
+def test_an_inconsistent_file_is_refused(
+    changed: dict[str, Any], reason: str, device: Device, found: Learnt, tmp_path: Path
+) -> None:
+    rows = device.rows()
+    assert len(rows.value) == 33
+    save(corrected(found, rows), tmp_path / "a.nc")
+    stored = read_whole(tmp_path / "a.nc")
+    for name, value in changed.items():
+        if name in stored:
+            stored[name] = (stored[name].dims, value, stored[name].attrs)
+        else:
+            stored.attrs[name] = value
+    write_whole(stored, tmp_path / "b.nc")
+    with pytest.raises(FormatError, match=reason):
+        load(tmp_path / "b.nc")
+
+
+def test_what_rows_do_not_tell_stays_as_it_was(found: Learnt) -> None:
+    assert found.contraction[2] == pytest.approx(1.0, abs=1e-6)
+    contraction, directions = found.directions
+    assert contraction[-1] == pytest.approx(1.0, abs=1e-6)
+    assert abs(directions[2, -1]) == pytest.approx(1.0, abs=1e-6)
+    assert found.contraction[:2].max() < 0.7
+
+
+def test_a_discrepancy_is_found_where_there_is_one() -> None:
+    real, none = learnt(Device(11, 0.1, 40).rows()), learnt(Device(11, 0.0, 40).rows())
+    assert min(real.odds.values()) > np.log(20)
+    assert max(none.odds.values()) < np.log(3)
+
+
+def test_unknown_errors_of_measurement_are_estimated() -> None:
+    rows = Device(3, 0.0, 60).rows(0.02)
+    nobody = Measurements(rows.points, rows.row, rows.output, rows.value, np.full_like(rows.error, np.nan))
+    found = learnt(nobody)
+    for q in range(2):
+        noise = np.sqrt(np.mean([one.discrepancies[q].noise[0] for one in found.draws]))
+        assert noise == pytest.approx(0.02 * SIZES[q], rel=0.3)
+
+
+def test_what_cannot_be_learnt_is_refused(device: Device) -> None:
+    rows = device.rows()
+    few = Measurements(rows.points, rows.row[:4], rows.output[:4], rows.value[:4], rows.error[:4])
+    with pytest.raises(ValueError, match=r"4 measured values are fewer than 5 unknowns \(3 constants, 2 disc"):
+        learnt(few)
+    with pytest.raises(NotSettledError, match="does not settle"):  # a derivative of the wrong sign leads away
+        learn(lambda z: (5 + z[0] * np.ones(30), -np.ones((30, 1))), repeated(30), INPUTS, 1, np.zeros(30))
+    with pytest.raises(ValueError, match="positive"):
+        Measurements(rows.points, rows.row, rows.output, rows.value, -rows.error)
+    with pytest.raises(ValueError, match="twice"):
+        Measurements(rows.points, 0 * rows.row, rows.output, rows.value, rows.error)
+
+
+def repeated(count: int) -> Measurements:
+    """One output at random points, measured as 6 +- 0.001."""
+    X = np.stack([one.from_unit(np.random.default_rng(k).uniform(-1, 1, count)) for k, one in enumerate(INPUTS)], 1)
+    return Measurements(X, np.arange(count), np.zeros(count, int), np.full(count, 6.0), np.full(count, 1e-3))

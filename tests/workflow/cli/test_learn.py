@@ -1,0 +1,139 @@
+"""``meecontact learn``: from a table of measured rows to a corrected surrogate that ``query`` answers with."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from surrogate import load, save
+from surrogate.gp.corrected import CorrectedGP
+from tests.workflow.learning.test_measured import study_of
+from workflow.cli import main
+from workflow.dataset import factorial
+from workflow.learning import constants
+
+STUDY = """\
+title: A half-plane
+fixed: {volume_fraction: 0.5, friction: 0.2}
+categories: {composite: [fibrous, laminate]}
+factors:
+  radius: {low: 0.02, high: 0.1, levels: 5, scale: log}
+  load: {low: 1e4, high: 1e5, levels: 5, scale: log}
+surrogate: {outputs: [depth, contact_trailing, voltage]}
+"""
+HEADER = "radius [cm],load,composite,depth,depth_std,voltage [kV]\n"
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a study, its surrogate, and rows that were measured on a softer ceramic."""
+    folder = tmp_path_factory.mktemp("learn")
+    (folder / "config").mkdir()
+    (folder / "results/study").mkdir(parents=True)
+    study, model = study_of(STUDY, folder / "config")
+    save(model, folder / "results/study/surrogate.nc")
+    known = constants.uncertain(study, {"BaTiO3 stiffness": None})
+    points = factorial.points(study, 15, (1,))
+    exact = factorial.exact(constants.moved(study, known, np.array([-1.5])), points).sel(composite="laminate")
+    lines = ["# made up\n", HEADER]
+    read = [points["radius"], points["load"], exact["depth"], exact["voltage"]]
+    for k, (radius, force, depth, voltage) in enumerate(zip(*(one.values.tolist() for one in read), strict=True)):
+        depth *= 1 + 0.002 * float(np.random.default_rng(k).normal())
+        told = repr(1e-3 * voltage * (1 + 0.003 * float(np.sin(9 * k)))) if k % 3 else ""
+        lines.append(f"{100 * radius!r},{force!r},laminate,{depth!r},{0.002 * depth!r},{told}\n")
+    (folder / "rows.csv").write_text("".join(lines), encoding="utf-8")
+    return folder
+
+
+def asked(project: Path, *words: str, rows: str = "rows.csv") -> int:
+    surrogate = str(project / "results/study/surrogate.nc")
+    return main.main(["learn", str(project / rows), "--on", surrogate, "--uncertain", "BaTiO3 stiffness", *words])
+
+
+def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = project / "results/study/corrected.nc"
+    assert asked(project, "--json") == 0
+    said = capsys.readouterr()
+    found = json.loads(said.out)
+    assert (found["rows"], found["values"]) == (15, 25)
+    (stiffness,) = found["constants"]
+    assert stiffness["name"] == "BaTiO3 stiffness"
+    assert stiffness["mean"] == pytest.approx(-1.5, abs=0.3)
+    assert f"wrote {out}" in said.err
+    model = load(out)
+    assert isinstance(model, CorrectedGP)
+    assert model.learnt_.startswith("15 rows, 25 measured values\nBaTiO3 stiffness: moved by -1.")
+    assert main.main(["query", str(out), "--at", "radius=0.05,load=5e4"]) == 0
+    after = capsys.readouterr().out
+    assert main.main(["query", str(project / "results/study/surrogate.nc"), "--at", "radius=0.05,load=5e4"]) == 0
+    before = capsys.readouterr().out
+    extent = [float(text.split("contact_trailing[fibrous]")[1].split()[0]) for text in (after, before)]
+    assert extent[0] > 1.01 * extent[1]  # never measured: the contact is wider on what is softer
+    assert asked(project, "-o", str(project / "again.nc")) == 0
+    assert capsys.readouterr().out.splitlines() == model.learnt_.split("\n")
+    assert (project / "again.nc").read_bytes() == out.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("radius [cm]", "radius [V]", "column 'radius': unit mismatch: 'V' does not measure what 'm' measures"),
+        ("voltage [kV]", "voltage [km]", "column 'voltage': unit mismatch: 'km' does not measure what 'V' measures"),
+        ("composite,", "composite [1],", "column 'composite': holds names, which have no unit"),
+        ("voltage [kV]", "volts", "column 'volts': unknown column; did you mean"),
+        ("voltage [kV]", "capacitance", "column 'capacitance': unknown column"),
+        ("voltage [kV]", "thickness", "thickness: neither an input of the surrogate nor learned by it"),
+        ("radius [cm]", "radius", "is outside the trained box [0.02, 0.1] m"),
+        (",depth,", ",contact_trailing,", "depth_std: without a column depth"),
+        (",depth,depth_std,voltage [kV]", ",friction,speed,datum", "friction: neither an input"),
+        (",composite,", ",material,", "material: neither an input"),
+        ("load,", "charge,", "charge: neither an input"),
+        (",laminate,", ",AlScN,", "composite: 'AlScN'; must be one of fibrous, laminate"),
+        (",laminate,", ",,", "composite: empty; must be one of fibrous, laminate"),
+        ("voltage [kV]", "voltage [nV]", "voltage[laminate]: measured values are 1.1e-12 times"),
+    ],
+)
+def test_rows_that_do_not_fit_are_refused(
+    old: str, new: str, reason: str, project: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (project / "rows.csv").read_text(encoding="utf-8")
+    (project / "bad.csv").write_text(text.replace(old, new), encoding="utf-8")
+    before = sorted(project.rglob("*"))
+    assert asked(project, rows="bad.csv") == 2
+    said = capsys.readouterr()
+    assert reason in said.err
+    assert said.err.count("meecontact: ") == 1
+    assert said.out == ""
+    assert sorted(project.rglob("*")) == before
+
+
+def test_errors_that_are_not_positive_and_too_few_rows_are_refused(
+    project: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = (project / "rows.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    cells = lines[3].split(",")
+    cells[4] = "-1e-9"
+    for text, reason in (
+        ("".join([*lines[:3], ",".join(cells), *lines[4:]]), "line 4: depth_std: -1e-09: must be a positive number"),
+        ("".join(lines[:9]), "7 rows with a measured value; must be 10 to 1000"),
+    ):
+        (project / "bad.csv").write_text(text, encoding="utf-8")
+        assert asked(project, rows="bad.csv") == 2
+        assert reason in capsys.readouterr().err
+
+
+def test_other_surrogates_and_constants_are_refused(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert asked(project, "--uncertain", "CoFe2O4 stifness") == 2
+    assert "did you mean 'CoFe2O4 stiffness'?" in capsys.readouterr().err
+    for word in ("CoFe2O4 stiffness=2", "CoFe2O4 stiffness=x", "CoFe2O4 stiffness=0"):
+        assert asked(project, "--uncertain", word) == 2
+        assert "is not a number above 0 and up to 0.5" in capsys.readouterr().err
+    model = load(project / "results/study/surrogate.nc")
+    model.made_from_ = "another study"
+    (project / "results/other").mkdir(exist_ok=True)
+    save(model, project / "results/study/other.nc")
+    assert main.main(["learn", str(project / "rows.csv"), "--on", str(project / "results/study/other.nc")]) == 2
+    assert "was made from another state of the study" in capsys.readouterr().err
+    assert asked(project, "-o", str(project / "rows.csv")) == 2
+    assert "is an input of this command" in capsys.readouterr().err

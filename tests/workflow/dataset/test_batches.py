@@ -1,0 +1,139 @@
+"""Films by cross approximation: batches of places, their slabs, and the surrogate, as jobs make them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver.film.windows import window
+from storage.netcdf import read_whole, write_whole
+from surrogate import GridGP
+from workflow.dataset import batches, datacard, factorial, quantities
+from workflow.learning import training
+from workflow.study.model import Study, load
+from workflow.study.reading import InputError
+
+FILM = """\
+title: Two layers
+fixed: {radius: 0.05, base: steel, friction: 0.2}
+body:
+  - {composite: fibrous, volume_fraction: volume_fraction, thickness: thickness}
+  - composite: fibrous
+    volume_fraction: lower_volume_fraction
+    thickness: thickness
+    below: {electric: grounded, magnetic: grounded}
+factors:
+  volume_fraction: {low: 0.45, high: 0.55, levels: 3}
+  lower_volume_fraction: {low: 0.45, high: 0.55, levels: 4}
+  thickness: {low: 2e-4, high: 2.5e-4, levels: 2, scale: log}
+  load: {low: 2e4, high: 3e4, levels: 3, scale: log}
+dataset: {slabs: 2}
+surrogate: {method: cross, outputs: [voltage, contact_offset, charge_sensitivity]}
+validation: {cases: 20, calibration: 40, tolerance: 1e-3}
+"""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    path = tmp_path_factory.mktemp("crossed") / "crossed.yaml"
+    path.write_text(FILM, encoding="utf-8")
+    return load(path)
+
+
+def run(study: Study, folder: Path) -> list[Path]:
+    """Round after round as the rules make them; files that are there stay."""
+    slabs: list[Path] = []
+    for number in range(30):
+        places = folder / f"{number}.nc"
+        if not places.exists():
+            batches.write_places(study, training.places(study, [read_whole(slab) for slab in slabs]), places)
+        files = [folder / f"{number}_{index}.nc" for index in range(batches.slabs(study, places))]
+        for index, file in enumerate(files):
+            if not file.exists():
+                batches.write_slab(study, places, index, file)
+        if not files:
+            return slabs
+        slabs += files
+    raise AssertionError("no end")
+
+
+@pytest.fixture(scope="module")
+def slabs(study: Study, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    return run(study, tmp_path_factory.mktemp("cross"))
+
+
+def gathered(slabs: list[Path], path: Path) -> bytes:
+    write_whole(quantities.gather([read_whole(slab) for slab in slabs]), path)
+    return path.read_bytes()
+
+
+def test_it_is_the_surrogate_of_the_whole_factorial(study: Study, slabs: list[Path]) -> None:
+    assert study.crossed == ["lower_volume_fraction", "volume_fraction"]
+    crossed = training.fit(study, quantities.gather([read_whole(slab) for slab in slabs]))
+    exact = factorial.learned(study, factorial.exact(study, factorial.levels(study)))
+    whole = GridGP(inputs=factorial.inputs(study), outputs=study.learned, compression=1e-9).fit(exact)
+    points = {name: values.values for name, values in factorial.points(study, 200, (5,)).items()}
+    X = np.stack(list(points.values()), axis=1)
+    away = np.abs(crossed.predict_array(X) - whole.predict_array(X)).max(axis=0)
+    assert (away <= 1e-3 * np.array([np.ptp(exact[name].values) for name in study.outputs])).all()
+    assert crossed.made_from_ == study.physics
+
+
+def test_slabs_and_restarts_change_no_byte(study: Study, slabs: list[Path], tmp_path: Path) -> None:
+    one = study.model_copy(update={"dataset": study.dataset.model_copy(update={"slabs": 1})})
+    for name in ("0.nc", "0_0.nc"):  # a run of one slab a batch that was ended after its first
+        if name == "0.nc":
+            (tmp_path / name).write_bytes((slabs[0].parent / name).read_bytes())
+        else:
+            batches.write_slab(one, tmp_path / "0.nc", 0, tmp_path / name)
+    again = run(one, tmp_path)
+    assert len(again) < len(slabs)
+    assert gathered(again, tmp_path / "again.nc") == gathered(slabs, tmp_path / "first.nc")
+
+
+def test_the_card_counts_what_was_solved(study: Study, slabs: list[Path]) -> None:
+    card = datacard.card(study, "crossed", slabs, [])
+    places = sum(read_whole(slab).sizes["place"] for slab in slabs)
+    assert card["cases"] == 6 * places == 6 * sum(one["levels"] for one in card["files"])
+    assert card["positions"] == []
+    assert "a cross approximation asked for" in datacard.markdown(card)
+
+
+def test_films_that_differ_in_size_alone_share_their_tables(study: Study) -> None:
+    cases = {"volume_fraction": 0.471, "lower_volume_fraction": 0.522, "load": 2e4}
+    one = factorial.exact(study, {**cases, "thickness": xr.DataArray([2e-4], dims="thickness")})
+    made = window.cache_info().misses
+    factorial.exact(study, {**cases, "thickness": xr.DataArray([2e-4, 2.1e-4], dims="thickness")})
+    assert window.cache_info().misses == made
+    # by dimension: twice the lengths under twice the load
+    fixed = study.model_copy(update={"fixed": {**study.fixed, "radius": 0.1}})
+    twice = factorial.exact(fixed, {**cases, "load": 4e4, "thickness": xr.DataArray([4e-4], dims="thickness")})
+    for name, times in {"voltage": 2.0, "peak_pressure": 1.0, "contact_offset": 2.0, "capacitance": 1.0}.items():
+        np.testing.assert_allclose(twice[name].values, times * one[name].values, rtol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("0.55, levels: 3}", "0.55}", "factors: volume_fraction: levels are missing; surrogate: method: cross needs"),
+        ("outputs: [v", "kernel: rbf, outputs: [v", "surrogate: method: cross learns no fields, and its kernel is"),
+        ("slabs: 2", "slabs: 2, budget: 5", "factors: 6 cases at a place are more than dataset: budget: 5"),
+        ("slabs: 2", "slabs: 2, peaks: true", "dataset: peaks: surrogate: method: cross learns no largest stresses"),
+        ("method: cross", "method: kross", "surrogate.method: 'kross': input should be"),
+        (
+            "volume_fraction: volume_fraction, thickness: thickness}",
+            "volume_fraction: volume_fraction, thickness: 2e-4}",
+            "body.1: thickness: 'thickness' must be <word>_thickness, or a number",
+        ),
+    ],
+)
+def test_bad_studies_are_refused_in_one_line(tmp_path: Path, old: str, new: str, expected: str) -> None:
+    assert old in FILM
+    path = tmp_path / "bad.yaml"
+    path.write_text(FILM.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load(path)
+    line = str(caught.value)
+    assert "\n" not in line
+    assert expected in line

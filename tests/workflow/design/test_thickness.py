@@ -1,0 +1,54 @@
+"""The best thickness of a film: a composite's lies where the contact is about as wide as the film is thick."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import solve
+from workflow.dataset import factorial
+from workflow.design import search, spoken
+from workflow.learning import training
+from workflow.study.model import load
+
+STUDY = """\
+title: A film, thin to thick
+fixed:
+  {{composite: fibrous, volume_fraction: {fraction}, base: rigid, friction: 0.2, radius: 0.05, load: 1e4, charge: 0.0}}
+factors:
+  thickness: {{low: 2e-5, high: 1e-3, levels: 16, scale: log}}
+surrogate: {{outputs: [charge_sensitivity, capacitance, trailing_tension]}}
+validation: {{cases: 20, calibration: 40, tolerance: 1e-2}}
+device:
+  electrode_length: 10 mm
+  amplifier: {{input_capacitance: 10 pF, input_resistance: 1 TOhm, cable_capacitance: 100 pF, charge_noise: 1 fC}}
+design:
+  charge: {{maximise: abs(charge_sensitivity), over: [thickness]}}
+  voltage: {{maximise: abs(signal_voltage), over: [thickness], subject_to: [time_constant >= 100 s]}}
+"""
+DENSE = np.geomspace(2e-5, 1e-3, 241)
+
+
+@pytest.mark.parametrize(("fraction", "interior"), [(0.5, True), (1.0, False)])  # of BaTiO3: the composite, and pure
+def test_the_optimum_in_thickness_comes_out_by_itself(tmp_path: Path, fraction: float, interior: bool) -> None:
+    path = tmp_path / "film.yaml"
+    path.write_text(STUDY.format(fraction=fraction), encoding="utf-8")
+    study = load(path)
+    model = training.fit(study, factorial.exact(study, factorial.axes(study)))
+    exact = solve({**study.fixed, "thickness": DENSE})
+    found = search.solve_target(study, "charge", model)
+    best = float(abs(exact["charge_sensitivity"]).max())
+    assert float(found["exact"][0]) >= best * (1 - 1e-3)
+    thickness = float(found["value"].sel(factor="thickness"))
+    assert (2.1e-5 < thickness < 0.95e-3) == interior
+    assert (spoken.AT_EDGE in spoken.verdict(found).kind) != interior
+
+    voltage = search.solve_target(study, "voltage", model)
+    circuit = exact["capacitance"] * 0.01 + 110e-12
+    signal = abs(exact["charge_sensitivity"] * 1e4 * 0.01 / circuit).where(circuit * 1e12 >= 100)
+    assert float(voltage["exact"][0]) >= float(signal.max()) * (1 - 1e-3)
+    figures = voltage["figure_low"].to_series()
+    assert figures["force"] == pytest.approx(100.0)
+    assert abs(figures["signal_voltage"]) == pytest.approx(float(voltage["exact"][0]), rel=1e-9)
+    assert figures["smallest_force"] * abs(figures["signal_charge"]) / figures["force"] == pytest.approx(1e-15)
+    assert "time constant" in spoken.verdict(voltage).device

@@ -1,0 +1,167 @@
+"""Designs that keep their limits within tolerances, against dense exact searches and samples."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy import stats
+
+from solver import solve
+from surrogate import GaussianProcess
+from workflow.dataset import factorial
+from workflow.design import scenarios, search, spoken
+from workflow.learning import training
+from workflow.study.model import Study, load
+from workflow.study.target import Distribution, Target
+
+STUDY = """\
+title: A small study
+fixed: {composite: fibrous, load: 1e4}
+factors:
+  volume_fraction: {low: 0.4, high: 0.8, levels: 12}
+  friction: {low: 0.0, high: 0.5, levels: 4}
+  radius: {low: 0.02, high: 0.3, levels: 5, scale: log}
+surrogate: {outputs: [voltage_sensitivity, charge_sensitivity, trailing_tension, contact_trailing]}
+validation: {cases: 20, calibration: 200, tolerance: 1e-3}
+"""
+LIMIT = 50e6
+OVER = ["volume_fraction", "radius"]
+FRICTION = np.linspace(0.1, 0.4, 5)
+
+
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, GaussianProcess]:
+    path = tmp_path_factory.mktemp("tolerances") / "small.yaml"
+    path.write_text(STUDY, encoding="utf-8")
+    study = load(path)
+    return study, training.fit(study, factorial.exact(study, factorial.axes(study)))
+
+
+def answer(fitted: tuple[Study, GaussianProcess], **changed: Any) -> xr.Dataset:
+    asked = {
+        "maximise": "abs(voltage_sensitivity)", "over": OVER, "worst_case": {"friction": [0.1, 0.4]},
+        "subject_to": ["trailing_tension <= 50 MPa"],
+    }  # fmt: skip
+    target = Target.model_validate(asked | changed)
+    fitted[0].check_target("mine", target)
+    return search.answer(fitted[0], "mine", target, fitted[1])
+
+
+def test_the_worst_of_the_tolerances_keeps_the_limit_and_costs_what_a_dense_search_says(
+    fitted: tuple[Study, GaussianProcess],
+) -> None:
+    found = answer(fitted, tolerance={"radius": "5 %", "volume_fraction": 0.02})
+    fractions, radii = np.linspace(0.64, 0.7, 31), np.geomspace(0.135, 0.16, 61)
+    off, share = np.array([-0.02, 0.0, 0.02]), np.array([0.95, 1.0, 1.05])
+    cases = {
+        "volume_fraction": xr.DataArray(fractions, dims="v") + xr.DataArray(off, dims="dv"),
+        "radius": xr.DataArray(radii, dims="r") * xr.DataArray(share, dims="dr"),
+        "friction": xr.DataArray(FRICTION, dims="f"), "composite": "fibrous", "load": 1e4,
+    }  # fmt: skip
+    exact = solve(cases)[["voltage_sensitivity", "trailing_tension"]]
+
+    def best(part: xr.Dataset) -> float:
+        goal = abs(part["voltage_sensitivity"]).min(["dv", "dr", "f"])
+        return float(goal.where(part["trailing_tension"].max(["dv", "dr", "f"]) <= LIMIT).max())
+
+    whole = best(exact)
+    assert float(found["exact"][0]) >= whole * (1 - 1e-3)
+    nominal, radius, fraction = (best(exact.isel(only)) for only in (
+        {"dv": [1], "dr": [1]}, {"dv": slice(None), "dr": [1]}, {"dv": [1], "dr": slice(None)},
+    ))  # fmt: skip
+    assert float(found["nominal_exact"]) == pytest.approx(nominal, rel=1e-3)
+    costs = found["tolerance_cost"].to_series()
+    assert costs["radius"] == pytest.approx(radius / whole - 1, abs=5e-4)
+    assert costs["volume_fraction"] == pytest.approx(fraction / whole - 1, abs=5e-4)
+    assert costs["radius"] > costs["volume_fraction"] > 0
+    assert found["tolerance_gain"].sel(factor="radius") == pytest.approx(costs["radius"] / 2, rel=0.1)
+    # and nothing within the tolerances of this design is beyond the limit
+    at = found["value"].to_series()
+    box = {
+        "volume_fraction": at["volume_fraction"] + np.linspace(-0.02, 0.02, 9),
+        "radius": at["radius"] * np.linspace(0.95, 1.05, 9), "friction": np.linspace(0.1, 0.4, 9),
+    }  # fmt: skip
+    assert float(solve({**box, "composite": "fibrous", "load": 1e4})["trailing_tension"].max()) <= LIMIT * (1 + 1e-9)
+    told = spoken.verdict(found).tolerance
+    assert told.startswith("Within 0.02 of volume fraction and 5 % of radius every limit is kept as it is asked for. ")
+    assert "5 % of radius costs 0.54 % (half of it would gain 0.27 %)" in told
+
+
+def test_a_promised_share_of_the_tolerances_is_kept_in_a_dense_exact_sample(
+    fitted: tuple[Study, GaussianProcess],
+) -> None:
+    changed = {"over": ["radius"], "at": {"volume_fraction": 0.66}, "worst_case": {}, "tolerance": {"radius": "5 %"}}
+    friction = {"friction": Distribution(triangular=[0.1, 0.2, 0.4])}
+    found = answer(
+        fitted, **changed, uncertain=friction, subject_to=["trailing_tension <= 50 MPa with probability 0.95"]
+    )
+    shares = (np.arange(300) + 0.5) / 300
+    even = solve(  # every pair of two even samples, a radius and a friction
+        {"radius": float(found["value"].sel(factor="radius")) * (0.95 + 0.1 * shares),
+         "friction": stats.triang.ppf(shares, 1 / 3, 0.1, 0.3), "volume_fraction": 0.66, "composite": "fibrous",
+         "load": 1e4}
+    )  # fmt: skip
+    assert float(np.mean(even["trailing_tension"] <= LIMIT)) == pytest.approx(0.95, abs=2e-3)
+
+
+def test_a_deviation_is_from_the_mean_of_its_distribution(fitted: tuple[Study, GaussianProcess]) -> None:
+    target = Target(
+        minimise="deviation(charge_sensitivity over friction)", over=["radius"], at={"volume_fraction": 0.6},
+        worst_case={"friction": [0.0, 0.5]}, subject_to=["deviation(trailing_tension) <= 500 %"],
+    )  # fmt: skip
+    found = search.answer(fitted[0], "mine", target, fitted[1])
+    at = {"radius": float(found["value"].sel(factor="radius")), "volume_fraction": 0.6, "composite": "fibrous"}
+    dense = solve({**at, "load": 1e4, "friction": np.linspace(0, 0.5, 2001)})
+    for k, name in enumerate(("charge_sensitivity", "trailing_tension")):
+        values = dense[name].values
+        mean = (values.sum() - (values[0] + values[-1]) / 2) / 2000  # of a uniform friction
+        assert float(found["exact"][k]) == pytest.approx(np.abs(values / mean - 1).max(), rel=1e-6)
+
+
+@pytest.mark.parametrize("count", [5, 31])
+def test_means_over_distributions_are_those_of_polynomials(count: int) -> None:
+    uncertain = {
+        "load": Distribution(triangular=[1.0, 2.0, 4.0]), "speed": Distribution(normal=[5.0, 0.5]),
+    }  # fmt: skip
+    target = Target(
+        maximise="voltage", over=["radius"], worst_case={"friction": [0.0, 2.0]}, uncertain=uncertain,
+        tolerance={"radius": "5 %"}, subject_to=["deviation(voltage over friction) <= 2 %"],
+    )  # fmt: skip
+    names = ("friction", "load", "speed", "radius")
+    nodes = {4: count}
+    levels = scenarios.along(target, names, nodes)
+    weights = scenarios.weights(target, names, nodes)
+    tolerated = 3 if count == 5 else 5
+    assert (levels.groups, levels.draws) == (1, count**3 * tolerated)
+    known = {**levels.values, **levels.offsets}
+    triangular, normal = stats.triang(1 / 3, 1, 3), stats.truncnorm(-3, 3, 5, 0.5)
+    expected = {"friction": 4 / 3, "load": triangular.moment(2), "speed": normal.moment(2), "radius": 1 / 3}
+    for name, second in expected.items():
+        assert float(weights @ known[name] ** 2) == pytest.approx(second, rel=2e-6)
+    apart = scenarios.along(target, ("load",), nodes)
+    assert (apart.groups, apart.draws) == (count**2 * tolerated, count)
+    assert np.all(apart.values["friction"].reshape(-1, count) == apart.values["friction"].reshape(-1, count)[:, :1])
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({"tolerance": {"radius": "95 %"}}, "radius: 95 % is larger than the range 0.02 to 0.3 leaves room for"),
+        ({"tolerance": {"radius": "0.2 m"}}, "radius: 0.2 m is larger than the range 0.02 to 0.3 leaves room for"),
+        ({"tolerance": {"radius": "5 MPa"}}, "radius: unit mismatch: '5 MPa' for a number in m"),
+        ({"tolerance": {"radius": "100 %"}}, "radius: 100 %: must be below 100 %"),
+        ({"tolerance": {"radius": -1.0}}, "radius: -1 is not a positive number"),
+        ({"tolerance": {"friction": 0.1}}, "friction: is not one of the design variables: volume_fraction, radius"),
+        (
+            {"maximise": "deviation(voltage_sensitivity)"},
+            "'deviation\\(voltage_sensitivity\\)': a deviation is minimised",
+        ),
+        ({"subject_to": ["deviation(voltage_sensitivity over radius) <= 2 %"]}, "'radius' is none of worst_case"),
+    ],
+)
+def test_tolerances_without_sense_are_named(
+    fitted: tuple[Study, GaussianProcess], changed: dict[str, Any], told: str
+) -> None:
+    with pytest.raises(ValueError, match=told):
+        answer(fitted, **changed)

@@ -1,0 +1,90 @@
+"""Uncertain constants of a study's materials: what is found, with which priors, and what a moved study answers."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import Material, find, solve
+from workflow.dataset import factorial
+from workflow.learning import constants
+from workflow.study.model import Study, load
+from workflow.study.reading import InputError
+
+FILM = """\
+title: A film on steel
+fixed: {composite: fibrous, volume_fraction: 0.5, friction: 0.1, radius: 0.05, interface_electric: grounded,
+        interface_magnetic: grounded}
+categories: {base: [rigid, steel]}
+factors:
+  thickness: {low: 2e-4, high: 6e-4, levels: 6, scale: log}
+  load: {low: 2e4, high: 1e5, levels: 6, scale: log}
+surrogate: {outputs: [depth, contact_trailing, voltage]}
+"""
+LAYERS = """\
+title: layers
+fixed: {base: copper, radius: 0.05, friction: 0.1}
+body:
+  - {material: PZT-4, thickness: thickness}
+  - {material: steel, thickness: 1e-3}
+factors:
+  thickness: {low: 1e-4, high: 1e-3, levels: 3}
+  load: {low: 1e4, high: 2e4, levels: 3}
+"""
+
+
+@pytest.fixture(scope="module")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    path = tmp_path_factory.mktemp("film") / "film.yaml"
+    path.write_text(FILM, encoding="utf-8")
+    return load(path)
+
+
+def test_families_and_their_priors(film: Study) -> None:
+    found = {one.name: one.std for one in constants.uncertain(film)}
+    assert list(found) == [
+        "BaTiO3 stiffness", "BaTiO3 piezoelectricity", "BaTiO3 permittivity", "BaTiO3 permeability",
+        "CoFe2O4 stiffness", "CoFe2O4 piezomagnetism", "CoFe2O4 permittivity", "CoFe2O4 permeability",
+        "steel modulus", "steel poisson",
+    ]  # fmt: skip
+    other = find("BaTiO3 (alternative 1)")
+    off = np.mean([np.log(other.eps11 / find("BaTiO3").eps11), np.log(other.eps33 / find("BaTiO3").eps33)])
+    assert found["BaTiO3 permittivity"] == pytest.approx(abs(off))
+    assert {found["steel poisson"], found["steel modulus"], found["CoFe2O4 stiffness"]} == {0.02, 0.05}
+
+
+def test_materials_of_layers_and_bases(tmp_path: Path) -> None:
+    (tmp_path / "layers.yaml").write_text(LAYERS, encoding="utf-8")
+    names = {one.name for one in constants.uncertain(load(tmp_path / "layers.yaml"))}
+    assert names == {
+        "PZT-4 stiffness", "PZT-4 piezoelectricity", "PZT-4 permittivity", "steel modulus", "steel poisson",
+        "copper modulus", "copper poisson",
+    }  # fmt: skip
+
+
+def test_a_moved_study_is_solved_with_moved_constants(film: Study) -> None:
+    asked = constants.uncertain(film, {"steel modulus": 0.1, "steel poisson": None, "BaTiO3 e33": 0.2})
+    moved = constants.moved(film, asked, np.array([1.0, -1.0, 0.5]))
+    at = {"thickness": 3e-4, "load": 5e4}
+    found = factorial.exact(moved, {**at, "base": "steel"})
+    ceramic = find("BaTiO3").plain() | {"e33": 18.6 * np.exp(0.1), "alternatives": []}
+    base = Material.isotropic(200e9 * np.exp(0.1), 0.28, name="steel")
+    exact = solve(
+        {**film.fixed, **at, "base": base},
+        phases=(Material.from_mapping(ceramic), "CoFe2O4"),
+    )
+    for name in ("voltage", "depth", "capacitance"):
+        assert float(found[name]) == pytest.approx(float(exact[name]), rel=1e-9)
+    assert constants.concerned(film, asked[0]) == {"base": "steel"}
+    assert constants.concerned(film, asked[2]) == {}
+    assert [one.change(1.0) for one in asked] == ["+10.5 %", "+0.02", "+22.1 %"]
+
+
+def test_a_name_that_is_no_constant_is_refused(film: Study) -> None:
+    for name, hint in (
+        ("BaTiO3 e44", "e33"),
+        ("steal modulus", "did you mean 'steel modulus'"),
+        ("steel e33", "unknown"),
+    ):
+        with pytest.raises(InputError, match=hint):
+            constants.uncertain(film, {name: None})

@@ -1,0 +1,43 @@
+"""A page in a headless Chromium: what a probe in it sees."""
+
+import html
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium: the browser tests are left out")
+
+#: Collects whatever a script complains about.
+ERRORS = """
+<script>
+window.complaints = [];
+addEventListener("error", (event) => complaints.push(String(event.message)));
+console.error = console.warn = (...words) => complaints.push(words.join(" "));
+</script>
+"""
+
+
+def opened(text: str, folder: Path, width: int, probe: str) -> dict[str, Any]:
+    """What a headless Chromium sees of a page at some width."""
+    assert BROWSER is not None
+    file = folder / "probe.html"
+    file.write_text(
+        text.replace("<head>", f"<head>{ERRORS}", 1).replace("</body>", f"{probe}</body>"), encoding="utf-8"
+    )
+    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
+    flags += ["--disable-quic", "--disable-component-update", "--disable-sync", f"--user-data-dir={folder / 'profile'}"]
+    done = subprocess.run(
+        [BROWSER, *flags, f"--window-size={width},900", "--virtual-time-budget=20000", "--dump-dom", file.as_uri()],
+        capture_output=True, text=True, timeout=120, check=True,
+    )  # fmt: skip
+    found = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
+    assert found, done.stdout[:2000]
+    seen = json.loads(html.unescape(found[1]))
+    assert isinstance(seen, dict)
+    return seen

@@ -1,0 +1,179 @@
+"""The what-if panel in a browser: its map, stack, fields, link and CSV are those of Python, and anyone can use it."""
+
+import json
+import re
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import surrogate
+from tests.workflow.conftest import Project
+from tests.workflow.report.browser import needs_browser, opened
+from workflow.design import scenarios
+from workflow.language.numbers import shown
+from workflow.learning import surface
+from workflow.report import device, live
+from workflow.report.device import Device
+from workflow.study.model import load
+
+CELLS = 25  # a side of the map
+
+PROBE = """
+<script>
+addEventListener("load", async () => {
+  const root = document.getElementById("whatif"), canvas = root.querySelector("canvas");
+  const data = JSON.parse(document.getElementById("whatif-data").textContent), fields = loadSurrogate(data.fields);
+  const wait = (time) => new Promise((done) => setTimeout(done, time));
+  const shown = () => [...root.querySelectorAll("output[data-input]")].map(({ dataset }) => dataset);
+  const inputs = () => Object.fromEntries(shown().map(({ input, value }) => [input, Number(value)]));
+  const scaled = (values) => data.surrogate.inputs.map((input) => toUnit(input, values[input.name]));
+  const out = { start: inputs(), stack: root.querySelector("[data-stack]").innerHTML };
+  const X = [-0.99, -0.5, 0.1, 0.9];
+  const exponent = means(loadSurrogate(data.surrogate), scaled(out.start))[2];
+  out.fields = surfaceFields(fields, scaled(out.start), exponent, X);
+  await wait(3000);
+  out.scale = root.querySelector(".scale").textContent;
+  const { data: pixels } = canvas.getContext("2d").getImageData(0, 0, 25, 25);
+  out.pale = Array.from({ length: 625 }, (_, k) => pixels[4 * k + 3] < 200);
+  const frame = canvas.getBoundingClientRect();
+  const at = { clientX: frame.left + 0.75 * frame.width, clientY: frame.top + 0.25 * frame.height };
+  canvas.dispatchEvent(new MouseEvent("click", at));
+  canvas.dispatchEvent(new PointerEvent("pointermove", at));
+  out.tip = document.querySelector(".tip").innerText;
+  out.clicked = inputs();
+  out.verdicts = [...root.querySelectorAll("li[data-limit]")].map((one) => one.dataset.verdict);
+  root.querySelector("[data-share=link]").click();
+  out.link = location.hash;
+  let file = null;
+  URL.createObjectURL = (blob) => { file = blob; return "#"; };
+  root.querySelector("[data-share=csv]").click();
+  out.csv = await file.text();
+  location.hash = "#whatif?target=actuator&volume_fraction=0.3&radius=0.01&load=nonsense&unknown=1";
+  await wait(100);
+  out.restored = { ...inputs(), pressed: root.querySelector("button[aria-pressed=true]").innerText };
+  out.charts = [...root.querySelectorAll("svg[data-field]")].map((svg) => svg.querySelectorAll("polyline").length);
+  const found = await axe.run(document, { resultTypes: ["violations"] });
+  out.violations = found.violations.map(({ id, nodes }) => `${id}: ${nodes.map((one) => one.target).join(" ")}`);
+  out.complaints = complaints;
+  const pre = document.createElement("pre");
+  pre.id = "probe";
+  pre.textContent = JSON.stringify(out);
+  document.body.replaceChildren(pre);
+});
+</script>
+"""
+
+
+@pytest.fixture(scope="module")
+def seen(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """What the panel of the quickstart shows while it is used."""
+    package = find_spec("axe_core_python")
+    assert package is not None
+    assert package.origin is not None
+    checker = Path(package.origin).with_name("axe.min.js").read_text(encoding="utf-8")
+    page = (quickstart_run.folder / "results/quickstart/report.html").read_text(encoding="utf-8")
+    return opened(page, tmp_path_factory.mktemp("panel"), 1280, f"<script>{checker}</script>{PROBE}")
+
+
+@pytest.fixture(scope="module")
+def model(quickstart_run: Project) -> surrogate.GaussianProcess:
+    """The surrogate that the panel shows."""
+    return surrogate.load(quickstart_run.folder / "results/quickstart/surrogate.nc")
+
+
+@needs_browser
+def test_anyone_can_use_the_panel(seen: dict[str, Any]) -> None:
+    assert seen["complaints"] == []
+    assert seen["violations"] == []
+
+
+@needs_browser
+def test_the_map_is_the_goal_over_the_scenarios_and_a_click_moves_the_sliders(
+    seen: dict[str, Any], model: surrogate.GaussianProcess
+) -> None:
+    target = load("config/quickstart.yaml").design["sensor"]
+    friction = scenarios.corners(target, scenarios.SEARCHED).values["friction"]
+    t = -1 + (2 * np.arange(CELLS) + 1) / CELLS
+    fraction, radius = (model.box[name].from_unit(t) for name in ("volume_fraction", "radius"))
+    point = {"volume_fraction": fraction, "radius": radius[::-1], "friction": friction, "load": 1e4, "charge": 0.0}
+    found = model.predict(point, return_std=False).transpose(
+        "radius", "volume_fraction", "friction"
+    )  # rows from the top
+    names = ("voltage_sensitivity", "trailing_tension", "peak_pressure")
+    goal, tension, peak = (found[name].values for name in names)
+    worst = np.abs(goal).min(axis=-1)
+    low, high = (shown(float(one), "V m N-1", 3) for one in (worst.min(), worst.max()))
+    assert seen["scale"] == f"voltage per load at worst over friction 0.1 to 0.4: {low} (dark) to {high} (bright)"
+    pale = (tension.max(axis=-1) > 50e6) | (peak.max(axis=-1) > 500e6)
+    assert 0 < pale.sum() < pale.size
+    assert seen["pale"] == pale.ravel().tolist()
+    for name in ("volume_fraction", "radius"):
+        assert seen["clicked"][name] == pytest.approx(float(model.box[name].from_unit(0.5)), rel=0.01)
+    assert {name: seen["clicked"][name] for name in ("friction", "load")} == {
+        name: seen["start"][name] for name in ("friction", "load")
+    }
+    assert seen["tip"].startswith("voltage per load at worst over friction")
+    assert len(seen["verdicts"]) == 2
+
+
+@needs_browser
+def test_the_stack_is_drawn_as_python_draws_it(seen: dict[str, Any], model: surrogate.GaussianProcess) -> None:
+    study, point = load("config/quickstart.yaml"), seen["start"]
+    contact = model.predict(point, return_std=False)
+    body = live.body(study, study.combinations[0])
+    assert (body["size"], body["thickness"], body["base"]) == ("radius", None, "")
+    one = Device(body["profile"], body["corner"], point["radius"], float(contact["contact_trailing"]),
+                 float(contact["contact_leading"]), point["load"], body["conducts"])  # fmt: skip
+
+    def drawn(text: str) -> tuple[list[str], list[float]]:
+        found = re.findall(r"<text[^>]*>([^<]*)", text)
+        return found, [
+            float(x)
+            for x in re.findall(
+                r"-?\d+\.?\d*", " ".join(re.findall(r'(?:points|[xy][12]?|width|height)="([^"]*)"', text))
+            )
+        ]
+
+    words, numbers = drawn(seen["stack"])
+    expected_words, expected = drawn(device.draw(one, "").partition("</title>")[2])
+    assert words == expected_words
+    np.testing.assert_allclose(numbers, expected, atol=0.011)
+
+
+@needs_browser
+def test_fields_under_the_punch_are_those_of_python(
+    seen: dict[str, Any], model: surrogate.GaussianProcess, quickstart_run: Project
+) -> None:
+    X = np.array([-0.99, -0.5, 0.1, 0.9])
+    fields = surrogate.load(quickstart_run.folder / "results/quickstart/surface.nc")
+    expected = surface.predict(fields, model, seen["start"], X)
+    for name in surface.NAMES:
+        np.testing.assert_allclose(
+            seen["fields"][name], expected[name], rtol=1e-9, atol=1e-9 * np.abs(expected[name]).max()
+        )
+    assert seen["charts"] == [1, 1, 1, 1]
+
+
+@needs_browser
+def test_a_link_and_a_file_hold_the_point(seen: dict[str, Any], model: surrogate.GaussianProcess) -> None:
+    point = seen["clicked"]
+    assert seen["link"] == "#whatif?" + "&".join(
+        [*(f"{name}={json.dumps(value)}" for name, value in point.items()), "target=sensor"]
+    )
+    header, row = (line.split(",") for line in seen["csv"].splitlines())
+    told = dict(zip(header, map(float, row), strict=True))
+    expected = model.predict(point).assign(model.interval(point).data_vars)
+    assert list(told)[:5] == list(point)
+    for name in model.outputs_:
+        room = 1e-9 * abs(float(expected[name]))
+        assert told[name] == pytest.approx(float(expected[name]), abs=room)
+        assert told[f"{name}_std"] == pytest.approx(float(expected[f"{name}_std"]), rel=1e-6)
+        assert told[f"{name}_upper"] == pytest.approx(float(expected[f"{name}_upper"]), abs=2 * room)
+    restored = seen["restored"]
+    assert restored["volume_fraction"] == pytest.approx(0.3, rel=1e-12)
+    assert restored["radius"] == pytest.approx(0.01, rel=1e-12)
+    assert restored["load"] == pytest.approx(1e4)  # no number: the design's own
+    assert restored["pressed"] == "actuator"

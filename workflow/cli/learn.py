@@ -1,0 +1,94 @@
+"""``meecontact learn``: measured rows correct a study's surrogate, and what they have taught is said in words."""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from storage.files import output, regular
+from workflow.cli.words import say
+from workflow.study.reading import InputError, number, one_line
+
+#: Name of the corrected surrogate, beside the one that it was made from, where none is given.
+CORRECTED = "corrected.nc"
+
+
+def add(commands: "argparse._SubParsersAction[Any]") -> None:
+    """Add the command to those of the program."""
+    command = commands.add_parser(
+        "learn",
+        help="correct a surrogate by measured rows: uncertain constants and discrepancies, with intervals",
+        description="Columns of MEASURED.csv: every factor and category of the study, names of quantities, and "
+        "NAME_std, one standard deviation of the error of measurement. Measured values may be missing; errors that "
+        "are missing are estimated. A unit may stand behind a name, as 'thickness [um]'; without one it is SI.",
+    )
+    command.add_argument("measured", type=Path, metavar="MEASURED.csv")
+    command.add_argument("--on", type=Path, required=True, metavar="results/STUDY/surrogate.nc")
+    command.add_argument(
+        "--uncertain",
+        action="append",
+        metavar="NAME[=5%],...",
+        help="'BaTiO3 permittivity', 'BaTiO3 e33', 'steel modulus'",
+    )
+    command.add_argument(
+        "-o", "--output", type=Path, metavar="OUT.nc", help=f"default: {CORRECTED} beside the surrogate"
+    )
+    command.add_argument("--json", action="store_true", help="print JSON instead of words")
+    command.set_defaults(run=learn)
+
+
+def learn(options: argparse.Namespace) -> None:
+    """Learn from measured rows, write the corrected surrogate and print what was learnt, as the options say.
+
+    Raises
+    ------
+    InputError, FormatError
+        Options, rows or a surrogate that do not fit each other; in one line, and nothing is written.
+    """
+    from surrogate import save  # scikit-learn and the solver: not for every command
+    from surrogate.gp.corrected import CorrectedGP
+    from workflow.cli import questions
+    from workflow.cli.measuredtable import read_measured
+    from workflow.learning import constants, measured
+
+    regular(options.on)
+    path = output(options.output or options.on.with_name(CORRECTED), options.on, options.measured)
+    study, model = questions.results(options.on.parent, options.on)
+    if isinstance(model, CorrectedGP):
+        raise InputError(f"{options.on}: is corrected already; learn from all rows at once, on the surrogate before")
+    rows = read_measured(options.measured, study, model)
+    asked = constants.uncertain(study, _uncertain(options.uncertain))
+    try:
+        corrected, taught = measured.learn(study, model, rows, asked, say)
+    except InputError as error:
+        raise InputError(f"{options.measured}: {error}") from None
+    save(corrected, path)
+    print(
+        json.dumps(taught.plain, indent=2, allow_nan=False) if options.json else "\n".join(map(one_line, taught.lines))
+    )
+    say(f"wrote {path}: `meecontact query {path}` answers with it")
+
+
+def _uncertain(words: list[str] | None) -> dict[str, float | None] | None:
+    """``NAME`` or ``NAME=5%`` between commas: prior standard deviations by name."""
+    if words is None:
+        return None
+    found: dict[str, float | None] = {}
+    for part in (one for word in words for one in word.split(",")):
+        name, equals, text = part.partition("=")
+        name = " ".join(name.split())
+        if name in found:
+            raise InputError(f"--uncertain: {name}: given twice")
+        found[name] = _share(name, text) if equals else None
+    return found
+
+
+def _share(name: str, text: str) -> float:
+    plain = text.strip().removesuffix("%")
+    try:
+        share = number(plain) * (0.01 if plain != text.strip() else 1.0)
+    except ValueError:
+        share = -1.0
+    if not 0 < share <= 0.5:
+        raise InputError(f"--uncertain: {name}: {text.strip()!r} is not a number above 0 and up to 0.5 (50 %)")
+    return share

@@ -1,0 +1,107 @@
+"""Tables of measured rows: the factors of a surrogate, its categories, and what was measured there with its errors."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.names import ALL_QUANTITIES
+from surrogate import GaussianProcess
+from surrogate.data.measurements import Measurements
+from surrogate.data.points import outside
+from workflow.cli.casetable import Table, read_cases
+from workflow.language.spelling import nearest
+from workflow.study.categories import output
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+
+#: What is behind the name of a quantity in the name of the column that has its errors.
+ERROR = "_std"
+
+
+def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measurements:
+    """Read measured rows for a study's surrogate.
+
+    The header has every factor of the study, every category, and names of quantities, with or without
+    ``<quantity>_std``: one standard deviation of the error of measurement. Cells of both may be empty.
+
+    Raises
+    ------
+    InputError
+        As :func:`read_cases`; a column that lacks or that the surrogate does not know, an empty cell of a factor, a row
+        outside the trained box, an error that is not positive or has no value; names line, column and value.
+    """
+    quantities = {name: ALL_QUANTITIES[name].units for name in study.outputs}
+    more = quantities | {f"{name}{ERROR}": units for name, units in quantities.items()}
+    table = read_cases(path, more)
+    _check_columns(table, study, list(more))
+    X = np.stack([_filled(table, name) for name in model.box], axis=1)
+    wrong = outside(X, model.inputs_)
+    if wrong.any():
+        row, k = np.argwhere(wrong)[0]
+        one = model.inputs_[k]
+        raise InputError(
+            f"{table.at(int(row))}: {one.name} = {X[row, k]:.10g} is outside the trained box {one.range_text()}"
+        )
+    kinds = _kinds(table, study)
+    rows, outputs, values, errors = [], [], [], []
+    for name in quantities:
+        for row in np.flatnonzero(_measured(table, name)).tolist():
+            rows.append(row)
+            outputs.append(model.outputs_.index(output(name, kinds[row])))
+            values.append(float(table.columns[name][row]))
+            errors.append(float(table.columns[f"{name}{ERROR}"][row]) if f"{name}{ERROR}" in table.columns else np.nan)
+    return Measurements(
+        X, np.array(rows, dtype=np.intp), np.array(outputs, dtype=np.intp), np.array(values), np.array(errors)
+    )
+
+
+def _check_columns(table: Table, study: Study, measured: list[str]) -> None:
+    inputs = [*study.factors, *study.categories]
+    for name in table.columns:
+        if name not in (*inputs, *measured):
+            near = nearest(name, [*inputs, *measured])
+            raise InputError(f"{table.source}: {name}: neither an input of the surrogate nor learned by it; {near}")
+        if name.endswith(ERROR) and name in measured and name.removesuffix(ERROR) not in table.columns:
+            raise InputError(f"{table.source}: {name}: without a column {name.removesuffix(ERROR)}")
+    for name in inputs:
+        if name not in table.columns:
+            raise InputError(f"{table.source}: {name}: missing; the surrogate needs {', '.join(inputs)}")
+    if not any(name in measured for name in table.columns):
+        raise InputError(f"{table.source}: no measured quantity; known are {', '.join(study.outputs)}")
+
+
+def _filled(table: Table, name: str) -> NDArray[np.float64]:
+    """A factor, which every row has."""
+    empty = table.empty(name)
+    if empty.any():
+        raise InputError(f"{table.at(int(empty.argmax()))}: {name}: empty; must be a number")
+    return np.asarray(table.columns[name], dtype=np.float64)
+
+
+def _kinds(table: Table, study: Study) -> list[dict[str, str]]:
+    """The categories of every row."""
+    for name, allowed in study.categories.items():
+        for row, value in enumerate(table.columns[name].tolist()):
+            if value not in allowed:
+                shown = "empty" if value is None else repr(value)
+                raise InputError(f"{table.at(row)}: {name}: {shown}; must be one of {', '.join(allowed)}")
+    columns = [table.columns[name].tolist() for name in study.categories]
+    return [dict(zip(study.categories, names, strict=True)) for names in zip(*columns, strict=True)] or [{}] * len(
+        table.lines
+    )
+
+
+def _measured(table: Table, name: str) -> NDArray[np.bool_]:
+    """Which rows have a quantity; their errors are positive or unknown."""
+    if name not in table.columns:
+        return np.zeros(len(table.lines), dtype=bool)
+    there = ~table.empty(name)
+    if (column := f"{name}{ERROR}") in table.columns:
+        error = table.columns[column]
+        bad = (error <= 0) | (~there & ~np.isnan(error))
+        if bad.any():
+            row = int(bad.argmax())
+            why = "must be a positive number, or empty" if there[row] else f"without a value of {name}"
+            raise InputError(f"{table.at(row)}: {column}: {error[row]:g}: {why}")
+    return there

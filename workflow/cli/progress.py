@@ -1,0 +1,151 @@
+"""What a run says while it goes on: each step by what it does, and on a terminal one line that counts them."""
+
+import logging
+import shutil
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import TextIO
+
+from workflow.language.numbers import counted
+from workflow.study import partition
+from workflow.study.model import Study
+
+#: What the steps of a run do, by rule; names of a job stand for its wildcards.
+_STEPS = {
+    "levels": "choosing the levels on pilots",
+    "slab": "solving the data set, part {slab}",
+    "quantities": "gathering the quantities",
+    "card": "describing the data set",
+    "cases": "solving random cases",
+    "surrogate": "fitting the surrogate",
+    "surface": "fitting the fields under the punch",
+    "validation": "comparing the surrogate with exact cases",
+    "sensitivity": "apportioning the variance to the factors",
+    "target": "target {name}",
+    "design": "gathering the designs",
+    "readout": "read-out {name}",
+    "effect": "effect of {name}",
+    "interior": "effect of {name} below the punch",
+    "check": "verification {group}",
+    "verdict": "judging the verification",
+    "provenance": "recording where the results come from",
+    "report": "writing the page",
+}
+_CLEAR = "\r\x1b[K"
+
+
+def step(study: Study, rule: str, wildcards: Mapping[str, str]) -> str:
+    """What a job of a run does, in words.
+
+    Parameters
+    ----------
+    study
+        The study that is run.
+    rule, wildcards
+        The job, as Snakemake knows it.
+
+    Examples
+    --------
+    >>> from workflow.study.model import load
+    >>> step(load("config/quickstart.yaml"), "surrogate", {})
+    'fitting the surrogate (21 quantities, 41,600 cases)'
+    """
+    given = {name: value.replace("_", " ") for name, value in wildcards.items()}
+    if rule == "slab":
+        return f"solving the data set, part {int(given['slab']) + 1} of {partition.count(study)}"
+    words = _STEPS.get(rule, f"drawing {rule.removeprefix('figure_').replace('_', ' ')} {{name}}{{group}}")
+    words = words.format_map({"name": "", "group": "", **given}).strip()
+    if rule == "surrogate" and not study.open:
+        words += f" ({len(study.outputs)} quantities, {counted(study.cases)} cases)"
+    return words
+
+
+class Progress(logging.Filter):
+    """Says what runs in the place of Snakemake's own lines, which only its log file keeps; errors pass.
+
+    On a terminal one line counts the jobs; in a log every job that begins is a line.
+    """
+
+    def __init__(self, words: Callable[[str, Mapping[str, str]], str], stream: TextIO) -> None:
+        super().__init__()
+        self._words, self._stream = words, stream
+        self._terminal = stream.isatty()
+        self._running: dict[int, str] = {}
+        self._done, self._total = 0, 0
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether Snakemake's own line is shown."""
+        event = str(getattr(getattr(record, "event", None), "value", ""))
+        if event == "job_info":
+            self._begin(record)
+        elif event == "job_finished":
+            self._running.pop(int(record.__dict__.get("job_id", -1)), None)
+        elif event == "progress":
+            self._done, self._total = record.__dict__["done"], record.__dict__["total"]
+        elif record.levelno >= logging.WARNING or record.getMessage().startswith("Nothing to be done"):
+            self.clear()
+            return True
+        self._show()
+        return False
+
+    def clear(self) -> None:
+        """Take the line from the terminal."""
+        if self._terminal:
+            self._stream.write(_CLEAR)
+            self._stream.flush()
+
+    def _begin(self, record: logging.LogRecord) -> None:
+        told = self._words(str(record.__dict__["rule_name"]), dict(record.__dict__.get("wildcards") or {}))
+        self._running[int(record.__dict__["jobid"])] = told
+        if not self._terminal:
+            self._stream.write(f"{told}\n")
+            self._stream.flush()
+
+    def _show(self) -> None:
+        if not self._terminal or not self._running:
+            return
+        share = f"{self._done} of {self._total} steps done; " if self._total else ""
+        line = f"{share}{', '.join(self._running.values())}"
+        self._stream.write(_CLEAR + line[: shutil.get_terminal_size().columns - 1])
+        self._stream.flush()
+
+
+class _Installed(logging.Filter):
+    """Puts a filter on the handler that writes to the terminal, which Snakemake makes when its run begins."""
+
+    def __init__(self, shown: Progress) -> None:
+        super().__init__()
+        self._shown = shown
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        for handler in logging.getLogger("snakemake.logging").handlers:
+            if handler.name == "DefaultStreamHandler" and self._shown not in handler.filters:
+                handler.addFilter(self._shown)
+        return True
+
+
+@contextmanager
+def followed(study: Study, stream: TextIO | None = None) -> Iterator[None]:
+    """Tell what Snakemake's run in this process does, by what the steps of a study do."""
+    shown = Progress(lambda rule, wildcards: step(study, rule, wildcards), stream or sys.stderr)
+    logger, installed = logging.getLogger("snakemake.logging"), _Installed(shown)
+    logger.addFilter(installed)
+    try:
+        yield
+    finally:
+        logger.removeFilter(installed)
+        shown.clear()
+
+
+@contextmanager
+def busy(words: str) -> Iterator[None]:
+    """Say on a terminal what takes a while, until it is done; nothing in a log."""
+    terminal = sys.stderr.isatty()
+    if terminal:
+        print(f"{words} ...", end="", file=sys.stderr, flush=True)
+    try:
+        yield
+    finally:
+        if terminal:
+            print(_CLEAR, end="", file=sys.stderr, flush=True)

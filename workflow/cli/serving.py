@@ -1,0 +1,260 @@
+"""``meecontact serve``: a surrogate and the exact solver behind the HTTP protocol of UM-Bridge.
+
+Any code for uncertainty quantification that speaks UM-Bridge (version 1.0) can drive them: L. Seelinger et al., Journal
+of Open Source Software 8 (2023) 4748. Two models of the same input and output: `surrogate`, with derivatives,
+and, where a study is given, `exact`.
+"""
+
+import argparse
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+import surrogate
+from solver import FactorError, MaterialError
+from storage.files import regular
+from surrogate import GaussianProcess, OutOfBoxError
+from workflow.cli.query import study_of
+from workflow.cli.words import say
+from workflow.dataset import factorial
+from workflow.study.model import Study
+from workflow.study.reading import InputError, one_line
+
+PORT = 4242  # the protocol's usual one
+_LONGEST = 2**20  # bytes of a request
+_VERSION = 1.0
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Model:
+    """One input vector, the factors in the surrogate's order, to one output vector, the quantities in its order.
+
+    Attributes
+    ----------
+    surrogate
+        The trained one, which says the box.
+    study
+        Where it came from: then the model is the exact solver.
+    """
+
+    surrogate: GaussianProcess
+    study: Study | None = None
+
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """Of the input and the output."""
+        return len(self.surrogate.inputs_), len(self.surrogate.outputs_)
+
+    @property
+    def differentiable(self) -> bool:
+        """Whether it has derivatives."""
+        return self.study is None
+
+    def evaluate(self, at: Vector) -> Vector:
+        """(n_inputs,) -> (n_outputs,), in SI units."""
+        found = self.surrogate.predict_array(at[None])[0]  # refuses what is outside the box, for both
+        if self.study is None:
+            return np.asarray(found, dtype=np.float64)
+        points = {name: xr.DataArray([value], dims="point") for name, value in zip(self.surrogate.box, at, strict=True)}
+        exact = factorial.learned(self.study, factorial.exact(self.study, points))
+        return np.array([float(exact[name].values[0]) for name in self.surrogate.outputs_])
+
+    def jacobian(self, at: Vector) -> Vector:
+        """(n_inputs,) -> (n_outputs, n_inputs)."""
+        return np.asarray(self.surrogate.gradient_array(at[None])[0], dtype=np.float64)
+
+
+class _RefusedError(Exception):
+    """What the protocol calls an error: its type, and a line."""
+
+    def __init__(self, kind: str, message: str) -> None:
+        super().__init__(message)
+        self.kind = kind
+
+
+def answer(models: Mapping[str, Model], path: str, body: Mapping[str, Any]) -> dict[str, Any]:
+    """What the protocol answers to a request.
+
+    Parameters
+    ----------
+    models
+        By name.
+    path
+        `/Info`, `/ModelInfo`, `/InputSizes`, `/OutputSizes`, `/Evaluate`, `/Gradient` or `/ApplyJacobian`.
+    body
+        The request.
+
+    Returns
+    -------
+    dict
+        The answer; `{"error": {"type": ..., "message": ...}}` where the request is wrong.
+    """
+    try:
+        if path == "/Info":
+            return {"protocolVersion": _VERSION, "models": list(models)}
+        if path not in _REQUESTS:
+            raise _RefusedError("UnsupportedFeature", f"{path}: unknown; allowed: /Info, {', '.join(_REQUESTS)}")
+        name = body.get("name")
+        if not isinstance(name, str) or name not in models:
+            raise _RefusedError("ModelNotFound", f"name: {name!r} is unknown; allowed: {', '.join(models)}")
+        return _REQUESTS[path](models[name], body)
+    except _RefusedError as error:
+        kind, message = error.kind, str(error)
+    except (OutOfBoxError, FactorError, MaterialError, ValueError) as error:
+        kind, message = "InvalidInput", one_line(str(error))
+    return {"error": {"type": kind, "message": message}}
+
+
+def _supported(model: Model, _: Mapping[str, Any]) -> dict[str, Any]:
+    has = model.differentiable
+    return {"support": {"Evaluate": True, "Gradient": has, "ApplyJacobian": has, "ApplyHessian": False}}
+
+
+def _evaluated(model: Model, body: Mapping[str, Any]) -> dict[str, Any]:
+    return {"output": [model.evaluate(_input(model, body)).tolist()]}
+
+
+def _gradient(model: Model, body: Mapping[str, Any]) -> dict[str, Any]:
+    return {"output": (_derivatives(model, body).T @ _vector(body, "sens", model.sizes[1])).tolist()}
+
+
+def _jacobian_applied(model: Model, body: Mapping[str, Any]) -> dict[str, Any]:
+    return {"output": (_derivatives(model, body) @ _vector(body, "vec", model.sizes[0])).tolist()}
+
+
+_REQUESTS: dict[str, Callable[[Model, Mapping[str, Any]], dict[str, Any]]] = {
+    "/ModelInfo": _supported,
+    "/InputSizes": lambda model, _: {"inputSizes": [model.sizes[0]]},
+    "/OutputSizes": lambda model, _: {"outputSizes": [model.sizes[1]]},
+    "/Evaluate": _evaluated,
+    "/Gradient": _gradient,
+    "/ApplyJacobian": _jacobian_applied,
+}
+
+
+def _input(model: Model, body: Mapping[str, Any]) -> Vector:
+    vectors = body.get("input")
+    if not isinstance(vectors, list) or len(vectors) != 1:
+        raise _RefusedError("InvalidInput", "input: must be a list of one vector")
+    return _vector({"input": vectors[0]}, "input", model.sizes[0])
+
+
+def _vector(body: Mapping[str, Any], key: str, size: int) -> Vector:
+    given = body.get(key)
+    if isinstance(given, list) and len(given) == size and all(isinstance(one, int | float) for one in given):
+        vector = np.array(given, dtype=np.float64)
+        if np.isfinite(vector).all():
+            return vector
+    raise _RefusedError("InvalidInput", f"{key}: must be {size} finite numbers")
+
+
+def _derivatives(model: Model, body: Mapping[str, Any]) -> Vector:
+    if not model.differentiable:
+        raise _RefusedError("UnsupportedFeature", "the exact model has no derivatives")
+    if body.get("inWrt", 0) != 0 or body.get("outWrt", 0) != 0:
+        raise _RefusedError("InvalidInput", "inWrt, outWrt: there is one input and one output, number 0")
+    return model.jacobian(_input(model, body))
+
+
+def server(models: Mapping[str, Model], host: str, port: int) -> ThreadingHTTPServer:
+    """A server that is bound to its address and answers once `serve_forever` is called.
+
+    Raises
+    ------
+    OSError
+        The address is taken, or no address of this machine.
+    """
+    one_at_a_time = Lock()
+
+    class Handler(BaseHTTPRequestHandler):
+        """Answers in JSON."""
+
+        timeout = 60
+
+        def do_GET(self) -> None:
+            self._answer({})
+
+        def do_POST(self) -> None:
+            length = self.headers.get("Content-Length", "")
+            if not length.isdecimal() or int(length) > _LONGEST:
+                self._send(413, _invalid(f"Content-Length: must be said, and at most {_LONGEST}"))
+                return
+            try:
+                body = json.loads(self.rfile.read(int(length)))
+            except (ValueError, RecursionError):
+                body = None
+            if isinstance(body, dict):
+                self._answer(body)
+            else:
+                self._send(400, _invalid("the request must be a JSON object"))
+
+        def _answer(self, body: Mapping[str, Any]) -> None:
+            with one_at_a_time:
+                found = answer(models, self.path, body)
+            self._send(400 if "error" in found else 200, found)
+
+        def _send(self, status: int, content: Mapping[str, Any]) -> None:
+            text = json.dumps(content).encode()
+            self.send_response(status)
+            self.send_header("Content-Type", "application/json")
+            self.send_header("Content-Length", str(len(text)))
+            self.end_headers()
+            self.wfile.write(text)
+
+        def log_message(self, *_: Any) -> None:
+            """Quiet."""
+
+    return ThreadingHTTPServer((host, port), Handler)
+
+
+def _invalid(message: str) -> dict[str, Any]:
+    return {"error": {"type": "InvalidInput", "message": message}}
+
+
+def serve(options: argparse.Namespace) -> None:
+    """Answer requests until interrupted.
+
+    Raises
+    ------
+    InputError, FormatError
+        A surrogate or a study that do not fit, a port that is none; in one line.
+    """
+    if not 0 <= options.port < 2**16:
+        raise InputError(f"--port: {options.port} must be within 0 and 65535")
+    model = surrogate.load(regular(options.surrogate))
+    models = {"surrogate": Model(model)}
+    if options.exact is not None:
+        models["exact"] = Model(model, study_of(model, options.exact))
+    with server(models, options.host, options.port) as bound:
+        host, port = bound.server_address[:2]
+        say(f"serving {' and '.join(models)} at http://{host!s}:{port} (UM-Bridge); stop it by Ctrl-C")
+        say(f"input: {', '.join(model.box)}; output: {', '.join(model.outputs_)}")
+        try:
+            bound.serve_forever()
+        except KeyboardInterrupt:
+            say("stopped")
+
+
+def add(commands: Any) -> None:
+    """Register the command."""
+    command = commands.add_parser(
+        "serve",
+        help="a surrogate, and the exact solver, over HTTP for any UM-Bridge client",
+        description="Answers UM-Bridge requests: input 0 is the vector of factors, output 0 that of quantities, both "
+        "in SI units and in the order that is printed at the start.",
+    )
+    command.add_argument("surrogate", type=Path, metavar="surrogate.nc")
+    command.add_argument("--exact", metavar="STUDY", help="also the exact solver: the study that it came from")
+    command.add_argument("--port", type=int, default=PORT, help=f"default: {PORT}; 0: any that is free")
+    command.add_argument("--host", default="127.0.0.1", help="default: this machine only; there is no password")
+    command.set_defaults(run=serve)

@@ -1,0 +1,87 @@
+"""``meecontact init`` and ``meecontact list``: a study of one's own to begin with, and every name that it may use."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from solver.names import ALL_QUANTITIES, CHOICES
+from storage.files import write_text
+from workflow.cli import materials
+from workflow.language.factors import FACTORS
+from workflow.language.numbers import written
+from workflow.language.spelling import nearest
+from workflow.study import location
+from workflow.study.reading import InputError, one_line
+
+_BEGINNING = Path(__file__).with_name("study.yaml")
+
+
+def begin(name: str) -> Path:
+    """Write a commented study that runs as it is.
+
+    Parameters
+    ----------
+    name
+        Of the study: its file is ``config/<name>.yaml`` of the current folder.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        A name that cannot name results, or a file that is there.
+    """
+    location.check_name(name, f"init: {name!r}")
+    path = location.FOLDER / f"{name}.yaml"
+    if path.exists():
+        raise InputError(f"init: {path} is there already; remove it, or choose another name")
+    path.parent.mkdir(exist_ok=True)
+    write_text(path, _BEGINNING.read_text(encoding="utf-8").replace("NAME", name, 1))
+    return path
+
+
+def listed(kind: str | None) -> str:
+    """Materials, quantities, factors or studies, a line each; all of them, with a heading each, for None.
+
+    Raises
+    ------
+    InputError
+        Another kind.
+    """
+    known = {"studies": _studies, "factors": _factors, "quantities": _quantities, "materials": materials.listed}
+    if kind is None:
+        return "\n\n".join(f"{name}:\n{told()}" for name, told in known.items())
+    if kind not in known:
+        raise InputError(f"list: {kind!r} is unknown; {nearest(kind, list(known))}")
+    return known[kind]()
+
+
+def _studies() -> str:
+    """Name and title of every study of the current folder."""
+    rows = {}
+    for file in sorted(location.FOLDER.glob("*.yaml")):
+        lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
+        title = next((line.partition(":")[2] for line in lines if line.startswith("title:")), "")
+        rows[file.stem] = (one_line(title.strip().strip("\"'")),)
+    return _table(rows) if rows else f"none: there is no {location.FOLDER}/*.yaml here; meecontact init NAME writes one"
+
+
+def _factors() -> str:
+    """Name, unit and meaning of every factor; names that some take instead of a number."""
+    rows = {name: (written(one.units), one.long_name) for name, one in FACTORS.items()}
+    rows |= {name: ("", f"one of {', '.join(names)}") for name, names in CHOICES.items()}
+    return _table(rows)
+
+
+def _quantities() -> str:
+    return _table({name: (written(one.units), one.long_name) for name, one in ALL_QUANTITIES.items()})
+
+
+def _table(rows: Mapping[str, tuple[str, ...]]) -> str:
+    """Names and what is said of them, in columns."""
+    whole = [(name, *cells) for name, cells in rows.items()]
+    wide = [max(map(len, column)) for column in zip(*whole, strict=True)]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, wide, strict=True)) for row in whole]
+    return "\n".join(line.rstrip() for line in lines)

@@ -1,0 +1,73 @@
+"""Batches of cases that a cross approximation asks for: places of the crossed axes, a block of cases at each."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from tqdm import tqdm
+
+from storage.blocks import write_blocks
+from storage.described import described
+from storage.netcdf import read_whole, write_whole
+from surrogate.data.meanings import MEANINGS, SOURCE
+from workflow.dataset import factorial
+from workflow.run.joblog import log
+from workflow.study import partition
+from workflow.study.model import Study
+
+#: The dimension of the places.
+PLACE = "place"
+_AT_A_TIME = 8  # places whose cases are solved and written at once
+
+
+def write_places(study: Study, places: xr.Dataset, path: Path) -> None:
+    """Write the places of a batch, or the error with which the approximation ends."""
+    title = "places at which a cross approximation asks for all cases, or in the end its error"
+    write_whole(described(places, title, SOURCE, MEANINGS), path)
+    count = places.sizes.get(PLACE, 0)
+    log.info("%d places, %d cases", count, count * study.block)
+
+
+def slabs(study: Study, path: str | Path) -> int:
+    """Number of slabs of the batch whose places a file holds; 0 of the last, which has none."""
+    return min(partition.count(study), read_whole(Path(path)).sizes.get(PLACE, 0))
+
+
+def write_slab(study: Study, path_of_places: Path, index: int, path: Path) -> None:
+    """Solve a slab of a batch exactly, and write its quantities.
+
+    Raises
+    ------
+    FactorError
+        A case without a finite solution.
+    OSError
+        No room or no permission.
+    """
+    batch = read_whole(path_of_places)
+    part = np.array_split(np.arange(batch.sizes[PLACE]), slabs(study, path_of_places))[index]
+    count = part.size
+    with tqdm(total=count, desc=f"slab {index + 1}", unit=" places", disable=None, leave=False) as bar:
+        parts = []
+        for start in range(0, count, _AT_A_TIME):
+            parts.append(exact(study, batch.isel({PLACE: part[start : start + _AT_A_TIME]})))
+            bar.update(parts[-1].sizes[PLACE])
+    whole = joined(parts)
+    values = {str(name): array.values for name, array in whole.data_vars.items()}
+    region = tuple(slice(0, size) for size in next(iter(values.values())).shape)
+    write_blocks(path, whole, [(region, values)], {PLACE: _AT_A_TIME})
+    log.info("slab %d: %d places, %d cases", index + 1, count, count * study.block)
+
+
+def exact(study: Study, places: xr.Dataset) -> xr.Dataset:
+    """Exact quantities over places of the crossed axes and all levels of the others."""
+    levels = {name: some for name, some in factorial.axes(study).items() if name not in study.crossed}
+    crossed = {name: xr.DataArray(places[name].variable) for name in study.crossed}
+    found = factorial.exact(study, {**crossed, **levels})
+    whole = xr.broadcast(found[study.quantities])[0].transpose(PLACE, *levels)
+    return whole.reset_coords(drop=True).assign_coords({name: found[name] for name in (*study.crossed, *levels)})
+
+
+def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Cases of several places in one."""
+    return xr.concat(parts, PLACE, data_vars="all", coords="minimal", compat="override", join="override")

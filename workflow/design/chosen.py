@@ -1,0 +1,77 @@
+"""A design for people who work in Python: one target of a study answered, with its verdict and its numbers."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from html import escape
+from typing import Self
+
+import pandas as pd
+import xarray as xr
+
+from surrogate import GaussianProcess
+from workflow.design import answers
+from workflow.design.search import solve_target
+from workflow.design.spoken import Verdict, verdict
+from workflow.language.factors import FACTORS
+from workflow.language.numbers import shown
+from workflow.study.model import Study
+
+
+@dataclass(frozen=True)
+class Design:
+    """The answer to one target; `str` says its verdict, and a notebook shows its numbers. See `examples/design.py`.
+
+    Attributes
+    ----------
+    target
+        Name of the target.
+    answer
+        All that is known of it: what `workflow.design.search.solve_target` gives.
+    """
+
+    target: str
+    answer: xr.Dataset
+
+    @classmethod
+    def of(cls, study: Study, target: str, model: GaussianProcess) -> Self:
+        """The design that answers a target of the study, searched for on the model and judged on the exact solver.
+
+        Raises
+        ------
+        InputError
+            As `workflow.design.search.solve_target`.
+        """
+        return cls(target, solve_target(study, target, model))
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Recommended, at the edge of the studied range, or not reachable, and why."""
+        return verdict(self.answer)
+
+    @property
+    def factors(self) -> dict[str, float]:
+        """Every factor of the design by name, in SI: what was chosen, and what was given."""
+        return {str(name): float(value) for name, value in self.answer["value"].to_series().items()}
+
+    @property
+    def exact(self) -> dict[str, float]:
+        """Goals and limits as the question has them, with their exact values, in SI."""
+        return {str(name): float(value) for name, value in self.answer["exact"].to_series().items()}
+
+    def __str__(self) -> str:
+        return f"{self.target}: {self.answer.attrs['goal']}. {self.verdict}"
+
+    def _repr_html_(self) -> str:
+        roles = [(name, kind, role) for name, kind, role in answers.kinds(self.answer)]
+        for name, value in self.factors.items():
+            roles.append((name, shown(value, FACTORS[name].units), str(self.answer["role"].sel(factor=name).values)))
+        terms = [
+            (name, *(shown(float(one[key]), str(one["units"].values)) for key in ("exact", "predicted")))
+            for name in self.exact
+            for one in [self.answer.sel(term=name)]
+        ]
+        tables = [
+            pd.DataFrame(roles, columns=["factor", "value", "role"]),
+            pd.DataFrame(terms, columns=["goals and limits", "exact", "predicted"]),
+        ]
+        return f"<p>{escape(str(self))}</p>" + "".join(table.to_html(index=False, border=0) for table in tables)

@@ -1,0 +1,77 @@
+"""Where a design is beyond what its materials bear, by their own data: linear theory ends there at the latest."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.names import ALL_QUANTITIES, LIMITED
+from workflow.language import titles
+from workflow.language.constants import BORNE, borne_by_base, plain
+from workflow.language.numbers import shown
+from workflow.language.statements import Limit
+from workflow.study.model import Study
+
+Array = NDArray[np.float64]
+
+_CERAMIC_FIELD = 3e5  # V/m: beyond it ferroelectric ceramics are not linear; for materials of which no field is known
+_FIELDS = ("coercive_field", "breakdown_field")
+
+
+def bound(study: Study, limit: Limit) -> tuple[str, str]:
+    """Whose a limit's bound is, in words, and its source; empty where the study gives a number."""
+    if not limit.borne:
+        return "", ""
+    found = study.bears(limit.borne)
+    return f"{titles.title(limit.borne)} of {found.of}", found.source
+
+
+def beyond(study: Study, corner: Mapping[str, Array]) -> list[tuple[str, str]]:
+    """What of a design is beyond what its materials bear: each in words with its figure, and the source of that.
+
+    Parameters
+    ----------
+    study
+        With its categories held.
+    corner
+        Quantities of the design, exactly, over the cases that it must stand, (designs, scenarios) each.
+    """
+    lines: list[tuple[str, str]] = []
+    known = set()
+    for name in BORNE:
+        try:
+            found = study.bears(name)
+        except ValueError:
+            continue
+        known.add(name)
+        for quantity in _bounded(name):
+            words, size = _largest(quantity, corner)
+            if size > found.value:
+                units = BORNE[name].units
+                bears = f"the {titles.title(name)} of {found.of}, {shown(found.value, units, 3)}"
+                lines.append((f"{words} of {shown(size, units, 3)} exceeds {bears}", found.source))
+    words, size = _largest("nominal_field", corner)
+    if known.isdisjoint(_FIELDS) and size > _CERAMIC_FIELD:
+        usual = f"{shown(_CERAMIC_FIELD, 'V m-1', 3)}, beyond which ferroelectric ceramics are not linear"
+        unknown = "the library has no coercive or breakdown field of the material"
+        lines.append((f"{words} of {shown(size, 'V m-1', 3)} exceeds {usual}", unknown))
+    return lines
+
+
+def _bounded(name: str) -> list[str]:
+    """Quantities that something borne bounds."""
+    if not borne_by_base(name):
+        return list(LIMITED[name])
+    other = {"tensile_strength": "base_peak_principal_tension", "yield_strength": "base_peak_von_mises"}
+    return [other[plain(name)]] if plain(name) in other else []
+
+
+def _largest(quantity: str, corner: Mapping[str, Array]) -> tuple[str, float]:
+    """A quantity in words, and its largest value; 0 where there is none, as of an insulating punch's voltage."""
+    if quantity in corner:
+        return titles.title(quantity), float(corner[quantity].max())
+    if quantity == "nominal_field" and "voltage" in corner:  # a half-plane has no thickness
+        width = corner["contact_trailing"] + corner["contact_leading"]
+        return "voltage over the contact's width", float((np.abs(corner["voltage"]) / width).max())
+    assert quantity in ALL_QUANTITIES
+    return quantity, 0.0

@@ -1,0 +1,110 @@
+"""What the tolerances of a design cost: against the nominal optimum, each alone, and what tightening one would gain."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from surrogate.search.optimise import improve
+from workflow.design import assessment, program
+from workflow.design.candidate import Candidate
+from workflow.design.question import Question
+from workflow.language import titles
+from workflow.language.factors import FACTORS
+from workflow.language.numbers import number
+from workflow.study.target import Target
+
+Array = NDArray[np.float64]
+
+_TIGHTER = 0.5  # share of a tolerance that is left when it is tightened in words
+
+#: A question for another target, with the choices of a design.
+Asked = Callable[[Target], Question]
+
+
+def nominal(target: Target) -> Target:
+    """The target without any tolerance."""
+    return target.model_copy(update={"tolerance": {}})
+
+
+def costs(best: Candidate, without: Candidate, asked: Asked, factors: list[str]) -> xr.Dataset:
+    """What tolerances cost.
+
+    Parameters
+    ----------
+    best, without
+        The design with all tolerances, and the nominal optimum: the design without any.
+    asked
+        Makes the question of the design's own choice for a target with other tolerances.
+    factors
+        Of the data set.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``factor``: ``tolerance_cost`` (share of the goal that is gained without this one tolerance),
+        ``tolerance_gain`` (the share gained by half of it), both on the surrogate, and ``nominal_value``. Scalars:
+        ``nominal_exact``, the goal of the nominal optimum on the exact solver, and ``nominal_choice``, its categories.
+    """
+    target, design = best.question.target, without.design
+    whole = _reached(best, asked(target))
+    cost, gain = dict.fromkeys(factors, np.nan), dict.fromkeys(factors, np.nan)
+    for name in target.tolerance:
+        rest = {key: one for key, one in target.tolerance.items() if key != name}
+        cost[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": rest}))), whole)
+        tighter = {**target.tolerance, name: _tightened(target, name)}
+        gain[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": tighter}))), whole)
+    values = {name: float(one[0]) for name, one in design.variables.items()} | without.question.held
+    exact, _ = assessment.exactly(design, design.question.terms[:1])
+    return xr.Dataset(
+        {
+            "tolerance_cost": ("factor", list(cost.values())),
+            "tolerance_gain": ("factor", list(gain.values())),
+            "nominal_value": ("factor", [values.get(name, np.nan) for name in factors]),
+            "nominal_exact": float(exact[0]),
+            "nominal_choice": ", ".join(one for one in without.choice.values() if isinstance(one, str)),
+        },
+        coords={"factor": factors},
+    )
+
+
+def _tightened(target: Target, name: str) -> str:
+    absolute, share = target.tolerances[name]
+    return f"{100 * _TIGHTER * share} %" if share else f"{_TIGHTER * absolute} {FACTORS[name].units}".removesuffix(" 1")
+
+
+def near(best: Candidate, other: Candidate) -> Candidate:
+    """The best design of another question near that of one with the same variables, on the surrogate."""
+    physical = best.design.variables
+    inputs = other.question.inputs
+    start = np.array([float(axis.to_unit(physical[name])[0]) for name, axis in inputs.items()])
+    problem = program.problem(other.question, best.asked.predicted)
+    return replace(other, best=improve(problem, np.clip(start, -1, 1), best.size(best.best.objective)))
+
+
+def _reached(best: Candidate, question: Question) -> float:
+    """The goal near a design under other tolerances, on the surrogate."""
+    found = near(best, replace(best, asked=replace(best.asked, question=question))).best
+    return found.objective if found.feasible else np.nan
+
+
+def _share(other: float, whole: float) -> float:
+    return max((other - whole) / abs(whole), 0.0) if np.isfinite(other) else np.nan
+
+
+def in_words(answer: xr.Dataset) -> list[str]:
+    """What each tolerance of a design costs, in words."""
+    parts = []
+    for name in answer["factor"].values if "tolerance_cost" in answer else []:
+        one = answer.sel(factor=name)
+        if not str(one["tolerance"].item()):
+            continue
+        words = f"{one['tolerance'].item()} of {titles.title(str(name))}"
+        cost, gain = float(one["tolerance_cost"]), float(one["tolerance_gain"])
+        if not np.isfinite(cost):
+            continue
+        text = f"{words} costs {number(100 * cost, 2)} %" if cost > 0 else f"{words} costs nothing"
+        parts.append(f"{text} (half of it would gain {number(100 * gain, 2)} %)" if gain > 0 else text)
+    return parts

@@ -1,0 +1,185 @@
+"""Uncertain constants of a study's materials: families of them that are scaled together, with priors of their sizes.
+
+A family is scaled as a whole, by exp(std z) with z standard normal a priori, so that a material stays admissible. The
+prior standard deviation is what other published values of the material differ by, and 5 % at least. An isotropic
+elastic material has Young's modulus and Poisson's ratio instead; that has 0.02, added. One constant may be named too.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver import Material, find
+from solver.film.stack import RIGID
+from solver.material.constants import UNITS, VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
+from workflow.language.spelling import nearest
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+
+#: Constants that are scaled together, by what they are called.
+FAMILIES: dict[str, tuple[str, ...]] = {
+    "stiffness": ("c11", "c12", "c13", "c33", "c44"),
+    "piezoelectricity": ("e31", "e33", "e15"),
+    "piezomagnetism": ("f31", "f33", "f15"),
+    "permittivity": ("eps11", "eps33"),
+    "magnetoelectricity": ("g11", "g33"),
+    "permeability": ("mu11", "mu33"),
+}
+#: Prior standard deviation of the logarithm where no other values are published, and of Poisson's ratio.
+USUAL, POISSON = 0.05, 0.02
+_ELASTIC = {"modulus": FAMILIES["stiffness"], "poisson": FAMILIES["stiffness"]}
+_VACUUM = {"permittivity": VACUUM_PERMITTIVITY, "permeability": VACUUM_PERMEABILITY}
+_KINDS = ("base", "material")
+
+
+@dataclass(frozen=True)
+class Constant:
+    """What is uncertain of a material.
+
+    Attributes
+    ----------
+    material, family
+        Name of the material; a family of its constants, ``modulus``, ``poisson``, or one constant.
+    std
+        Prior standard deviation: of the logarithm, of Poisson's ratio itself.
+    """
+
+    material: str
+    family: str
+    std: float
+
+    @property
+    def name(self) -> str:
+        """As it is called."""
+        return f"{self.material} {self.family}"
+
+    @property
+    def prior(self) -> str:
+        """The prior in words."""
+        return f"+-{self.std:g}" if self.family == "poisson" else f"+-{100 * self.std:.3g} %"
+
+    def change(self, z: float) -> str:
+        """A scaled value in words."""
+        return f"{z * self.std:+.3g}" if self.family == "poisson" else f"{100 * np.expm1(z * self.std):+.3g} %"
+
+    def moved(self, material: Material, z: float) -> Material:
+        """The material with this at a scaled value; MaterialError where none is admissible."""
+        if self.family == "poisson":
+            young, poisson = _engineering(material)
+            other = Material.isotropic(young, poisson + self.std * z, name=material.name)
+            changed: dict[str, Any] = {name: getattr(other, name) for name in FAMILIES["stiffness"]}
+        else:
+            names = (FAMILIES | _ELASTIC).get(self.family, (self.family,))
+            changed = {name: getattr(material, name) * np.exp(self.std * z) for name in names}
+        found = replace(material, **changed, alternatives=())
+        found.check()
+        return found
+
+
+def uncertain(study: Study, asked: Mapping[str, float | None] | None = None) -> list[Constant]:
+    """The uncertain constants of a study, with their priors.
+
+    Parameters
+    ----------
+    study
+        Its phases, materials and bases are what may be uncertain.
+    asked
+        These only, by name (``BaTiO3 permittivity``, ``BaTiO3 e33``, ``steel modulus``), with the prior standard
+        deviation or None for the usual one; all families otherwise.
+
+    Raises
+    ------
+    InputError
+        A name that the study has not; a study without any.
+    """
+    found = {name: _constants(name, find(name, study.own_materials)) for name in materials(study)}
+    if not found:
+        raise InputError(f"{study.path}: no material whose constants could be uncertain")
+    if asked is None:
+        return [one for families in found.values() for one in families]
+    return [_asked(name, std, found, study) for name, std in asked.items()]
+
+
+def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> Study:
+    """The study with its constants at scaled values; MaterialError where no material is admissible there."""
+    changed: dict[str, Material] = {}
+    for one, value in zip(constants, z, strict=True):
+        if value:
+            start = changed.get(one.material, find(one.material, study.own_materials))
+            changed[one.material] = one.moved(start, float(value))
+    return study.with_materials(changed)
+
+
+def concerned(study: Study, one: Constant) -> dict[str, str]:
+    """Categories that have to be at a name for a constant to matter; none where it always does."""
+    held = {kind: one.material for kind in _KINDS if one.material in study.categories.get(kind, [])}
+    elsewhere = [*study.fixed.values(), *(layer.material for layer in study.body), *_phases(study)]
+    return {} if one.material in elsewhere or len(held) > 1 else held
+
+
+def materials(study: Study) -> list[str]:
+    """Names of the materials that a study's cases are made of."""
+    names: list[str] = [*_phases(study), *(layer.material for layer in study.body if layer.material)]
+    for kind in _KINDS:
+        names += [str(study.fixed[kind])] if kind in study.fixed else study.categories.get(kind, [])
+    return [name for name in dict.fromkeys(names) if name != RIGID]
+
+
+def _phases(study: Study) -> list[str]:
+    """The phases, where a composite is made of them."""
+    own: list[str | None] = [layer.composite for layer in study.body]
+    if not study.body and "material" not in study.fixed and "material" not in study.categories:
+        own = [*study.categories.get("composite", [str(study.fixed.get("composite", "fibrous"))])]
+    return list(study.phases) if any(kind not in (None, "AlScN") for kind in own) else []
+
+
+def _constants(name: str, material: Material) -> list[Constant]:
+    """The families of a material that are not zero nor the vacuum's."""
+    if _is_isotropic(material):
+        return [Constant(name, "modulus", _spread(material, FAMILIES["stiffness"])), Constant(name, "poisson", POISSON)]
+    found = []
+    for family, names in FAMILIES.items():
+        values = [float(getattr(material, one)) for one in names if not np.isnan(getattr(material, one))]
+        if any(value not in (0.0, _VACUUM.get(family)) for value in values):
+            found.append(Constant(name, family, _spread(material, names)))
+    return found
+
+
+def _asked(name: str, std: float | None, found: Mapping[str, list[Constant]], study: Study) -> Constant:
+    known = {one.name: one for families in found.values() for one in families}
+    if name not in known:
+        material, _, constant = name.rpartition(" ")
+        own = find(material, study.own_materials) if material in found else None
+        if own is None or constant not in UNITS or constant == "rho" or float(getattr(own, constant)) in (0.0, np.nan):
+            raise InputError(f"--uncertain: {name!r} is unknown; {nearest(name, list(known))}; or one constant, as e33")
+        known[name] = Constant(material, constant, _spread(own, (constant,)))
+    return known[name] if std is None else replace(known[name], std=std)
+
+
+def _spread(material: Material, names: tuple[str, ...]) -> float:
+    """The usual prior, or the most that other published values of a family are off by on average, as logarithms."""
+    largest = USUAL
+    for one in material.variants():
+        pairs = [(float(getattr(one, name)), float(getattr(material, name))) for name in names]
+        off = [np.log(a / b) for a, b in pairs if a * b > 0]
+        largest = max(largest, abs(float(np.mean(off)))) if off else largest
+    return largest
+
+
+def _is_isotropic(material: Material) -> bool:
+    coupled = [getattr(material, name) for family in list(FAMILIES)[1:3] for name in FAMILIES[family]]
+    pairs = [
+        (material.c33, material.c11),
+        (material.c13, material.c12),
+        (2 * material.c44, material.c11 - material.c12),
+    ]
+    return not np.any(coupled) and all(np.isclose(a, b, rtol=1e-3) for a, b in pairs)
+
+
+def _engineering(material: Material) -> tuple[float, float]:
+    """Young's modulus and Poisson's ratio of an isotropic material."""
+    poisson = float(material.c12 / (material.c11 + material.c12))
+    return float(2 * material.c44 * (1 + poisson)), poisson

@@ -1,0 +1,90 @@
+"""Largest stresses of a study by the curves they follow from: the solver's statements in the surrogate's words."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from solver.curves import FOLLOWS, REGIONS, described
+from solver.names import ALL_QUANTITIES
+from storage.netcdf import read_whole
+from surrogate.gp.curvegp import CurveGP
+from surrogate.gp.curves import Curves, Largest
+from surrogate.gp.gridgp import GridGP
+from surrogate.gp.measure import Measure
+from surrogate.gp.panels import Panels
+from workflow.dataset import factorial
+from workflow.study import categories
+from workflow.study.categories import output
+from workflow.study.model import Study
+
+# Of the tolerance: what the basis of the curves and the compression of its scores may take.
+_SHARE = 1e-2
+
+
+def model(study: Study, compression: float) -> CurveGP:
+    """The process, not fitted, of a study that learns curves; ``compression`` as of a `GridGP`."""
+    curves: list[Curves] = []
+    largest: dict[str, Largest] = {}
+    attrs: dict[str, dict[str, str]] = {}
+    measures = {peak.measure: _measure(name) for name, peak in FOLLOWS.items()}
+    for kinds in study.combinations:
+        for name in study.regions:
+            region = REGIONS[name]
+            fields = tuple(output(f"{name}_{field}", kinds) for field in region.fields)
+            sizes = tuple(output(size, kinds) if size else "" for size in region.sizes)
+            curves.append(Curves(fields, sizes, Panels(region.across, region.down), f"{name}_point"))
+            for quantity, peak in FOLLOWS.items():
+                if peak.region == name and quantity in study.outputs:
+                    place = region.fields.index(peak.place) if peak.place else -1
+                    learnt = output(quantity, kinds)
+                    largest[learnt] = Largest(len(curves) - 1, measures[peak.measure], place)
+                    one = ALL_QUANTITIES[quantity]
+                    words = f"{one.long_name}, {categories.named(kinds)}" if kinds else one.long_name
+                    attrs[learnt] = {"units": one.units, "long_name": words}
+    inputs = factorial.inputs(study)
+
+    def smooth(names: Sequence[str]) -> GridGP:
+        return GridGP(study.surrogate.kernel, inputs, names, compression=compression)
+
+    return CurveGP(smooth, curves, largest, study.learned, attrs, error=_SHARE * study.validation.tolerance)
+
+
+def _measure(name: str) -> Measure:
+    measure = FOLLOWS[name].measure
+    return Measure(np.array(measure.linear), np.array(measure.root))
+
+
+def joined(study: Study, quantities: xr.Dataset, slabs: Sequence[str]) -> xr.Dataset:
+    """Quantities of the factorial with the curves of its slabs, which may be none.
+
+    Raises
+    ------
+    FormatError
+        A slab that is no file of this program, or is damaged.
+    """
+    if not study.regions:
+        return quantities
+    parts = [read_whole(Path(slab), names=_names(study)) for slab in slabs]
+    first = str(next(iter(study.axes)))
+    return quantities.merge(xr.concat(parts, first, data_vars="all"), combine_attrs="override")
+
+
+def given(study: Study, data: xr.Dataset) -> bool:
+    """Whether data have the curves that a study learns, if it learns any."""
+    return bool(study.regions) and set(_names(study)) <= data.keys()
+
+
+def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
+    """What the surrogate learns from: the study's outputs, and the curves that the data have."""
+    found = factorial.learned(study, data)
+    if not given(study, data):
+        return found
+    return found.merge(categories.apart(data, study.categories, _names(study)), combine_attrs="override")
+
+
+def _names(study: Study) -> list[str]:
+    """Variables of the slabs that are learnt beside quantities: sizes, and the fields of all regions."""
+    sizes = [size for region in study.regions for size in REGIONS[region].sizes if size]
+    return [*dict.fromkeys(sizes), *(name for region in study.regions for name in described(region))]

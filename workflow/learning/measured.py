@@ -1,0 +1,106 @@
+"""Measured rows on a study's surrogate: its uncertain constants and discrepancies, and the corrected surrogate."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver import MaterialError
+from surrogate import GaussianProcess
+from surrogate.data.measurements import MOST_ROWS, Measurements
+from surrogate.gp.corrected import CorrectedGP
+from surrogate.gp.distribution import NOMINAL, Normal
+from surrogate.use import learning
+from workflow.learning.constants import Constant
+from workflow.learning.effects import Effects
+from workflow.learning.taught import Taught
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+
+Array = NDArray[np.float64]
+
+#: Rows that may be learnt from, at least.
+FEWEST = 10
+_WRONG_UNIT = 30.0  # measured over predicted values, as a factor, by which no constant changes a quantity
+
+
+def learn(
+    study: Study,
+    model: GaussianProcess,
+    rows: Measurements,
+    constants: list[Constant],
+    say: Callable[[str], None] = lambda message: None,
+) -> tuple[CorrectedGP, Taught]:
+    """Correct a study's surrogate by measured rows.
+
+    Parameters
+    ----------
+    study, model
+        The study and its surrogate.
+    rows
+        What was measured, within the trained box.
+    constants
+        What is uncertain of the study's materials.
+    say
+        Is told of progress.
+
+    Returns
+    -------
+    CorrectedGP, Taught
+        The corrected surrogate, and what the rows have taught.
+
+    Raises
+    ------
+    InputError
+        Too few or too many rows, fewer values than unknowns, values that are no such quantity in SI units, or rows that
+        the constants explain nowhere.
+    """
+    count = len(np.unique(rows.row))
+    if not FEWEST <= count <= MOST_ROWS:
+        raise InputError(f"{count} rows with a measured value; must be {FEWEST} to {MOST_ROWS}")
+    unknowns = len(constants) + len(rows.outputs)
+    if len(rows.value) < unknowns:
+        raise InputError(
+            f"{len(rows.value)} measured values are fewer than {unknowns} unknowns ({len(constants)} constants, "
+            f"{len(rows.outputs)} discrepancies); measure more, or name fewer constants with --uncertain"
+        )
+    nominal = model.predict_array(rows.points)
+    lower, upper = model.interval_array(rows.points)
+    mean = nominal[rows.row, rows.output]
+    _check_size(model, rows, mean)
+    effects = Effects(study, model, constants, say)
+    own = np.maximum(upper - nominal, nominal - lower)[rows.row, rows.output] / Normal().ends(NOMINAL)[1, 0]
+    spread = np.hypot(own, effects.error[rows.output])
+    latest: list[GaussianProcess] = []
+
+    def forward(z: Array) -> tuple[Array, Array]:
+        say("constants at " + ", ".join(f"{one:+.2f}" for one in z) + " prior standard deviations")
+        latest[:] = [effects.at(z)]
+        found = latest[0].predict_array(rows.points).reshape(len(rows.points), len(model.outputs_), -1)
+        own = found[rows.row, rows.output]
+        return mean + own[:, 0], own[:, 1:]
+
+    try:
+        found = learning.learn(forward, rows, model.inputs_, len(constants), spread)
+    except (learning.NotSettledError, MaterialError) as error:
+        raise InputError(str(error)) from None
+    taught = Taught.of(found, rows, constants, model, mean)
+    names = {one.name: one.prior for one in constants}
+    surrogate = CorrectedGP(
+        model, latest[0], names, found.about, found.draws, rows, effects.error, "\n".join(taught.lines)
+    )
+    return surrogate, taught
+
+
+def _check_size(model: GaussianProcess, rows: Measurements, mean: Array) -> None:
+    """Whether measured values are of the size of what the surrogate gives."""
+    for q in rows.outputs:
+        k = rows.of(q)
+        ratio = float(np.median(np.abs(rows.value[k])) / max(float(np.median(np.abs(mean[k]))), 1e-300))
+        noise = np.nanmedian(rows.error[k]) if np.isfinite(rows.error[k]).any() else 0.0
+        small = float(np.median(np.abs(mean[k]))) < 3 * noise  # nothing but noise was to be measured
+        if not small and not 1 / _WRONG_UNIT < ratio < _WRONG_UNIT:
+            name, units = model.outputs_[q], model.attrs_[model.outputs_[q]].get("units", "")
+            raise InputError(
+                f"{name}: measured values are {ratio:.2g} times those of the surrogate; are they in {units}?"
+            )

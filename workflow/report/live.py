@@ -1,0 +1,73 @@
+"""What the panel draws at its sliders: the punch on its body, and the fields under it; as plain data."""
+
+from typing import Any
+
+import xarray as xr
+
+from solver.names import FIELDS
+from surrogate import GaussianProcess
+from surrogate.gp.export import exported
+from workflow.language.titles import title
+from workflow.report import firstscreen
+from workflow.study.categories import Kinds
+from workflow.study.datum import inner
+from workflow.study.model import Study
+
+#: The contact that a drawing needs.
+_CONTACT = {"contact_trailing", "contact_leading"}
+#: Quantities that give the contact pressure of a circular punch in closed form.
+_PRESSURE = {*_CONTACT, "pressure_exponent", "peak_pressure"}
+#: What the means of a surrogate need; the rest is for intervals.
+_OF_MEANS = ("inputs", "outputs", "order", "cores", "factors", "offset", "scale", "correction")
+
+
+def drawable(study: Study) -> bool:
+    """Whether the panel knows the contact that its drawing shows."""
+    return set(study.outputs) >= _CONTACT
+
+
+def closed_pressure(study: Study, kinds: Kinds) -> bool:
+    """Whether the contact pressure of a combination of the categories follows in closed form."""
+    profile = {**study.fixed, **kinds}.get("profile", "cylinder")
+    return set(study.outputs) >= _PRESSURE and profile == "cylinder" and not study.on_film
+
+
+def body(study: Study, kinds: Kinds) -> dict[str, Any]:
+    """The punch and its body in a combination of the categories, as :class:`workflow.report.device.Device` has them.
+
+    ``size`` and ``thickness`` are numbers, or names of the factors that give them.
+    """
+    case = {**study.fixed, **kinds, **inner(study)}
+    drawn = firstscreen.of_case(study, case, xr.Dataset(dict.fromkeys(_CONTACT, 1.0)))
+    size = {"flat": "width", "wedge": "slope"}.get(drawn.profile, "radius")
+    thickness: float | str | None = drawn.thickness
+    if study.body:
+        thickness = study.body[0].numbers["thickness"]
+    elif "thickness" in study.factors:
+        thickness = "thickness"
+    below = {one for layer in study.body[1:] for one in layer.numbers.values()} | {"base_modulus"}
+    return {
+        "profile": drawn.profile,
+        "corner": drawn.corner,
+        "size": size if size in study.factors else drawn.size,
+        "conducts": drawn.conducts,
+        "thickness": thickness,
+        "base": drawn.base if below.isdisjoint(study.factors) else "",  # words of what slides would not follow them
+        "grounded": drawn.grounded,
+    }
+
+
+def fields(study: Study, model: GaussianProcess | None) -> dict[str, Any]:
+    """The charts under the punch, and the surrogate that feeds them where there is one in plain data.
+
+    Without one, circular punches on half-planes have their pressure in closed form.
+    """
+    known = model is not None and not study.categories and "pressure_exponent" in study.outputs
+    stored = exported(model) if known and model is not None else None
+    pressure = any(closed_pressure(study, kinds) for kinds in study.combinations)
+    names = [str(one["name"]) for one in stored["outputs"]] if stored else ["contact_pressure"] if pressure else []
+    return {
+        "charts": [{"name": name, "title": title(name), "units": FIELDS[name].units} for name in names],
+        # in groups, means take intervals with them
+        "fields": stored if stored is None or "groups" in stored else {key: stored[key] for key in _OF_MEANS},
+    }

@@ -1,0 +1,120 @@
+// The punch on its body to scale, as workflow/report/device.py draws it, from the numbers of the sliders.
+"use strict";
+
+const PICTURE = { width: 560, height: 250, surface: 128, whole: [14, 206], near: [236, 546], top: 26, low: 222 };
+const STEEP = { device: 84, wider: 2.6, deep: 62, tips: 10, line: 22, points: 97 };
+const TINT = {
+  ink: "var(--ink)", paper: "var(--card)", accent: "var(--accent)", soft: "var(--soft)", bad: "var(--bad)",
+  body: "color-mix(in srgb, var(--accent) 10%, var(--card))", punch: "color-mix(in srgb, var(--ink) 12%, var(--card))",
+};
+
+// How far from the sharp edge, towards the other.
+const ahead = (device, x) => (device.corner === "leading" ? x + device.leading : device.trailing - x);
+
+// Of the punch's face over its lowest point; NaN beside the punch.
+function faceHeight(device, x) {
+  const { profile, size } = device;
+  if (profile === "flat") return Math.abs(x) <= size / 2 ? 0 : NaN;
+  if (profile === "wedge") return ahead(device, x) >= 0 ? Math.abs(size) * ahead(device, x) : NaN;
+  const along = profile === "cylinder" ? x : ahead(device, x);
+  const inside = Math.abs(along) <= size && (profile === "cylinder" || along >= 0);
+  return inside ? size - Math.sqrt(Math.max(size * size - along * along, 0)) : NaN;
+}
+
+// What the drawing needs beside the numbers of a punch: scales, and how deep its lowest point is.
+function measured(device) {
+  const contact = device.trailing + device.leading;
+  const reach = device.profile === "wedge" ? 2 * contact : device.profile === "flat" ? device.size / 2 : device.size;
+  const ends = [-device.leading, device.trailing].map((x) => faceHeight(device, x * (1 - 1e-9))).filter((one) => !Number.isNaN(one));
+  const wide = (PICTURE.near[1] - PICTURE.near[0]) / (STEEP.wider * contact);
+  return {
+    contact, reach, sunk: ends.length ? Math.max(...ends) : 0,
+    whole: (PICTURE.whole[1] - PICTURE.whole[0] - 24) / (2 * reach),
+    near: device.thickness === null ? wide : Math.min(wide, STEEP.deep / device.thickness),
+  };
+}
+
+const at = (value) => value.toFixed(2);
+const stroke = (x0, y0, x1, y1, colour = TINT.ink, wide = 1.2, more = "") =>
+  `<line x1="${at(x0)}" y1="${at(y0)}" x2="${at(x1)}" y2="${at(y1)}" stroke="${colour}" stroke-width="${wide}"${more}/>`;
+const words = (x, y, text, colour = TINT.ink, anchor = "middle") =>
+  `<text x="${x.toFixed(1)}" y="${y.toFixed(1)}" fill="${colour}" text-anchor="${anchor}">${text.replace(/[&<>]/g, (c) => `&#${c.charCodeAt(0)};`)}</text>`;
+const tipped = `stroke="${TINT.ink}" stroke-width="1.6" marker-start="url(#stack-tip)" marker-end="url(#stack-tip)"`;
+
+// Body and punch between two places of the picture, with its middle under the contact's.
+function stackPart(device, size, [left, right], scale) {
+  const { surface, low, top } = PICTURE, middle = (device.trailing - device.leading) / 2, width = right - left;
+  const parts = [`<rect x="${left}" y="${surface}" width="${width}" height="${low - surface}" fill="${TINT.body}"/>`];
+  if (device.thickness !== null) {
+    const interface_ = Math.min(surface + Math.max(device.thickness * scale, 1.2), low);
+    parts.push(`<rect x="${left}" y="${at(interface_)}" width="${width}" height="${at(low - interface_)}" fill="${TINT.punch}"/>`);
+    if (device.grounded) parts.push(stroke(left, interface_, right, interface_, TINT.accent, 2.2));
+  }
+  const inside = 1 - 1e-9, edges = device.profile === "flat" ? [-0.5, 0.5].map((one) => one * device.size * inside)
+    : [-device.leading, device.trailing, -size.reach, size.reach].map((one) => one * inside);
+  const even = Array.from({ length: STEEP.points }, (_, k) => middle + (width * ((2 * k) / (STEEP.points - 1) - 1)) / 2 / scale);
+  const shown = [...even, ...edges].sort((a, b) => a - b)
+    .filter((x) => Math.abs(x - middle) * scale <= (width / 2) * (1 + 1e-9) && !Number.isNaN(faceHeight(device, x)));
+  const place = (x) => (left + right) / 2 + (x - middle) * scale;
+  const roof = scale === size.whole ? Math.max(top, surface - STEEP.device) : top;
+  const outline = shown.map((x) => `${at(place(x))},${at(Math.max(surface - (faceHeight(device, x) - size.sunk) * scale, roof))}`).join(" ");
+  parts.push(stroke(left, surface, right, surface));
+  parts.push(`<polygon points="${at(place(shown[0]))},${roof} ${outline} ${at(place(shown.at(-1)))},${roof}" fill="${TINT.punch}" stroke="${TINT.ink}"/>`);
+  if (device.conducts) parts.push(`<polyline points="${outline}" fill="none" stroke="${TINT.accent}" stroke-width="2.2"/>`);
+  const [a, b] = [-device.leading, device.trailing].map(place);
+  parts.push(stroke(a, surface, Math.max(b, a + 1.2), surface, TINT.bad, 4));
+  return parts;
+}
+
+function stackWords(device, size) {
+  const { surface, height, low, whole, near } = PICTURE, middle = (whole[0] + whole[1]) / 2, centre = (near[0] + near[1]) / 2;
+  const half = (size.contact * size.near) / 2, lone = ["wedge", "half_cylinder"].includes(device.profile);
+  const name = { flat: "w = ", wedge: "slope " }[device.profile] || "R = ";
+  const tip = ' marker-end="url(#stack-tip)"', { bad, soft, ink } = TINT;
+  const parts = [
+    stroke(middle, 4, middle, 38, bad, 1.6, tip), words(middle + 8, 16, said(device.load, "N m-1", 3), bad, "start"),
+    stroke(whole[0] + 56, 28, whole[0] + 4, 28, bad, 1.6, tip), words(whole[0] + 4, 18, "slides", bad, "start"),
+    words(middle + (lone ? (device.corner === "leading" ? 38 : -38) : 0), surface - 50,
+      name + (device.profile === "wedge" ? digits(device.size, 3) : said(device.size, "m", 3))),
+    words(whole[0], height - 10, "to scale", soft, "start"),
+    words(near[0], height - 10, `the contact, at ${digits(size.near / size.whole, 2)} times that scale`, soft, "start"),
+    half > STEEP.tips ? `<path d="M${at(centre - half)} ${surface - 16} H${at(centre + half)}" ${tipped}/>` : "",
+    words(centre, surface - 24, said(size.contact, "m", 3)),
+  ];
+  if (device.thickness === null) return [...parts, words(near[0] + 8, low - 10, "half-plane", soft, "start")];
+  const interface_ = surface + device.thickness * size.near, place = near[1] - 14;
+  const between = device.grounded ? `${device.base ? ", " : ""}grounded electrode between` : "";
+  return [
+    ...parts,
+    `<path d="M${place} ${surface} V${at(interface_)}" ${tipped}/>`,
+    words(place - 8, interface_ - surface > STEEP.line ? (surface + interface_) / 2 + 5 : interface_ + STEEP.line - 4, `film ${said(device.thickness, "m", 3)}`, ink, "end"),
+    words(near[0] + 8, low - 10, device.base + between, soft, "start"),
+  ];
+}
+
+// The whole picture; `device` as in device.py: profile, corner, size, trailing, leading, load, conducts, thickness, base, grounded.
+function stackPicture(device) {
+  const size = measured(device);
+  return [
+    `<rect width="${PICTURE.width}" height="${PICTURE.height}" fill="${TINT.paper}"/>`,
+    '<marker id="stack-tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto-start-reverse"><path d="M0 0 8 4 0 8z" fill="context-stroke"/></marker>',
+    ...stackPart(device, size, PICTURE.whole, size.whole),
+    ...stackPart(device, size, PICTURE.near, size.near),
+    ...stackWords(device, size),
+  ].join("");
+}
+
+// The punch of a combination of the categories at values of every name.
+function deviceAt(body, values) {
+  const number = (one) => (typeof one === "string" ? values[one] : one);
+  return { ...body, size: number(body.size), thickness: number(body.thickness), load: values.load,
+    trailing: values.contact_trailing, leading: values.contact_leading };
+}
+
+function showStack(panel, svg) {
+  panel.watch((values) => {
+    const device = deviceAt(panel.kind.body, values);
+    svg.innerHTML = stackPicture(device);
+    svg.setAttribute("aria-label", `drawn to scale: contact ${said(device.trailing + device.leading, "m", 3)}`);
+  });
+}

@@ -1,0 +1,11 @@
+"""Rule batch: exact quantities of one slab of a batch that a cross approximation asks for."""
+
+from pathlib import Path
+
+from workflow.dataset import batches
+from workflow.run import joblog
+from workflow.study import planned
+
+snakemake = joblog.start(globals())
+config = planned.study(snakemake)
+batches.write_slab(config, Path(snakemake.input[0]), int(snakemake.wildcards.slab), Path(snakemake.output[0]))

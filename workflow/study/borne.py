@@ -1,0 +1,83 @@
+"""What the materials of a study's body bear: strength, depoling, coercive and breakdown field, each with its source."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from solver import Material, aluminium_scandium_nitride, find
+from solver.film.stack import RIGID
+from solver.names import CHOICES
+from workflow.language.constants import borne_by_base, plain
+
+#: Entries of a layer, or factors, that say what it is made of.
+MADE_OF = ("material", "composite", "volume_fraction")
+
+
+@dataclass(frozen=True)
+class Borne:
+    """What a material bears.
+
+    Attributes
+    ----------
+    value
+        In SI.
+    of
+        Whose it is, in words.
+    source
+        Where it comes from.
+    """
+
+    value: float
+    of: str
+    source: str
+
+
+def borne(name: str, given: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Borne:
+    """What the top material, or the base, of one body bears.
+
+    Of a composite it is what its weaker phase bears, of those whose figure is known: a phase that is not known to bear
+    anything is not known to bear more. A volume fraction of 0 or 1 leaves one phase.
+
+    Parameters
+    ----------
+    name
+        One of ``workflow.language.constants.BORNE``.
+    given
+        Factors of the top layer and of the base: ``material`` or ``composite``, ``volume_fraction``, ``base``.
+    materials, phases
+        The study's own materials, and its phases.
+
+    Raises
+    ------
+    ValueError
+        The library has no such figure of the material.
+    """
+    limit = plain(name)
+    if borne_by_base(name):
+        base = given.get("base", RIGID if "base_modulus" not in given else None)
+        if base is None or base == RIGID:
+            raise ValueError(f"{name}: {'a rigid base' if base else 'a base of given modulus'} has none")
+        return _least(limit, [find(str(base), materials)], "")
+    if "material" in given:
+        return _least(limit, [find(str(given["material"]), materials)], "")
+    kind = str(given.get("composite", CHOICES["composite"][0]))
+    if kind == "AlScN":
+        return _least(limit, [aluminium_scandium_nitride(0.0)], "")
+    one, two = (find(phase, materials) for phase in phases)
+    fraction = given.get("volume_fraction")
+    parts = [one] if fraction == 1 else [two] if fraction == 0 else [one, two]
+    return _least(limit, parts, kind)
+
+
+def _least(limit: str, parts: Sequence[Material], composite: str) -> Borne:
+    """The least of what some materials bear."""
+    known = [one for one in parts if limit in one.limits]
+    if not known:
+        names = " and ".join(one.name for one in parts)
+        raise ValueError(f"{limit}: the library has none of {names}; give a number with a unit")
+    weakest = min(known, key=lambda one: one.limits[limit].value)
+    unknown = ", ".join(one.name for one in parts if one not in known)
+    words = weakest.name
+    if len(parts) > 1:
+        words += f" ({unknown}: none known)" if unknown else f", the weaker phase ({composite})"
+    return Borne(weakest.limits[limit].value, words, weakest.limits[limit].source)

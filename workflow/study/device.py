@@ -1,0 +1,60 @@
+"""What a punch is connected to, as a study has it: its length, the amplifier that reads it, what drives it."""
+
+from typing import Annotated
+
+from pydantic import AfterValidator, Field
+
+from workflow.language.constants import DEVICE
+from workflow.language.units import in_si
+from workflow.study.types import Number, Strict
+
+
+def _read(name: str, given: float | str) -> float:
+    """The value in SI of a number of the section; ValueError where it is none, or of another unit."""
+    return in_si(given, DEVICE[name].units) if isinstance(given, str) else given
+
+
+def _above(name: str, *, zero: bool = False) -> AfterValidator:
+    def check(given: float | str) -> float | str:
+        value = _read(name, given)
+        if not (value >= 0 if zero else value > 0):
+            raise ValueError(f"{value:g} is not a finite number {'>=' if zero else '>'} 0 [{DEVICE[name].units}]")
+        return given
+
+    return AfterValidator(check)
+
+
+class Amplifier(Strict):
+    """What reads the charge of the punch; numbers in SI, or with a unit, as ``10 pF``."""
+
+    input_capacitance: Annotated[Number | str, _above("input_capacitance")] = Field(description="of its input [F]")
+    input_resistance: Annotated[Number | str, _above("input_resistance")] | None = Field(
+        None, description="of its input [Ohm]; needed by time_constant"
+    )
+    cable_capacitance: Annotated[Number | str, _above("cable_capacitance", zero=True)] = Field(
+        0.0, description="of the cable [F]"
+    )
+    charge_noise: Annotated[Number | str, _above("charge_noise", zero=True)] | None = Field(
+        None, description="root mean square in its band, as a charge at its input [C]; needed by smallest_force"
+    )
+    voltage_noise: Annotated[Number | str, _above("voltage_noise", zero=True)] = Field(
+        0.0, description="root mean square in its band, as a voltage at its input [V]"
+    )
+
+
+class Device(Strict):
+    """What makes figures of a device out of quantities per metre; numbers in SI, or with a unit, as ``10 mm``."""
+
+    electrode_length: Annotated[Number | str, _above("electrode_length")] = Field(
+        description="length of the punch along its axis [m]: loads and charges are per metre of it"
+    )
+    drive_voltage: Annotated[Number | str, _above("drive_voltage")] | None = Field(
+        None, description="voltage that drives an actuator [V]"
+    )
+    amplifier: Amplifier | None = Field(None, description="what reads a sensor")
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """Every number that is given, by its name in designs, in SI."""
+        given = {**dict(self), **dict(self.amplifier or {})}
+        return {name: _read(name, given[name]) for name in DEVICE if given.get(name) is not None}
