@@ -376,12 +376,20 @@ class Study(Strict):
         return hanging
 
     def _lacked(self) -> frozenset[str]:
-        """Names of the quantities that some cases lack, once the solver has answered at every corner of the box."""
+        """Names of the quantities that some cases lack, once the solver has answered at every corner of the box.
+
+        Of more than two factors that need tables of their own, all at one end, or one alone at its high end.
+        """
         if not self.factors:
             return frozenset()
-        ends = {name: [axis.low, axis.high] for name, axis in self.factors.items()}
-        corners = {**self.fixed, **self.categories, **ends}
-        found = self.solved(solve, corners)
+        ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in self.factors.items()}
+        tabled = [name for name in self.tabled if name in ends]
+        if len(tabled) > 2:
+            for name in tabled:
+                low, high = ends[name]
+                some = [low, high, *(high if name == one else low for one in tabled)]
+                ends[name] = xr.DataArray(some, dims="end")
+        found = self.solved(solve, {**self.fixed, **self.categories, **ends})
         peaks = set(FILM_PEAKS if self.on_film else PEAKS)
         if "rigid" in self.categories.get("base", [self.fixed.get("base")]):
             peaks -= {name for name in peaks if name.startswith("base_")}
