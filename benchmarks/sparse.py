@@ -2,7 +2,7 @@
 
 T. Gerstner and M. Griebel, Computing 71 (2003) 65 (adaptation); A. Narayan and J. D. Jakeman, SIAM J. Sci. Comput. 36
 (2014) A2952 (Leja points, one more a level, so that an index is a point). Tasmanian, which has such grids, comes from
-PyPI as source only and needs CMake and a compiler: this needs neither.
+PyPI as source only here, and was not built.
 """
 
 from collections.abc import Callable
