@@ -25,7 +25,9 @@ def test_a_run_ends_with_it_also_where_nothing_is_to_be_done(ran: Project, tmp_p
     assert table == outcome.table(ran.folder / "results/small", ["sensor", "impossible"])
     assert table[0].split() == ["target", "verdict", "goal", "design"]
     assert re.match(
-        r"sensor +recommended +voltage per load 4[\d.]+ mV·m/N +volume fraction 0\.6\d+, radius 1", table[1]
+        r"sensor +beyond linear theory; otherwise recommended +voltage per load 4[\d.]+ mV·m/N "
+        r"+volume fraction 0\.6\d+, radius 1",
+        table[1],
     )
     assert table[2].strip() == "Tension behind the contact of 50 MPa stops it."
     assert re.match("impossible +not reachable +stroke per volt", table[3])

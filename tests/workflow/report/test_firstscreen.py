@@ -67,7 +67,7 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     other = found.copy(deep=True)
     other["exact"][0] *= 2
     other["cost"][:] *= 2
-    other["worst"].loc[{"factor": "radius"}] = 0.05
+    other["value"].loc[{"factor": "radius"}] = 0.05
     changed = firstscreen.answered(study, "sensor", target, other)
     assert changed.punch == "R = 50 mm" != one.punch
     number = [float(text.good.split("\N{NO-BREAK SPACE}")[0]) for text in (one, changed)]
@@ -107,9 +107,9 @@ def test_every_section_says_what_its_numbers_say() -> None:
     assert (
         sentences.checks({"checks": rows}) == "1 of 1 checks are green; the largest error is 20 % of its tolerance (a)."
     )
-    assert sentences.readout([{"cases": 50, "rows": [{"name": "load", "coverage": 0.96, "width": 0.01}]}]) == (
-        "Load is read to 1 %, and its 95 % interval held it in 96 % of 50 cases."
-    )
+    assert sentences.readout(
+        [{"cases": 50, "rows": [{"name": "load", "coverage": 0.96, "width": 0.01, "left": 0.1}]}]
+    ) == ("Load is read to 1 %, and its 95 % interval held it in 96 % of 50 cases.")
     study = load("config/parametric.yaml")
     assert study.effects is not None
     assert all(name.replace("_", " ") in sentences.effects(study) for name in study.effects.vary)
