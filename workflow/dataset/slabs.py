@@ -83,7 +83,7 @@ def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision:
     """The slab without its values: coordinates, attributes, dimensions and types."""
     coords = {axis: xr.Variable(axis, levels, case[axis].attrs) for axis, levels in axes.items()}
     # along the first level of every axis, factors of groups stand there as arrays of one
-    kept = {name: one for name, one in case.coords.items() if not one.ndim or name == "position"}
+    kept = {name: one for name, one in case.coords.items() if axes.keys().isdisjoint(map(str, one.dims))}
     frame = xr.Dataset(coords=kept).assign_coords(coords)
     empty = {}
     for name, array in case.data_vars.items():

@@ -27,6 +27,7 @@ _FORMATS = {
     ".csv": "text/csv",
     ".html": "text/html",
     ".md": "text/markdown",
+    ".txt": "text/plain",
 }
 
 

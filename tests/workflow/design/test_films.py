@@ -47,7 +47,7 @@ def test_a_thickness_is_found_with_few_exact_cases(tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(sources.Exact, "values", counted)
     answer = search.solve_target(study, "thick", model)
     # the verdict of a half-plane would solve 201 scenarios at once, and every step of the polish some more
-    assert max(asked) <= 9
+    assert max(asked) <= 14  # loads up to the first limit, of one table
     assert sum(asked) <= budget.AFFORDABLE_FILMS
     assert "led by the surrogate" in answer.attrs["polish"]
     assert bool(answer["feasible"])
