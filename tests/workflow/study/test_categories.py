@@ -123,7 +123,7 @@ def test_questions_in_words(study: Study) -> None:
         ({"over": ["radius,material=1:2"]}, "material: 1.0 is not one of BaTiO3, PZT-4"),
     ):
         with pytest.raises(InputError, match=r"^[^\n]*$") as caught:
-            questions.target(study, asked | words)
+            questions._checked(study, questions.target(study, asked | words))
         assert says in str(caught.value)
 
 
