@@ -18,8 +18,8 @@ def size(name: str, text: str) -> tuple[float, float]:
 
     Examples
     --------
-    >>> size("radius", "5 %"), size("thickness", "10 um")
-    ((0.0, 0.05), (1e-05, 0.0))
+    >>> size("radius", "5 %"), size("thickness", "0.5 mm")
+    ((0.0, 0.05), (0.0005, 0.0))
     """
     match = _SIZE.fullmatch(text)
     if match is None or not float(match["value"]) > 0:
