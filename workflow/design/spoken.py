@@ -10,7 +10,7 @@ from scipy.optimize import nnls
 
 from workflow.design import figures, tolerances
 from workflow.design.assessment import BINDS, ROOM, ROUNDING
-from workflow.language import statements, titles
+from workflow.language import sizes, statements, titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
 from workflow.language.titles import capital, listed
@@ -97,7 +97,9 @@ def _tolerated(answer: xr.Dataset) -> str:
     given = [str(name) for name in answer["factor"].values if str(answer["tolerance"].sel(factor=name).item())]
     if not given or "nominal_exact" not in answer:
         return ""
-    sizes = [f"{answer['tolerance'].sel(factor=name).item()} of {titles.title(name)}" for name in given]
+    sizes = [
+        f"{sizes.told(name, answer['tolerance'].sel(factor=name).item())} of {titles.title(name)}" for name in given
+    ]
     exact, best = float(answer["exact"][0]), float(answer["nominal_exact"])
     nominal = answer["nominal_value"].sel(factor=given)
     at = [f"{titles.title(name)} {titles.value(name, float(nominal.sel(factor=name)))}" for name in given]

@@ -11,7 +11,7 @@ from surrogate.search.optimise import improve
 from workflow.design import assessment, program
 from workflow.design.candidate import Candidate
 from workflow.design.question import Question
-from workflow.language import titles
+from workflow.language import sizes, titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number
 from workflow.study.target import Target
@@ -101,7 +101,7 @@ def in_words(answer: xr.Dataset) -> list[str]:
         one = answer.sel(factor=name)
         if not str(one["tolerance"].item()):
             continue
-        words = f"{one['tolerance'].item()} of {titles.title(str(name))}"
+        words = f"{sizes.told(str(name), one['tolerance'].item())} of {titles.title(str(name))}"
         cost, gain = float(one["tolerance_cost"]), float(one["tolerance_gain"])
         if not np.isfinite(cost):
             continue

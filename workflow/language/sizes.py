@@ -4,6 +4,7 @@ import re
 
 from workflow.language import units
 from workflow.language.expressions import units_of
+from workflow.language.numbers import shown
 
 _SIZE = re.compile(r"\s*(?P<value>\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)\s*(?P<unit>.*?)\s*")
 
@@ -30,3 +31,15 @@ def size(name: str, text: str) -> tuple[float, float]:
     if match["unit"] and not unit.fits(units.parse(units_of(name))):
         raise ValueError(f"unit mismatch: {text!r} for a number in {units_of(name)}")
     return float(match["value"]) * unit.scale, 0.0
+
+
+def told(name: str, text: str) -> str:
+    """A size as people write it.
+
+    Examples
+    --------
+    >>> told("radius", "5 %"), told("thickness", "10 um"), told("friction", "0.02")
+    ('5 %', '10 µm', '0.02')
+    """
+    absolute, _ = size(name, text)
+    return shown(absolute, units_of(name)) if absolute else text.strip()
