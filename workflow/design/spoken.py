@@ -97,7 +97,7 @@ def _tolerated(answer: xr.Dataset) -> str:
     given = [str(name) for name in answer["factor"].values if str(answer["tolerance"].sel(factor=name).item())]
     if not given or "nominal_exact" not in answer:
         return ""
-    sizes = [
+    bands = [
         f"{sizes.told(name, answer['tolerance'].sel(factor=name).item())} of {titles.title(name)}" for name in given
     ]
     exact, best = float(answer["exact"][0]), float(answer["nominal_exact"])
@@ -106,7 +106,7 @@ def _tolerated(answer: xr.Dataset) -> str:
     at += filter(None, [str(answer["nominal_choice"].item())])
     share = number(100 * abs(exact - best) / abs(best), 2) if best else "–"
     return (
-        f"Within {listed(sizes)} every limit is kept as it is asked for. "
+        f"Within {listed(bands)} every limit is kept as it is asked for. "
         f"{capital('; '.join(tolerances.in_words(answer)))}. "
         f"Nominal optimum: {shown(best, str(answer['units'].values[0]), 4)} at {listed(at)}, "
         f"from which all tolerances together take {share} %."
