@@ -372,7 +372,8 @@ def test_the_page_knows_which_limits_a_point_decides(ran: Project, limit: str, j
     assert case["tolerances"] == {"radius": [0.0, 0.05]}
     built = list(zip(case["scenarios"]["friction"], case["offsets"]["radius"], strict=True))
     assert len(set(built)) == case["count"] == 21
-    assert sorted(built[k] for k in case["few"]) == pytest.approx([(0.11, -1), (0.11, 1), (0.29, -1), (0.29, 1)])
+    few = sorted(built[k] for k in case["few"])
+    np.testing.assert_allclose(few, [(0.11, -1), (0.11, 1), (0.29, -1), (0.29, 1)])
     assert [one["judged"] for one in case["limits"]] == [judged]
 
 
