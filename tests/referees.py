@@ -102,18 +102,20 @@ def served(folder: Path) -> Iterator[str]:
         if address is None:
             yield f"meecontact serve: {line.strip()}"
             return
-        model = umbridge.HTTPModel(address, "surrogate")
-        with netCDF4.Dataset(folder / "surrogate.nc") as file:
-            middle = [float(np.mean(file[name][:])) for name in file["input"][:]]
-        (size,) = model.get_output_sizes()
-        value, step = np.array(model([middle])[0]), 1e-4 * middle[0]
-        beside = np.array(model([[middle[0] + step, *middle[1:]]])[0])
-        slopes = np.array(model.apply_jacobian(0, 0, [middle], [1.0] + [0.0] * (len(middle) - 1)))
-        if value.shape != (size,) or not np.allclose(
-            (beside - value) / step, slopes, rtol=0.01, atol=1e-3 * abs(slopes).max()
-        ):
-            yield "meecontact serve: differences are not the derivatives"
-        process.terminate()
+        try:
+            model = umbridge.HTTPModel(address, "surrogate")
+            with netCDF4.Dataset(folder / "surrogate.nc") as file:
+                middle = [float(np.mean(file[name][:])) for name in file["input"][:]]
+            (size,) = model.get_output_sizes()
+            value, step = np.array(model([middle])[0]), 1e-4 * middle[0]
+            beside = np.array(model([[middle[0] + step, *middle[1:]]])[0])
+            slopes = np.array(model.apply_jacobian(0, 0, [middle], [1.0] + [0.0] * (len(middle) - 1)))
+            if value.shape != (size,) or not np.allclose(
+                (beside - value) / step, slopes, rtol=0.01, atol=1e-3 * abs(slopes).max()
+            ):
+                yield "meecontact serve: differences are not the derivatives"
+        finally:
+            process.terminate()
 
 
 def main(folders: list[str]) -> int:

@@ -35,6 +35,7 @@ NOT_COMPARED = {
     "report.html",
     "croissant.json",
     "ro-crate-metadata.json",
+    "study.yaml",  # a copy for the crate
 }
 
 
