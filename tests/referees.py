@@ -105,7 +105,7 @@ def served(folder: Path) -> Iterator[str]:
         try:
             model = umbridge.HTTPModel(address, "surrogate")
             with netCDF4.Dataset(folder / "surrogate.nc") as file:
-                middle = [float(np.mean(file[name][:])) for name in file["input"][:]]
+                middle = ((file["low"][:] + file["high"][:]) / 2).tolist()
             (size,) = model.get_output_sizes()
             value, step = np.array(model([middle])[0]), 1e-4 * middle[0]
             beside = np.array(model([[middle[0] + step, *middle[1:]]])[0])

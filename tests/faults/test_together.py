@@ -25,6 +25,7 @@ def test_neither_a_second_run_nor_an_edit_of_the_study_disturbs_the_first(tiny: 
         assert re.search(r"^study 'tiny' is already being run \(process \d+\): wait", second.stderr, re.MULTILINE)
     assert first.wait() == 0
     assert contents(project) == contents(undisturbed)
+    assert (project.folder / RESULTS / "study.yaml").read_text(encoding="utf-8") == TINY  # of the crate: as it began
     assert {"slab", "cases", "surrogate", "report"} <= project.planned(REPORT)  # the edit is seen now
     study.write_text(TINY, encoding="utf-8")
     again = project.run("meecontact", "run", "tiny")

@@ -32,7 +32,7 @@ def test_curves_are_the_fields_inside_at_their_points() -> None:
     across, _ = REGIONS["body"].lines()
     X = np.where(np.abs(across) < 1, across, np.sign(across) * (1 + (np.abs(across) - 1) / (2 - np.abs(across))))
     y = -np.unique(curves["body_depth"]) / half
-    assert y[[-1, 0]] == pytest.approx([-2.0, -0.1], abs=0.02)
+    assert y[[-1, 0]] == pytest.approx([-2.0, -0.1], abs=0.03)
     inside = solver.solve_interior(case, X, y, fields=REGIONS["body"].fields[:4])
     for name in REGIONS["body"].fields[:4]:
         whole = REGIONS["body"].by_panel(inside[name].transpose("y", "x").values)

@@ -81,11 +81,11 @@ def write(path: Path, study: str, study_digest: str, seed: int, results: list[Pa
 
 
 def write_crate(folder: Path, name: str, title: str, study: str, results: list[Path], others: list[str]) -> None:
-    """Write the RO-Crate of a run, with copies of the study and of the workflow's main file, into the results' folder.
+    """Write the RO-Crate of a run into the results' folder, with the workflow's main file and the study as it began.
 
-    ``others`` are files of the crate that come after it, below the folder.
+    ``study`` is the text of its file, ``others`` are files of the crate that come after it, below the folder.
     """
-    write_text(folder / crate.STUDY, (folder / study).read_text(encoding="utf-8"))
+    write_text(folder / crate.STUDY, study)
     write_text(folder / crate.WORKFLOW, (ROOT / "workflow/Snakefile").read_text(encoding="utf-8"))
     digests = {file.relative_to(folder).as_posix(): sha256(file).hex() for file in results}
     content = crate.crate(name, title, digests | dict.fromkeys(others, ""), versions(), datetime.now(UTC))

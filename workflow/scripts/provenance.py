@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from workflow.run import joblog, provenance
+from workflow.run import joblog, lock, provenance
 from workflow.study import location
 
 snakemake = joblog.start(globals())
@@ -10,4 +10,6 @@ results = [Path(result) for result in snakemake.input]
 name, output = snakemake.wildcards.study, Path(snakemake.output.provenance)
 study = location.from_results(name, output.parent)
 provenance.write(output, study, snakemake.params.study, snakemake.params.seed, results)
-provenance.write_crate(output.parent, name, snakemake.params.title, study, [*results, output], snakemake.params.last)
+begun = lock.begun(name, output.parents[1])  # an edit during the run is not in the crate
+text = begun["text"] if begun else location.location(name).read_text(encoding="utf-8")
+provenance.write_crate(output.parent, name, snakemake.params.title, text, [*results, output], snakemake.params.last)

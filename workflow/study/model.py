@@ -580,9 +580,10 @@ class Study(Strict):
         return self.digest(*PHYSICS)
 
     def frozen(self) -> dict[str, Any]:
-        """The study and its own materials as plain data, from which `thawed` makes the same study again."""
+        """The study, its text and its own materials as plain data, from which `thawed` makes the same again."""
         return {
             "path": str(self.path),
+            "text": self.path.read_text(encoding="utf-8") if self.path.is_file() else "",
             "study": self.model_dump(mode="json"),
             "materials": self._plain_materials(),
             "absent": sorted(self._absent),
