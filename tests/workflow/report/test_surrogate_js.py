@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from surrogate import GroupedGP, Input
-from surrogate.gp.export import exported
+from surrogate.use.export import exported
 from tests.surrogate.grouped import GROUPING, INPUTS, cases, factorial
 from tests.workflow.language.test_numbers import BROWSER
 from workflow.report.page import TEMPLATES

@@ -6,7 +6,7 @@ function readArray(stored) {
   return { shape: stored.shape, data: new Float64Array(bytes.buffer) };
 }
 
-// Whole numbers by groups of seven bits, times a number for the row and one for the column (surrogate/gp/packing.py).
+// Whole numbers by groups of seven bits, times a number for the row and one for the column (surrogate/use/packing.py).
 function readCore(stored) {
   const [r, modes, s] = stored.shape, text = atob(stored.data), data = new Float64Array(r * modes * s);
   const rows = readArray(stored.rows).data, columns = readArray(stored.columns).data;

@@ -11,11 +11,11 @@ from scipy.optimize import minimize
 
 import surrogate
 from surrogate import CurveGP, GridGP, Input
+from surrogate.curves.curves import Basis, Curves, Largest
+from surrogate.curves.landscape import Landscape
+from surrogate.curves.measure import Measure
+from surrogate.curves.panels import Panels
 from surrogate.data.inputs import gauss_points
-from surrogate.gp.curves import Basis, Curves, Largest
-from surrogate.gp.landscape import Landscape
-from surrogate.gp.measure import Measure
-from surrogate.gp.panels import Panels
 from surrogate.use import validation
 from surrogate.use.sensitivity import sobol
 
