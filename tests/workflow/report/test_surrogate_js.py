@@ -1,22 +1,18 @@
 """The surrogate in the browser says what it says in Python, with its groups too."""
 
-import html
 import json
-import re
-import subprocess
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from surrogate import GroupedGP, Input
 from surrogate.use.export import exported
 from tests.surrogate.grouped import GROUPING, INPUTS, cases, factorial
-from tests.workflow.language.test_numbers import BROWSER
+from tests.workflow.report.browser import evaluated, needs_browser
 from workflow.report.page import TEMPLATES
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium: the browser tests are left out")
+@needs_browser
 def test_the_browser_says_the_same_of_groups(tmp_path: Path) -> None:
     model = GroupedGP(GROUPING).fit(factorial(0.2)).calibrate(cases(400, 1, 0.2))
     t = np.random.default_rng(2).uniform(-1, 1, (40, len(INPUTS)))
@@ -27,22 +23,10 @@ def test_the_browser_says_the_same_of_groups(tmp_path: Path) -> None:
     share = Input("share", 0.02, 0.9, "logit")
     script = (TEMPLATES / "surrogate.js").read_text(encoding="utf-8")
     plain = json.dumps({"name": "share", "low": 0.02, "high": 0.9, "scale": "logit"})
-    page = f"<!doctype html><meta charset=utf-8><pre></pre><script>{script}\n"
-    page += f"const model = loadSurrogate({json.dumps(exported(model))}), points = {json.dumps(t.tolist())};"
-    page += "const told = points.map((t) => predict(model, t)).map((one) => ['mean', 'std', 'lower', 'upper'].map("
-    page += f"(part) => [...one[part]])); told.push(points.map((t) => fromUnit({plain}, t[0])));"
-    page += "document.querySelector('pre').textContent = JSON.stringify(told);</script>"
-    (tmp_path / "page.html").write_text(page, encoding="utf-8")
-    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", f"--user-data-dir={tmp_path / 'profile'}"]
-    flags += ["--disable-background-networking", "--disable-quic", "--disable-component-update", "--disable-sync"]
-    assert BROWSER is not None
-    done = subprocess.run(
-        [BROWSER, *flags, "--dump-dom", (tmp_path / "page.html").as_uri()],
-        capture_output=True, text=True, timeout=120, check=True,
-    )  # fmt: skip
-    found = re.search(r"<pre>(.*?)</pre>", done.stdout, re.DOTALL)
-    assert found
-    *told, shares = json.loads(html.unescape(found[1]))
+    script += f"const model = loadSurrogate({json.dumps(exported(model))}), points = {json.dumps(t.tolist())};"
+    script += "const told = points.map((t) => predict(model, t)).map((one) => ['mean', 'std', 'lower', 'upper'].map("
+    script += f"(part) => [...one[part]])); const shares = points.map((t) => fromUnit({plain}, t[0]));"
+    told, shares = evaluated(script, "[told, shares]", tmp_path)
     for part, expected in zip(np.array(told).transpose(1, 0, 2), (mean, std, lower, upper), strict=True):
         np.testing.assert_allclose(part, expected, rtol=1e-9, atol=1e-9 * float(np.abs(std).min()))
     np.testing.assert_allclose(shares, share.from_unit(t[:, 0]), rtol=1e-13)
