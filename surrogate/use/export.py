@@ -14,7 +14,7 @@ from surrogate.gp.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL
 from surrogate.use.packing import array, packed
 
-FORMAT = 3
+FORMAT = 4
 
 
 def exported(model: GaussianProcess) -> dict[str, Any] | None:

@@ -149,7 +149,7 @@ function means(model, t) {
 function predictAlone(model, t) {
   const { parts, mean } = contracted(model, t);
   const count = model.outputs.length, std = new Float64Array(count);
-  const lower = new Float64Array(count), upper = new Float64Array(count);
+  const lower = new Float64Array(count), upper = new Float64Array(count), terms = trendTerms(model.calibration, t);
   for (let p = 0; p < count; p++) {
     let unknown = 0, known = 1;
     parts.forEach((part, f) => {
@@ -159,7 +159,7 @@ function predictAlone(model, t) {
       unknown = unknown * k + known * r * weight;
       known *= k - r;
     });
-    std[p] = calibrated(model, t, p, unknown * model.variance.data[p]);
+    std[p] = calibrated(model, t, terms, p, unknown * model.variance.data[p]);
   }
   if (model.correction) correct(model.correction, t, mean);
   for (let p = 0; p < count; p++) {
@@ -169,22 +169,28 @@ function predictAlone(model, t) {
   return { mean, std, lower, upper };
 }
 
-function calibrated(model, t, p, variance) {
+const withinBox = (t) => t.map((one) => Math.min(Math.max(one, -1), 1));
+
+// Products of Chebyshev polynomials that the logarithm of the local scale is made of.
+function trendTerms(c, t) {
+  if (!c) return null;
+  const [count, inputs] = c.trend_degree.shape, degrees = c.trend_degree.data;
+  const T = withinBox(t).map((one) => chebyshev(one, Math.max(...degrees) + 1));
+  return Float64Array.from({ length: count }, (_, m) =>
+    T.reduce((product, own, k) => product * own[degrees[m * inputs + k]], 1));
+}
+
+function calibrated(model, t, terms, p, variance) {
   const c = model.calibration, count = model.outputs.length;
   if (!c) return Math.sqrt(variance);
-  const slabs = c.guard.shape[1], inside = t.map((one) => Math.min(Math.max(one, -1), 1));
-  const pairs = (t.length * (t.length - 1)) / 2, degree = (c.trend.shape[0] - pairs - 1) / t.length;
-  const slab = inside.map((one) => Math.min(Math.max(Math.trunc(((one + 1) / 2) * slabs), 0), slabs - 1));
+  const slabs = c.guard.shape[1];
+  const slab = withinBox(t).map((one) => Math.min(Math.max(Math.trunc(((one + 1) / 2) * slabs), 0), slabs - 1));
   const edge = slab.map((one) => (one > 0) + (one === slabs - 1)); // 0 in the lowest slab, 2 in the highest
-  let scale = c.trend.data[p], guard = -Infinity, pair = 0;
-  inside.forEach((one, k) => {
-    const T = chebyshev(one, degree + 1);
-    for (let m = 1; m <= degree; m++) scale += T[m] * c.trend.data[(k * degree + m) * count + p];
-    guard = Math.max(guard, c.guard.data[(k * slabs + slab[k]) * count + p]);
-  });
+  let scale = 0, guard = -Infinity, pair = 0;
+  terms.forEach((term, m) => { scale += term * c.trend.data[m * count + p]; });
+  slab.forEach((one, k) => { guard = Math.max(guard, c.guard.data[(k * slabs + one) * count + p]); });
   for (let i = 0; i < t.length; i++) {
     for (let j = i + 1; j < t.length; j++, pair++) {
-      scale += inside[i] * inside[j] * c.trend.data[(1 + t.length * degree + pair) * count + p];
       guard = Math.max(guard, c.corner_guard.data[((pair * 3 + edge[i]) * 3 + edge[j]) * count + p]);
     }
   }
