@@ -30,6 +30,10 @@ class Physics(Protocol):
     def on_film(self) -> bool:
         """Whether the cases are films."""
 
+    @property
+    def tabled(self) -> list[str]:
+        """Factors for whose every value the solver makes tables of films."""
+
     def solved(
         self, entrance: Callable[..., xr.Dataset], factors: Mapping[str, Any], *axes: Any, **options: Any
     ) -> xr.Dataset:
@@ -65,11 +69,11 @@ def hanging(study: Physics) -> frozenset[str]:
     """Names of the quantities that change with the datum in some cases of a study.
 
     What does on a film depends on its base and interface: the solver says so, at a point where no charge is likely to
-    be 0.
+    be 0, and for which a study that was checked has tables.
     """
     if not study.on_film:
         return HANGING
-    here = inner(study, 0.7)
+    here = inner(study, 0.7) | {name: study.factors[name].high for name in study.tabled}
     datum = (here.pop("datum", None) or length(study) or 1.0) * np.array([1.0, 10.0])
     fixed = {name: value for name, value in study.fixed.items() if name != "datum"}
     cases = {**fixed, **study.categories, **here, "datum": datum}

@@ -376,19 +376,15 @@ class Study(Strict):
         return hanging
 
     def _lacked(self) -> frozenset[str]:
-        """Names of the quantities that some cases lack, once the solver has answered at every corner of the box.
+        """Names of the quantities that some cases lack, once the solver has answered at the corners of the box.
 
-        Of more than two factors that need tables of their own, all at one end, or one alone at its high end.
+        Every combination of what needs tables costs a tenth of a second or more: these factors are all at their low
+        ends, or all at their high ones.
         """
         if not self.factors:
             return frozenset()
         ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in self.factors.items()}
-        tabled = [name for name in self.tabled if name in ends]
-        if len(tabled) > 2:
-            for name in tabled:
-                low, high = ends[name]
-                some = [low, high, *(high if name == one else low for one in tabled)]
-                ends[name] = xr.DataArray(some, dims="end")
+        ends |= {name: xr.DataArray(ends[name], dims="end") for name in self.tabled}
         found = self.solved(solve, {**self.fixed, **self.categories, **ends})
         peaks = set(FILM_PEAKS if self.on_film else PEAKS)
         if "rigid" in self.categories.get("base", [self.fixed.get("base")]):
@@ -607,7 +603,7 @@ def named(name: str) -> Study:
 
 
 def load(path: str | Path) -> Study:
-    """Read and check a study, down to one solution at every corner of its box.
+    """Read and check a study, down to solutions at the corners of its box.
 
     Raises
     ------
