@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import surrogate
+from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
 from tests.workflow.report.browser import needs_browser, opened
-from storage.netcdf import read_whole
 from workflow.design import assessment, scenarios, search
 from workflow.design.designs import Designs
 from workflow.design.question import ask
@@ -99,7 +99,7 @@ def judged_in_browser(page: str, target: str, points: list[dict[str, Any]], fold
 
 
 def agree(study: Study, name: str, model: surrogate.GaussianProcess, judged: list[Any]) -> None:
-    """Compare what the panel judged, at ``(point, limits)``, with what Python counts there and how far that may be off."""
+    """Compare what the panel judged, as ``(point, limits)``, with what Python counts, and how far off that may be."""
     for at, limits in judged:
         kinds = {key: at[key] for key in study.categories}
         question = ask(study.narrowed(kinds), name, study.design[name], source := Predicted(model, kinds))
