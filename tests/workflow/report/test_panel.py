@@ -99,7 +99,7 @@ def judged_in_browser(page: str, target: str, points: list[dict[str, Any]], fold
 
 
 def agree(study: Study, name: str, model: surrogate.GaussianProcess, judged: list[Any]) -> None:
-    """Compare what the panel judged, at ``(point, limits)``, with what Python counts, within its error."""
+    """Compare what the panel judged, as ``(point, limits)``, with what Python counts, and how far off that may be."""
     for at, limits in judged:
         kinds = {key: at[key] for key in study.categories}
         question = ask(study.narrowed(kinds), name, study.design[name], source := Predicted(model, kinds))
