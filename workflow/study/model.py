@@ -160,6 +160,12 @@ class Study(Strict):
         return frozenset(ALL_QUANTITIES if self.tabled else ALL_PEAKS)
 
     @property
+    def searched(self) -> frozenset[str]:
+        """Largest stresses that the data set holds: none, all, or those that are named."""
+        asked = self.dataset.peaks
+        return frozenset(asked if isinstance(asked, list) else ALL_PEAKS if asked else ())
+
+    @property
     def cases(self) -> int:
         """Number of cases of the factorial; 0 while some of its levels are open."""
         levels = prod(axis.levels or 0 for axis in self.axes.values()) if self.factors else 0
@@ -188,7 +194,7 @@ class Study(Strict):
     @property
     def quantities(self) -> list[str]:
         """Quantities of the data set: those that its cases have, the peaks where they are asked for."""
-        without = self._absent | (set() if self.dataset.peaks else set(ALL_PEAKS))
+        without = self._absent | (ALL_PEAKS.keys() - self.searched)
         return [name for name, one in ALL_QUANTITIES.items() if name not in without and not one.sparse]
 
     @property
@@ -209,9 +215,9 @@ class Study(Strict):
     def regions(self) -> list[str]:
         """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
 
-        None where it stands on groups or on a cross approximation: it then learns the largest stresses themselves.
+        None where it stands on a cross approximation, which knows no largest stresses.
         """
-        if self.groups or self.crossed or not self.surrogate.curves:
+        if self.crossed or not self.surrogate.curves:
             return []
         followed = [FOLLOWS[name].region for name in self.outputs if name in FOLLOWS]
         return list(dict.fromkeys(followed))
@@ -442,10 +448,14 @@ class Study(Strict):
 
     def _check_quantities(self) -> None:
         """Whether the data set holds what the surrogate and the designs ask for."""
+        for name in self.searched if isinstance(self.dataset.peaks, list) else ():
+            if name in self._absent or name not in ALL_PEAKS:
+                known = ", ".join(name for name in ALL_PEAKS if name not in self._absent)
+                raise ValueError(f"dataset: peaks: these cases have no {name!r}; they have {known}")
         for name in self.surrogate.outputs:
             if name in self._absent or ALL_QUANTITIES[name].sparse:
                 raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
-            if name in ALL_PEAKS and not self.dataset.peaks:
+            if name in ALL_PEAKS.keys() - self.searched:
                 raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
         for name in self.surrogate.log or []:
             if not self.groups or name not in self.outputs:
@@ -494,7 +504,7 @@ class Study(Strict):
             if name in FACTORS and name not in self.factors and not isinstance(self.held(name), float | int):
                 raise ValueError(f"{where}: {name!r} {self._lack(name) or 'has no value in this study'}")
             if name in ALL_QUANTITIES and name not in self.outputs:
-                searched = name in ALL_PEAKS and name not in self._absent and not self.dataset.peaks
+                searched = name in ALL_PEAKS.keys() - self._absent - self.searched
                 needs = "needs dataset: peaks: true" if searched else self._lack(name)
                 raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
         for name in target.tolerance:
