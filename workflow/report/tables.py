@@ -16,7 +16,8 @@ from workflow.language.factors import FACTORS
 from workflow.report import sentences
 from workflow.report.verdict import findings
 from workflow.study.datum import meaning
-from workflow.study.model import CHECK_GROUPS, Study
+from workflow.study.model import Study
+from workflow.study.sections import CHECK_GROUPS
 
 #: Quantities that the summary of a parametric study tells.
 CHANGED = ("peak_pressure", "trailing_tension", "depth", "voltage")

@@ -11,7 +11,7 @@ from scipy.stats import qmc
 
 from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
-from surrogate.gp.export import exported
+from surrogate.use.export import exported
 from workflow.dataset import factorial
 from workflow.design import answers, assessment, scenarios
 from workflow.design.sources import Predicted
