@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from solver.names import CHOICES
 from workflow.dataset import factorial
-from workflow.design import answers, tolerances
+from workflow.design import answers, spread, tolerances
 from workflow.design.spoken import UNREACHABLE, Verdict, verdict
 from workflow.language import titles
 from workflow.language.factors import FACTORS
@@ -221,10 +221,11 @@ def sure(found: xr.Dataset) -> str:
     one = found.isel(term=0)
     exact, predicted = float(one["exact"]), float(one["predicted"])
     if not exact:
-        return "Solved exactly."
+        return f"Solved exactly. {spread.short(found)}".strip()
     inside = "within" if bool(one["inside"]) else "outside"
     off = _share(abs(predicted / exact - 1))
-    return f"Solved exactly; the surrogate was off by {off}, {inside} its 95 % interval."
+    told = f"Solved exactly; the surrogate was off by {off}, {inside} its 95 % interval. {spread.short(found)}"
+    return told.strip()
 
 
 def beyond(found: xr.Dataset) -> str:
