@@ -18,8 +18,8 @@ from scipy.linalg import solve_triangular
 
 from surrogate.data.arrays import Array
 from surrogate.gp.factors import Features, chebyshev, chebyshev_slopes
-from surrogate.gp.sharing import places
-from surrogate.gp.trend import additive
+from surrogate.intervals.sharing import places
+from surrogate.intervals.trend import additive
 
 Indices = NDArray[np.intp]
 

@@ -15,11 +15,11 @@ from scipy.special import eval_chebyt
 
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
-from surrogate.gp.conformal import Calibration
 from surrogate.gp.correction import Correction
 from surrogate.gp.factors import ChebyshevFactor
-from surrogate.gp.guard import SLABS
 from surrogate.gp.tensortrain import TensorTrain
+from surrogate.intervals.conformal import Calibration
+from surrogate.intervals.guard import SLABS
 
 Indices = NDArray[np.intp]
 # 0 in the lowest slab, 2 in the highest, 1 between: places in the guard of corners.

@@ -19,6 +19,7 @@ from workflow.language.factors import FACTORS
 from workflow.learning import widened
 from workflow.study import location
 from workflow.study import model as studies
+from workflow.study.asked import check_target, check_values
 from workflow.study.categories import output
 from workflow.study.messages import first_problem
 from workflow.study.model import Study
@@ -97,7 +98,7 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
 def _checked(study: Study, asked: Target) -> Study:
     """The study, if a target makes sense on it."""
     try:
-        study.check_target("design", asked)
+        check_target(study, "design", asked)
     except ValueError as error:
         raise InputError(str(error)) from None
     return study
@@ -230,7 +231,7 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None]) -> str:
     at |= {name: _value(f"--at: {name}", name, text) for name, text in _named("--at", words.get("at"))}
     try:
         for name, given in at.items():
-            study.check_values("--at", name, [given])
+            check_values(study, "--at", name, [given])
         kinds = {name: str(at.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in at.items()}
         asked = [output(name, kinds) for name, _ in pairs]

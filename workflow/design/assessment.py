@@ -129,7 +129,7 @@ def judge(design: Designs) -> xr.Dataset:
     scales = np.array([term.scale for term in terms])
     signs = np.array([term.sign for term in terms])
     margin = signs * (limits - exact) / scales
-    half = guessed.reaches + _tolerances(design)
+    half = guessed.reaches + tolerances(design)
     corner = _corners(design)
     worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
     nominal = worst[0] | {name: float(values[0]) for name, values in design.variables.items()}
@@ -208,8 +208,8 @@ def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[st
     return {name: float(study.validation.tolerance * size) for name, size in ranges.items()}
 
 
-def _tolerances(design: Designs) -> Array:
-    """What the study's tolerance may make of each term."""
+def tolerances(design: Designs) -> Array:
+    """What the study's tolerance may make of each term; (terms,)."""
     terms = design.question.terms
     names = list(dict.fromkeys(name for term in terms for name in _quantities(term)))
     sizes = allowances(design.question.study, design.predicted, names)

@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 _LOADS = 33  # of one search, which is refined
 _REFINED = 3
+_SAME = 1.005  # share of the load that is as good as none more
 #: How far a load is raised in search of the first limit.
 MOST_LOAD = 10.0
 
@@ -142,6 +143,8 @@ def range_in_words(answer: xr.Dataset, stops: str) -> str:
     if not stops:
         return f"No limit is met up to {number(MOST_LOAD, 2)} times the load."
     told = f"The load may rise to {number(share, 3)} times its own before {stops} stops it"
+    if share < _SAME:
+        told = f"The load may not rise: {stops} stops it"
     if "figure" in answer.dims and "dynamic_range" in answer["figure"].values:
         reach = share * float(answer["figure_low"].sel(figure="dynamic_range"))
         told += f": a dynamic range of {number(reach, 2)}"

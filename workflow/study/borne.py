@@ -79,5 +79,5 @@ def _least(limit: str, parts: Sequence[Material], composite: str) -> Borne:
     unknown = ", ".join(one.name for one in parts if one not in known)
     words = weakest.name
     if len(parts) > 1:
-        words += f" ({unknown}: none known)" if unknown else f", the weaker phase ({composite})"
+        words += f" ({unknown}: none known)" if unknown else ", the weaker phase"
     return Borne(weakest.limits[limit].value, words, weakest.limits[limit].source)

@@ -8,6 +8,7 @@ polynomials (module `panels`). Its derivatives follow from those of the coeffici
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
+from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
@@ -15,19 +16,42 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from storage.described import described
+from surrogate.curves.curves import Basis, Curves, Largest
+from surrogate.curves.following import followed, following
+from surrogate.curves.landscape import Landscape
+from surrogate.curves.measure import Measure
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.data.meanings import MEANINGS
-from surrogate.gp.curves import Basis, Curves, Largest
 from surrogate.gp.engines import engine
-from surrogate.gp.following import followed, following
-from surrogate.gp.landscape import Landscape
-from surrogate.gp.measure import Measure
 from surrogate.gp.model import GaussianProcess
 
 # Curves whose largest values are looked for at a time: their fields stay in cache.
 _BLOCK = 64
 _PROBES = 64
+
+
+@dataclass(frozen=True)
+class Links:
+    """Rows of smooth outputs behind the outputs of a `CurveGP`.
+
+    Attributes
+    ----------
+    plain : list of (int, int)
+        Outputs that are smooth themselves, and their rows.
+    scores : list of list of int
+        Of the scores of every element of `curves`.
+    sizes : dict of str to int
+        Of what every output in `largest` scales by; -1: by nothing.
+    witnesses, spreads : list
+        For every output the row whose deviation tells its own, and what that is multiplied by where the size is one.
+    """
+
+    plain: list[tuple[int, int]]
+    scores: list[list[int]]
+    sizes: dict[str, int]
+    witnesses: list[int]
+    spreads: list[float]
 
 
 class CurveGP(GaussianProcess):
@@ -65,7 +89,7 @@ class CurveGP(GaussianProcess):
     >>> a, points = Input("a", -1, 1), gauss_points(32)
     >>> grid = xr.Dataset(coords={"a": a.levels(12), "point": np.arange(32)})
     >>> x = xr.DataArray(points, dims="point")
-    >>> from surrogate.gp.panels import Panels
+    >>> from surrogate.curves.panels import Panels
     >>> hills = Curves(("height",), ("",), Panels((32,)), "point")
     >>> highest = Largest(0, Measure(np.ones((1, 1)), np.zeros((1, 1, 1))))
     >>> model = CurveGP(lambda names: GridGP(inputs=[a]), [hills], {"top": highest}, ["top"])
@@ -210,6 +234,18 @@ class CurveGP(GaussianProcess):
                 [name for name, one in self.largest.items() if one.measure is measure and one.curves == number],
             )
 
+    def links(self) -> "Links":
+        """Return which smooth outputs stand behind the outputs, for evaluation elsewhere."""
+        rows = {name: k for k, name in enumerate(self.smooth_.outputs_)}
+        sizes = {name: self._size_of(name) for name in self.largest}
+        return Links(
+            self._plain,
+            [own.tolist() for own in self._score_rows],
+            {name: self._size_rows[size] if size else -1 for name, size in sizes.items()},
+            [rows[name] for name in self._witness.outputs_],
+            [self._typical(name) for name in self.outputs],
+        )
+
     def _size_of(self, name: str) -> str:
         one = self.largest[name]
         return self.curves[one.curves].sizes[max(one.place, 0)]
@@ -227,12 +263,17 @@ class CurveGP(GaussianProcess):
         out = np.ones((len(self.outputs), smooth.shape[1]))
         for k, name in enumerate(self.outputs):
             if name in self.largest:
-                one = self.largest[name]
-                basis = self.bases_[one.curves]
-                typical = 1 / np.sqrt(basis.mean.size)  # of a score's vector, over the scale of its field
-                scale = basis.scales[0] if one.place < 0 else np.ptp(basis.mean[one.place])
-                out[k] = typical * scale * self._size(name, smooth)
+                out[k] = self._typical(name) * self._size(name, smooth)
         return out
+
+    def _typical(self, name: str) -> float:
+        """The same where the output's size is one."""
+        if name not in self.largest:
+            return 1.0
+        one = self.largest[name]
+        basis = self.bases_[one.curves]
+        typical = 1 / np.sqrt(basis.mean.size)  # of a score's vector, over the scale of its field
+        return float(typical * (basis.scales[0] if one.place < 0 else np.ptp(basis.mean[one.place])))
 
     def _slopes(self, t: Array) -> Array:
         smooth, _ = self.smooth_._mean_variance(t, None)

@@ -22,10 +22,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate.data.arrays import Array
-from surrogate.gp.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
-from surrogate.gp.guard import SLABS, Guard, fill, unguarded
-from surrogate.gp.quantile import quantile_regression
-from surrogate.gp.trend import additive, pairwise
+from surrogate.intervals.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
+from surrogate.intervals.guard import SLABS, Guard, fill, unguarded
+from surrogate.intervals.quantile import quantile_regression
+from surrogate.intervals.trend import additive, pairwise
 
 MINIMUM = 40
 FOLDS = 5
