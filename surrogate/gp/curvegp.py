@@ -28,7 +28,7 @@ from surrogate.gp.measure import Measure
 from surrogate.gp.model import GaussianProcess
 
 # Curves whose largest values are looked for at a time: their fields stay in cache.
-_BLOCK = 64
+_BLOCK = 128
 _PROBES = 64
 
 

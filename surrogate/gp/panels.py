@@ -121,7 +121,7 @@ def _some(count: int) -> Indices:
     return np.union1d(np.arange(0, count, 2), [count - 1])
 
 
-def spacing(place: Array, count: int) -> Array:
+def spacing(place: Array, count: int | Indices) -> Array:
     """About the distance of Chebyshev points near a place."""
     angle = np.pi / count
     return np.asarray(angle * np.sqrt(np.maximum(1 - place**2, 0)) + angle**2 / 2)
