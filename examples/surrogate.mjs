@@ -19,7 +19,7 @@ export function read(path) {
   const text = execFileSync("ncdump", ["-p", "9,17", path], { encoding: "utf8", maxBuffer: 2 ** 30 });
   const data = text.indexOf("\ndata:\n"), head = text.slice(0, data), file = {};
   const told = Object.fromEntries([...head.matchAll(/^\t\t:(\w+) = (.*) ;$/gm)].map((m) => [m[1], m[2]]));
-  if (told.format !== '"surrogate"' || told.format_version !== "2LL") throw new Error(`${path}: not of format 2`);
+  if (told.format !== '"surrogate"' || told.format_version !== "3LL") throw new Error(`${path}: not of format 3`);
   if (told.kernel !== '"chebyshev"') throw new Error(`${path}: kernel ${told.kernel} is not read here`);
   const length = Object.fromEntries([...head.matchAll(/^\t(\w+) = (\d+) ;/gm)].map((m) => [m[1], Number(m[2])]));
   const declared = [...head.matchAll(/^\t\w+ (\w+)(?:\((.*)\))? ;/gm)].map((m) => [m[1], m[2]?.split(", ") ?? []]);
@@ -76,10 +76,9 @@ function spread(file, t, parts, p) {
   const slab = t.map((one) => clip(Math.floor(((one + 1) / 2) * slabs), 0, slabs - 1));
   const edge = slab.map((one) => (one > 0) + (one === slabs - 1));
   const pairs = t.flatMap((_, i) => t.slice(i + 1).map((_, j) => [i, i + 1 + j]));
-  const degree = (file.calibration_trend.sizes[0] - 1 - pairs.length) / t.length;
-  const terms = [1, ...t.flatMap((one) => chebyshev(one, degree + 1).slice(1, degree + 1))];
-  terms.push(...pairs.map(([i, j]) => t[i] * t[j]));
-  const trend = terms.reduce((sum, term, k) => sum + term * file.calibration_trend(k, p), 0);
+  const degree = file.calibration_trend_degree, T = t.map((one) => chebyshev(one, Math.max(...degree.values) + 1));
+  const trend = range(degree.sizes[0]).reduce((sum, j) =>
+    sum + T.reduce((all, own, f) => all * own[degree(j, f)], file.calibration_trend(j, p)), 0);
   const guards = slab.map((one, f) => file.calibration_guard(f, one, p));
   guards.push(...pairs.map(([i, j], k) => corner(k, edge[i], edge[j], p)));
   const std = Math.sqrt(raw + file.calibration_floor(p)) * Math.exp(trend + Math.max(...guards));

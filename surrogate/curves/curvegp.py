@@ -8,7 +8,7 @@ polynomials (module `panels`). Its derivatives follow from those of the coeffici
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 import numpy as np
@@ -24,6 +24,7 @@ from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.data.meanings import MEANINGS
 from surrogate.gp.engines import engine
+from surrogate.gp.grouping import Grouping, Scaling
 from surrogate.gp.model import GaussianProcess
 
 # Curves whose largest values are looked for at a time: their fields stay in cache.
@@ -164,10 +165,21 @@ class CurveGP(GaussianProcess):
             np.array([rows[name] for k in range(len(basis.vectors)) if (name := f"score {number} {k}") in rows])
             for number, basis in enumerate(self.bases_)
         ]
+        self.grouping = self._grouped(smooth.grouping)
         self._landscapes = [
             Landscape(basis, curves.panels) for basis, curves in zip(self.bases_, self.curves, strict=True)
         ]
         self._witness = smooth.only([self._witnessed(name) for name in self.outputs])
+
+    def _grouped(self, smooth: Grouping | None) -> Grouping | None:
+        """The groups of the smooth process; what follows from curves scales as the size of these does."""
+        if smooth is None:
+            return None
+        known = {name: smooth.scalings[name] for name in self.outputs if name not in self.largest}
+        for name in self.largest:
+            size = smooth.scalings.get(self._learnt(self._size_of(name)), Scaling())
+            known[name] = replace(size, logarithm=0)
+        return replace(smooth, scalings={name: known[name] for name in self.outputs})
 
     def _sizes(self) -> list[str]:
         return sorted({size for curves in self.curves for size in curves.sizes if size})

@@ -17,7 +17,7 @@ from surrogate.gp.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL
 from surrogate.use.packing import array, packed, rounded
 
-FORMAT = 3
+FORMAT = 4
 # Rounding of fields of curves, in their sizes: what follows from them is still the same to 1e-9.
 STEP = 1e-12
 

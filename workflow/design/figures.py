@@ -86,7 +86,8 @@ def first_limit(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dat
     -------
     xarray.Dataset
         ``overload``: the load at the first limit over the design's own, at most ``MOST_LOAD``; ``overload_term``: that
-        limit, empty where none stops it. Nothing where the load is no factor, or no limit says what a case alone does.
+        limit, empty where none stops it. Nothing where the load is no factor, or where none is known to stop it, but one
+        that no case alone tells might.
     """
     limits = [
         (term, case)
@@ -112,6 +113,8 @@ def first_limit(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dat
                 break
             low, high = shares[beyond[0]], shares[beyond[0] + 1]
             least, which = float(high), term.label
+    if not which and len(limits) < sum(term.limited for term in design.question.terms):
+        return xr.Dataset()  # a limit that no one case tells may stop it
     return xr.Dataset({"overload": least, "overload_term": which})
 
 

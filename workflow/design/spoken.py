@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from workflow.design import figures, tolerances
-from workflow.design.assessment import BINDS, ROOM, ROUNDING
+from workflow.design.assessment import ROOM, ROUNDING
+from workflow.design.terms import BINDS
 from workflow.language import sizes, statements, titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown

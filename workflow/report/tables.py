@@ -10,7 +10,7 @@ import xarray as xr
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from workflow.dataset.slabs import CARD
-from workflow.design import answers, assessment
+from workflow.design import answers, assessment, spread
 from workflow.language import statements, titles
 from workflow.language.factors import FACTORS
 from workflow.report import sentences
@@ -203,6 +203,7 @@ def design(data: xr.Dataset) -> dict[str, Any]:
         "target": str(data["target"].values),
         "goal": str(data.attrs["goal"]),
         "polish": str(data.attrs["polish"]),
+        "spread": spread.in_words(data),
         "statistic": str(data.attrs["statistic"]),
         "flags": str(data["flags"].values),
         "feasible": bool(data["feasible"].values),

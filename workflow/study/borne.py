@@ -54,9 +54,10 @@ def borne(name: str, given: Mapping[str, Any], materials: Mapping[str, Material]
     """
     limit = plain(name)
     if borne_by_base(name):
-        base = given.get("base", RIGID if "base_modulus" not in given else None)
+        base = given.get("base")
         if base is None or base == RIGID:
-            raise ValueError(f"{name}: {'a rigid base' if base else 'a base of given modulus'} has none")
+            modulus = "a base of given modulus" if "base_modulus" in given else "a half-plane, without a base,"
+            raise ValueError(f"{name}: {'a rigid base' if base else modulus} has none")
         return _least(limit, [find(str(base), materials)], "")
     if "material" in given:
         return _least(limit, [find(str(given["material"]), materials)], "")
