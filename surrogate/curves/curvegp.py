@@ -8,6 +8,7 @@ polynomials (module `panels`). Its derivatives follow from those of the coeffici
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 import numpy as np
@@ -23,11 +24,35 @@ from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.data.meanings import MEANINGS
 from surrogate.gp.engines import engine
+from surrogate.gp.grouping import Grouping, Scaling
 from surrogate.gp.model import GaussianProcess
 
 # Curves whose largest values are looked for at a time: their fields stay in cache.
-_BLOCK = 64
+_BLOCK = 128
 _PROBES = 64
+
+
+@dataclass(frozen=True)
+class Links:
+    """Rows of smooth outputs behind the outputs of a `CurveGP`.
+
+    Attributes
+    ----------
+    plain : list of (int, int)
+        Outputs that are smooth themselves, and their rows.
+    scores : list of list of int
+        Of the scores of every element of `curves`.
+    sizes : dict of str to int
+        Of what every output in `largest` scales by; -1: by nothing.
+    witnesses, spreads : list
+        For every output the row whose deviation tells its own, and what that is multiplied by where the size is one.
+    """
+
+    plain: list[tuple[int, int]]
+    scores: list[list[int]]
+    sizes: dict[str, int]
+    witnesses: list[int]
+    spreads: list[float]
 
 
 class CurveGP(GaussianProcess):
@@ -140,10 +165,21 @@ class CurveGP(GaussianProcess):
             np.array([rows[name] for k in range(len(basis.vectors)) if (name := f"score {number} {k}") in rows])
             for number, basis in enumerate(self.bases_)
         ]
+        self.grouping = self._grouped(smooth.grouping)
         self._landscapes = [
             Landscape(basis, curves.panels) for basis, curves in zip(self.bases_, self.curves, strict=True)
         ]
         self._witness = smooth.only([self._witnessed(name) for name in self.outputs])
+
+    def _grouped(self, smooth: Grouping | None) -> Grouping | None:
+        """The groups of the smooth process; what follows from curves scales as the size of these does."""
+        if smooth is None:
+            return None
+        known = {name: smooth.scalings[name] for name in self.outputs if name not in self.largest}
+        for name in self.largest:
+            size = smooth.scalings.get(self._learnt(self._size_of(name)), Scaling())
+            known[name] = replace(size, logarithm=0)
+        return replace(smooth, scalings={name: known[name] for name in self.outputs})
 
     def _sizes(self) -> list[str]:
         return sorted({size for curves in self.curves for size in curves.sizes if size})
@@ -210,6 +246,18 @@ class CurveGP(GaussianProcess):
                 [name for name, one in self.largest.items() if one.measure is measure and one.curves == number],
             )
 
+    def links(self) -> "Links":
+        """Return which smooth outputs stand behind the outputs, for evaluation elsewhere."""
+        rows = {name: k for k, name in enumerate(self.smooth_.outputs_)}
+        sizes = {name: self._size_of(name) for name in self.largest}
+        return Links(
+            self._plain,
+            [own.tolist() for own in self._score_rows],
+            {name: self._size_rows[size] if size else -1 for name, size in sizes.items()},
+            [rows[name] for name in self._witness.outputs_],
+            [self._typical(name) for name in self.outputs],
+        )
+
     def _size_of(self, name: str) -> str:
         one = self.largest[name]
         return self.curves[one.curves].sizes[max(one.place, 0)]
@@ -227,12 +275,17 @@ class CurveGP(GaussianProcess):
         out = np.ones((len(self.outputs), smooth.shape[1]))
         for k, name in enumerate(self.outputs):
             if name in self.largest:
-                one = self.largest[name]
-                basis = self.bases_[one.curves]
-                typical = 1 / np.sqrt(basis.mean.size)  # of a score's vector, over the scale of its field
-                scale = basis.scales[0] if one.place < 0 else np.ptp(basis.mean[one.place])
-                out[k] = typical * scale * self._size(name, smooth)
+                out[k] = self._typical(name) * self._size(name, smooth)
         return out
+
+    def _typical(self, name: str) -> float:
+        """The same where the output's size is one."""
+        if name not in self.largest:
+            return 1.0
+        one = self.largest[name]
+        basis = self.bases_[one.curves]
+        typical = 1 / np.sqrt(basis.mean.size)  # of a score's vector, over the scale of its field
+        return float(typical * (basis.scales[0] if one.place < 0 else np.ptp(basis.mean[one.place])))
 
     def _slopes(self, t: Array) -> Array:
         smooth, _ = self.smooth_._mean_variance(t, None)
@@ -286,7 +339,10 @@ class CurveGP(GaussianProcess):
         return plain
 
     def _corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
-        """Correct what is smooth, the curves too where the cases have them."""
+        """Correct what is smooth, the curves too where the cases have them; a process over groups stays as it is.
+
+        Held-out cases hardly reach the ends of the groups' ranges, where what they tell of its error would be a guess.
+        """
         plain = self.smooth_.uncalibrated()
         smooth = np.concatenate([plain._mean_variance(t[:, some], None)[0] for some in _blocks(t)], axis=1)
         known, left = np.zeros_like(smooth), errors.copy()

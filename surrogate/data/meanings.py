@@ -29,7 +29,7 @@ MEANINGS = {
     "variance": "variance of every standardised output, or of every output over its unit in units squared",
     "output_offset": "what is subtracted from every output to standardise it, over its unit in output_units",
     "output_scale": "what every output is divided by to standardise it, over its unit in output_units",
-    "levels": "levels of an input in the training data, scaled to -1 to 1",
+    "levels": "levels of an input in the training data, over its unit in input_units",
     "core": "core of the tensor train of the posterior mean's coefficients",
     "calibration_weights": "calibration: weight of every part of the variance",
     "calibration_floor": "calibration: variance that is added, over the square of the unit in output_units",

@@ -41,11 +41,18 @@ def packed(cores: Sequence[Array], factors: Sequence[ChebyshevFactor], order: Se
     coming, going = _coming(cores, features), _going(cores, features)
     out = []
     for core, rows, columns in zip(cores, coming[:-1], going[1:], strict=True):
-        low, high = 1 / rows, STEP / columns
-        whole = np.rint(core / (low[:, None, None] * high)).astype(np.int64)
-        data = base64.b64encode(_bytes(whole.ravel())).decode("ascii")
-        out.append({"shape": list(core.shape), "rows": array(low), "columns": array(high), "data": data})
+        out.append(rounded(core, 1 / rows, STEP / columns))
     return out
+
+
+def rounded(core: Array, rows: Array, columns: Array) -> dict[str, Any]:
+    """An array, (r, modes, s), as whole numbers times one for its row, (r,), and one for its column, (s,).
+
+    Its parts are those that :func:`packed` describes.
+    """
+    whole = np.rint(core / (rows[:, None, None] * columns)).astype(np.int64)
+    data = base64.b64encode(_bytes(whole.ravel())).decode("ascii")
+    return {"shape": list(core.shape), "rows": array(rows), "columns": array(columns), "data": data}
 
 
 def array(values: Array) -> dict[str, Any]:

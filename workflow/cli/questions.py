@@ -13,7 +13,7 @@ from solver.names import CHOICES
 from surrogate import GaussianProcess, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
 from workflow.dataset import factorial
-from workflow.design import answers, search
+from workflow.design import answers, search, spread
 from workflow.design.spoken import verdict
 from workflow.language.factors import FACTORS
 from workflow.learning import widened
@@ -119,6 +119,7 @@ def as_text(answer: xr.Dataset) -> str:
         f"polish: {answer.attrs['polish']}",
     ]
     lines += [f"note: {answer['flags'].values}"] if str(answer["flags"].values) else []
+    lines += [f"note: {told}"] if (told := spread.in_words(answer)) else []
     lines += [f"  {name:44s} {kind:25s} {role}" for name, kind, role in answers.kinds(answer)]
     for name in answer["factor"].values:
         one = answer.sel(factor=name)
@@ -146,6 +147,7 @@ def as_json(answer: xr.Dataset) -> str:
     out: dict[str, Any] = {key: answer.attrs[key] for key in ("goal", "polish")}
     out["verdict"] = str(verdict(answer))
     out |= {key: answer[key].item() for key in ("status", "flags", "feasible")}
+    out["spread"] = spread.in_words(answer)
     out["factors"] = {
         str(name): {
             "value": float(one["value"]),

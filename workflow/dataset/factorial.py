@@ -1,6 +1,6 @@
 """The factorial of a study: its axes, its exact cases, and random cases in the same box."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -115,14 +115,14 @@ def exact(
     axes: dict[str, Any],
     positions: Iterable[float] | None = None,
     *,
-    peaks: bool | None = None,
+    peaks: Collection[str] | None = None,
     regular: bool = False,
     curves: bool = False,
 ) -> xr.Dataset:
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
     ``axes`` hold factors, or of a study with groups all of its axes: then the factors of the cases are coordinates.
-    With the largest stresses of the body where ``peaks``, by default where the data set has them; with the regular
+    With the largest stresses that ``peaks`` names, by default those that the data set has; with the regular
     parts of the surface fields where ``regular``; with the curves that the surrogate learns where ``curves``. Without
     what is no number in some cases, which no file would hold.
     """
@@ -136,7 +136,7 @@ def exact(
         solve,
         factors,
         positions,
-        peaks=study.dataset.peaks if peaks is None else peaks,
+        peaks=study.searched if peaks is None else peaks,
         regular=regular,
     )
     if curves and study.regions:

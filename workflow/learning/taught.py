@@ -10,7 +10,7 @@ from surrogate import GaussianProcess
 from surrogate.data.measurements import Measurements
 from surrogate.intervals.distribution import NOMINAL, Normal
 from surrogate.use.learning import Learnt
-from workflow.learning.constants import Constant
+from workflow.study.uncertainty import Constant
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ _CONTACT = {"contact_trailing", "contact_leading"}
 #: Quantities that give the contact pressure of a circular punch in closed form.
 _PRESSURE = {*_CONTACT, "pressure_exponent", "peak_pressure"}
 #: What the means of a surrogate need; the rest is for intervals.
-_OF_MEANS = ("inputs", "outputs", "order", "cores", "factors", "offset", "scale", "correction")
+_OF_MEANS = ("inputs", "axes", "groups", "outputs", "order", "cores", "factors", "offset", "scale", "correction")
 
 
 def drawable(study: Study) -> bool:
@@ -68,6 +68,5 @@ def fields(study: Study, model: GaussianProcess | None) -> dict[str, Any]:
     names = [str(one["name"]) for one in stored["outputs"]] if stored else ["contact_pressure"] if pressure else []
     return {
         "charts": [{"name": name, "title": title(name), "units": FIELDS[name].units} for name in names],
-        # in groups, means take intervals with them
-        "fields": stored if stored is None or "groups" in stored else {key: stored[key] for key in _OF_MEANS},
+        "fields": None if stored is None else {key: stored[key] for key in _OF_MEANS if key in stored},
     }

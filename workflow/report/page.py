@@ -14,7 +14,7 @@ from surrogate import load
 from workflow.dataset import factorial
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
-from workflow.language.titles import title
+from workflow.language.titles import capital, title
 from workflow.learning.timing import by_quantity
 from workflow.report import datum_effect, firstscreen, problem, sentences, tables, whatif
 from workflow.report.figures.design_kinds import kinds
@@ -39,8 +39,8 @@ _MEANINGS = {
 _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
 #: Scripts of the page, in the order in which they need each other.
 _SCRIPTS = (
-    "contents.js", "numbers.js", "hover.js", "surrogate.js", "stack.js", "chart.js", "fields.js", "explore.js",
-    "share.js", "whatif.js", "effects.js",
+    "contents.js", "numbers.js", "hover.js", "surrogate.js", "largest.js", "stack.js", "chart.js", "fields.js",
+    "explore.js", "share.js", "whatif.js", "effects.js",
 )  # fmt: skip
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
@@ -78,6 +78,7 @@ def page(
         "seconds": _seconds,
         "words": _words,
         "title": title,
+        "capital": capital,
         "si": shown,
         "counted": counted,
     }

@@ -73,7 +73,7 @@ def named(name: str) -> Study:
 
 
 def load(path: str | Path) -> Study:
-    """Read and check a study, down to one solution at every corner of its box.
+    """Read and check a study, down to solutions at the corners of its box.
 
     Raises
     ------

@@ -61,19 +61,15 @@ def hanging_on_datum(study: Contents) -> frozenset[str]:
 
 
 def lacked(study: Contents) -> frozenset[str]:
-    """Names of the quantities that some cases lack, once the solver has answered at every corner of the box.
+    """Names of the quantities that some cases lack, once the solver has answered at the corners of the box.
 
-    Of more than two factors that need tables of their own, all at one end, or one alone at its high end.
+    Every combination of what needs tables costs a tenth of a second or more: these factors are all at their low
+    ends, or all at their high ones.
     """
     if not study.factors:
         return frozenset()
     ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in study.factors.items()}
-    tabled = [name for name in study.tabled if name in ends]
-    if len(tabled) > 2:
-        for name in tabled:
-            low, high = ends[name]
-            some = [low, high, *(high if name == one else low for one in tabled)]
-            ends[name] = xr.DataArray(some, dims="end")
+    ends |= {name: xr.DataArray(ends[name], dims="end") for name in study.tabled}
     found = study.solved(solve, {**study.fixed, **study.categories, **ends})
     peaks = set(FILM_PEAKS if study.on_film else PEAKS)
     if "rigid" in study.categories.get("base", [study.fixed.get("base")]):

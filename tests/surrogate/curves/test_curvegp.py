@@ -1,7 +1,6 @@
 """Largest values of curves against dense sampling, their derivatives, intervals and files."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -10,38 +9,18 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 import surrogate
-from surrogate import CurveGP, GridGP, Input
-from surrogate.curves.curves import Basis, Curves, Largest
+from surrogate import CurveGP, GridGP
+from surrogate.curves.curves import Basis
 from surrogate.curves.landscape import Landscape
 from surrogate.curves.measure import Measure
 from surrogate.curves.panels import Panels
 from surrogate.data.inputs import gauss_points
+from surrogate.gp.grouping import Scaling
 from surrogate.use import validation
 from surrogate.use.sensitivity import sobol
+from tests.surrogate.curved import INPUTS, OUTPUTS, data, fields, fitted, fitted_over_groups
 
 Array = NDArray[np.float64]
-
-INPUTS = (Input("a", -1, 1), Input("b", 0.5, 2, "log"))
-PANELS = Panels((12, 10), (8,))
-SQUARE = Measure(np.zeros((1, 2)), np.eye(2)[None])  # the norm of both fields
-OUTPUTS = ["plain", "top", "place"]
-LARGEST = {"top": Largest(0, SQUARE), "place": Largest(0, SQUARE, 2)}
-HILLS = Curves(("f", "g", "x"), ("size", "size", ""), PANELS, "point")
-
-
-def points() -> tuple[Array, Array]:
-    """Coordinates over [-1, 1] across, in two panels, and [0, 1] down."""
-    down = (1 + gauss_points(8)) / 2
-    parts = [np.meshgrid(0.5 * (gauss_points(n) + side), down) for n, side in ((12, -1), (10, 1))]
-    across, along = (np.concatenate([part[k].ravel() for part in parts]) for k in (0, 1))
-    return across, along
-
-
-def fields(a: Any, b: Any, x: Any, y: Any) -> tuple[Any, Any]:
-    """Two hills, of which one or the other is higher as the sign of a + 0.1 b tells."""
-    left = np.exp(-3 * (x + 0.55) ** 2 - (y - 0.3 * b) ** 2)
-    right = np.exp(-2 * (x - 0.45 - 0.1 * a) ** 2 - 2 * (y - 0.4) ** 2)
-    return b * (left * (1 - 0.3 * a) + right * (1 + 0.3 * a + 0.06 * b)), b * 0.2 * (x + y * a)
 
 
 def truth(a: Array, b: Array) -> tuple[Array, Array]:
@@ -65,18 +44,6 @@ def truth(a: Array, b: Array) -> tuple[Array, Array]:
     return values[0], values[1]
 
 
-def data(a: xr.DataArray, b: xr.DataArray) -> xr.Dataset:
-    x, y = (xr.DataArray(one, dims="point") for one in points())
-    f, g = fields(a, b, x, y)
-    like = xr.broadcast(a, b)[0]
-    out = {"f": f, "g": g, "x": x.broadcast_like(f), "size": (b + 0 * a), "plain": (np.exp(a) * b)}
-    return (
-        xr.Dataset(out)
-        .assign_coords({n: like[n] for n in like.dims if n in like.coords})
-        .drop_vars("point", errors="ignore")
-    )
-
-
 @pytest.fixture(scope="module")
 def cases() -> xr.Dataset:
     t = np.random.default_rng(1).uniform(-1, 1, (2, 160))
@@ -87,9 +54,7 @@ def cases() -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def model() -> CurveGP:
-    levels = [one.levels(n) for one, n in zip(INPUTS, (7, 9), strict=True)]
-    a, b = (xr.DataArray(own, {one.name: own}, one.name) for one, own in zip(INPUTS, levels, strict=True))
-    return CurveGP(lambda names: GridGP(inputs=INPUTS, outputs=names), [HILLS], LARGEST, OUTPUTS).fit(data(a, b))
+    return fitted()
 
 
 def test_maxima_and_places_are_right_where_they_jump(model: CurveGP, cases: xr.Dataset) -> None:
@@ -98,6 +63,20 @@ def test_maxima_and_places_are_right_where_they_jump(model: CurveGP, cases: xr.D
     assert found["top"].values == pytest.approx(cases["top"].values, abs=3e-5)
     assert found["place"].values == pytest.approx(cases["place"].values, abs=3e-3)
     assert found["plain"].values == pytest.approx(cases["plain"].values, rel=1e-4)
+
+
+def test_groups_may_stand_behind_the_curves(model: CurveGP, cases: xr.Dataset, tmp_path: Path) -> None:
+    over, points = fitted_over_groups(), {name: cases[name] for name in "ab"}
+    found, plain = (one.predict(points, return_std=False) for one in (over, model))
+    xr.testing.assert_allclose(found["top"], plain["top"], rtol=1e-4)
+    assert over.grouping is not None
+    assert over.grouping.scalings["top"] == Scaling({"b": 1.0})  # as the size does
+    held, fresh = cases.isel(case=slice(100)), cases.isel(case=slice(100, None))
+    over.calibrate(held)
+    table = validation.validate(over, fresh[["a", "b", *OUTPUTS]], None)
+    assert table["coverage"].values.min() >= 0.85
+    surrogate.save(over, tmp_path / "over.nc")
+    xr.testing.assert_identical(surrogate.load(tmp_path / "over.nc").predict(points), over.predict(points))
 
 
 def test_the_maximum_itself_is_learnt_far_worse(model: CurveGP, cases: xr.Dataset) -> None:

@@ -46,7 +46,7 @@ def test_the_page_writes_numbers_as_python_does(tmp_path: Path) -> None:
     random = np.random.default_rng(0)
     values = [0.0, 2.5, 0.25, 1.25, 999.96, 99999.6, 1e5, 1e-3, 5e4, *(10.0 ** np.arange(-15, 13)).tolist()]
     values += (random.choice([-1, 1], 300) * 10 ** random.uniform(-17, 14, 300)).tolist()
-    units = ["Pa", "V m N-1", "1", "m2 s-1", "T m1/2", "kg m-3", "N m-1 V-1", "s-1", "C m-3/2"]
+    units = ["Pa", "V m N-1", "1", "m2 s-1", "T m1/2", "kg m-3", "N m-1 V-1", "s-1", "C m-3/2", "%"]
     cases = [[value, units[k % len(units)], 1 + k % 6] for k, value in enumerate(values)]
     expected = [[number(v, d), shown(v, u, d), *prefixed(v, u)] for v, u, d in cases]
     script = (TEMPLATES / "numbers.js").read_text(encoding="utf-8")

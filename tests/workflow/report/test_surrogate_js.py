@@ -1,32 +1,69 @@
-"""The surrogate in the browser says what it says in Python, with its groups too."""
+"""The surrogate in the browser says what it says in Python, with its groups and its largest values of curves too."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
+import xarray as xr
 
-from surrogate import GroupedGP, Input
+from surrogate import CurveGP, GaussianProcess, GroupedGP, Input
 from surrogate.use.export import exported
-from tests.surrogate.grouped import GROUPING, INPUTS, cases, factorial
-from tests.workflow.report.browser import evaluated, needs_browser
+from tests.surrogate import curved, grouped
+from tests.workflow.report.browser import needs_browser, opened
 from workflow.report.page import TEMPLATES
+
+SCRIPTS = "".join((TEMPLATES / name).read_text(encoding="utf-8") for name in ("surrogate.js", "largest.js"))
+PROBE = """
+<pre id="probe"></pre><script>%s
+const model = loadSurrogate(%s), points = %s;
+const told = points.map((t) => predict(model, t)), parts = ["mean", "std", "lower", "upper"];
+const found = Object.fromEntries(parts.map((part) => [part, told.map((one) => [...one[part]])]));
+found.means = points.map((t) => [...means(model, t)]);
+found.shares = points.map((t) => fromUnit(%s, t[0]));
+document.querySelector("pre").textContent = JSON.stringify({ ...found, complaints });
+</script>
+"""
+SHARE = Input("share", 0.02, 0.9, "logit")
+
+
+def of_groups() -> GaussianProcess:
+    model = GroupedGP(grouped.GROUPING).fit(grouped.factorial(0.2))
+    return model.calibrate(grouped.cases(400, 1, 0.2))
+
+
+def of_curves() -> GaussianProcess:
+    return held_out(curved.fitted())
+
+
+def of_curves_over_groups() -> GaussianProcess:
+    return held_out(curved.fitted_over_groups())
+
+
+def held_out(model: CurveGP) -> GaussianProcess:
+    """The model calibrated on cases that are off by some 1e-3: what they are is no matter here."""
+    t = np.random.default_rng(3).uniform(-1, 1, (2, 60))
+    points = {
+        one.name: xr.DataArray(one.from_unit(row), dims="case") for one, row in zip(curved.INPUTS, t, strict=True)
+    }
+    off = model.predict(points, return_std=False) * (1 + 1e-3 * np.sin(40 * points["a"]))
+    return model.calibrate(off.assign(points))
 
 
 @needs_browser
-def test_the_browser_says_the_same_of_groups(tmp_path: Path) -> None:
-    model = GroupedGP(GROUPING).fit(factorial(0.2)).calibrate(cases(400, 1, 0.2))
-    t = np.random.default_rng(2).uniform(-1, 1, (40, len(INPUTS)))
+@pytest.mark.parametrize("made", [of_groups, of_curves, of_curves_over_groups])
+def test_the_browser_says_the_same(made: Callable[[], GaussianProcess], tmp_path: Path) -> None:
+    model = made()
+    t = np.random.default_rng(2).uniform(-1, 1, (40, len(model.inputs_)))
     t[0], t[1] = 1.0, -1.0
-    X = np.stack([one.from_unit(row) for one, row in zip(INPUTS, t.T, strict=True)], axis=1)
+    X = np.stack([one.from_unit(row) for one, row in zip(model.inputs_, t.T, strict=True)], axis=1)
     mean, std = model.predict_array(X, return_std=True)
-    lower, upper = model.interval_array(X)
-    share = Input("share", 0.02, 0.9, "logit")
-    script = (TEMPLATES / "surrogate.js").read_text(encoding="utf-8")
     plain = json.dumps({"name": "share", "low": 0.02, "high": 0.9, "scale": "logit"})
-    script += f"const model = loadSurrogate({json.dumps(exported(model))}), points = {json.dumps(t.tolist())};"
-    script += "const told = points.map((t) => predict(model, t)).map((one) => ['mean', 'std', 'lower', 'upper'].map("
-    script += f"(part) => [...one[part]])); const shares = points.map((t) => fromUnit({plain}, t[0]));"
-    told, shares = evaluated(script, "[told, shares]", tmp_path)
-    for part, expected in zip(np.array(told).transpose(1, 0, 2), (mean, std, lower, upper), strict=True):
-        np.testing.assert_allclose(part, expected, rtol=1e-9, atol=1e-9 * float(np.abs(std).min()))
-    np.testing.assert_allclose(shares, share.from_unit(t[:, 0]), rtol=1e-13)
+    probe = PROBE % (SCRIPTS, json.dumps(exported(model)), json.dumps(t.tolist()), plain)
+    seen = opened("<!doctype html><html><head></head><body></body></html>", tmp_path, 800, probe)
+    assert not seen["complaints"]
+    lower, upper = model.interval_array(X)
+    for part, expected in {"mean": mean, "means": mean, "std": std, "lower": lower, "upper": upper}.items():
+        np.testing.assert_allclose(seen[part], expected, rtol=1e-9, atol=1e-9 * float(np.abs(std).min()))
+    np.testing.assert_allclose(seen["shares"], SHARE.from_unit(t[:, 0]), rtol=1e-13)

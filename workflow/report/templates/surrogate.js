@@ -31,6 +31,7 @@ function loadSurrogate(plain) {
     for (const name of Object.keys(plain.calibration)) model.calibration[name] = readArray(plain.calibration[name]);
   }
   if (plain.correction) model.correction = { ...plain.correction, coefficients: readArray(plain.correction.coefficients) };
+  if (plain.curves) model.curves = loadCurves(plain.curves);
   if (plain.interval) model.interval = { lower: readArray(plain.interval.lower), upper: readArray(plain.interval.upper) };
   return model;
 }
@@ -101,56 +102,53 @@ function correct(correction, t, mean) {
   });
 }
 
-// Means, standard deviations and ends of the intervals of all outputs at scaled coordinates t, one an input.
-function predict(model, t) {
-  return model.groups ? predictGrouped(model, t) : predictAlone(model, t);
-}
-
 // The arithmetic of surrogate/gp/grouping.py: axes, scales and added logarithms are products of powers of the inputs.
-function predictGrouped(model, t) {
+// Coordinates along the axes at scaled coordinates of the inputs, and what takes learnt outputs to those of the inputs.
+function grouped(model, t) {
   const g = model.groups, X = model.inputs.map((input, k) => fromUnit(input, t[k]));
   const product = (powers, values) => powers.reduce((all, power, k) => (power ? all * Math.pow(values[k], power) : all), 1);
   const along = model.axes.map((axis, a) => {
     const value = g.axis_constant[a] * product(g.axis_power[a], X);
     return toUnit(axis, Math.min(Math.max(value, axis.low), axis.high));
   });
-  const found = predictAlone(model, along), relative = X.map((x, k) => x / g.reference[k]);
-  const added = Math.log(product(g.added_power, relative));
-  found.mean.forEach((learnt, p) => {
-    const scale = product(g.scale_power[p], relative), sign = g.logarithm[p];
-    const mean = scale * (sign ? sign * Math.exp(sign * learnt) : learnt + g.added_coefficient[p] * added);
-    const size = sign ? Math.abs(mean) : scale;
-    for (const end of ["lower", "upper"]) found[end][p] = mean + (found[end][p] - learnt) * size;
-    found.std[p] *= size;
-    found.mean[p] = mean;
-  });
-  return found;
+  const relative = X.map((x, k) => x / g.reference[k]), added = Math.log(product(g.added_power, relative));
+  return {
+    along,
+    told: (learnt, p) => {
+      const scale = product(g.scale_power[p], relative), sign = g.logarithm[p];
+      return scale * (sign ? sign * Math.exp(sign * learnt) : learnt + g.added_coefficient[p] * added);
+    },
+    size: (mean, p) => (g.logarithm[p] ? Math.abs(mean) : product(g.scale_power[p], relative)),
+  };
 }
 
-// Features of every factor at scaled coordinates t, one an input, and the means that they make, not corrected.
-function contracted(model, t) {
-  const modes = new Array(t.length);
+// What the process has learnt at scaled coordinates t, one an input: coordinates along its axes, what every factor
+// contributes there, means with their corrections, and what a deviation along the axes is of an output.
+function learnt(model, t) {
+  const by = model.groups ? grouped(model, t) : { along: t, told: (mean) => mean, size: () => 1 };
+  const modes = new Array(by.along.length);
   model.order.forEach((k, position) => { modes[k] = model.cores[position].shape[1]; });
-  const parts = model.factors.map((factor, k) => features(factor, t[k], modes[k]));
+  const parts = model.factors.map((factor, k) => features(factor, by.along[k], modes[k]));
   let state = new Float64Array([1]);
   model.order.forEach((k, position) => { state = contract(state, model.cores[position], parts[k].mean); });
-  return { parts, mean: state.map((one, p) => one * model.scale.data[p] + model.offset.data[p]) };
+  const own = state.map((one, p) => one * model.scale.data[p] + model.offset.data[p]);
+  if (model.correction) correct(model.correction, by.along, own);
+  const mean = own.map(by.told);
+  return { along: by.along, parts, mean, size: (p) => by.size(mean[p], p) };
 }
 
 // Means of all outputs.
 function means(model, t) {
-  if (model.groups) return predictGrouped(model, t).mean;
-  const { mean } = contracted(model, t);
-  if (model.correction) correct(model.correction, t, mean);
-  return mean;
+  const { mean } = learnt(model, t);
+  return model.curves ? followed(model.curves, mean).mean : mean;
 }
 
-// The same of a model whose axes are its inputs.
-function predictAlone(model, t) {
-  const { parts, mean } = contracted(model, t);
-  const count = model.outputs.length, std = new Float64Array(count);
-  const lower = new Float64Array(count), upper = new Float64Array(count), terms = trendTerms(model.calibration, t);
-  for (let p = 0; p < count; p++) {
+// Means, standard deviations and ends of the intervals of all outputs at scaled coordinates t, one an input.
+function predict(model, t) {
+  const { along, parts, mean: smooth, size } = learnt(model, t), count = model.outputs.length;
+  const { mean, spread } = model.curves ? followed(model.curves, smooth) : { mean: smooth, spread: null };
+  const terms = trendTerms(model.calibration, spread ? t : along);
+  const std = mean.map((_, p) => {
     let unknown = 0, known = 1;
     parts.forEach((part, f) => {
       const amplitude = model.amplitude.data[f * count + p];
@@ -159,14 +157,13 @@ function predictAlone(model, t) {
       unknown = unknown * k + known * r * weight;
       known *= k - r;
     });
-    std[p] = calibrated(model, t, terms, p, unknown * model.variance.data[p]);
-  }
-  if (model.correction) correct(model.correction, t, mean);
-  for (let p = 0; p < count; p++) {
-    lower[p] = mean[p] + model.interval.lower.data[p] * std[p];
-    upper[p] = mean[p] + model.interval.upper.data[p] * std[p];
-  }
-  return { mean, std, lower, upper };
+    unknown *= model.variance.data[p];
+    // largest values are calibrated over the inputs, by the size that the deviation of one smooth output then has
+    if (spread) return calibrated(model, t, terms, p, unknown * (size(model.curves.witness[p]) * spread[p]) ** 2);
+    return calibrated(model, along, terms, p, unknown) * size(p);
+  });
+  const ends = (away) => mean.map((one, p) => one + away.data[p] * std[p]);
+  return { mean, std, lower: ends(model.interval.lower), upper: ends(model.interval.upper) };
 }
 
 const withinBox = (t) => t.map((one) => Math.min(Math.max(one, -1), 1));
