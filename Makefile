@@ -17,11 +17,11 @@ help:  ## list the targets
 run: .venv/$(if $(shell grep -s '^verification:' "config/$(STUDY).yaml"),dev,run).stamp  ## run one study to its report: make run [STUDY=quickstart] [CORES=all]
 	@$(BIN)/meecontact run "$(STUDY)" --cores "$(CORES)" --profile "$(PROFILE)"
 
-test: .venv/dev.stamp  ## linters, types, import contract and every test
+test: .venv/dev.stamp .venv/referees.stamp  ## linters, types, import contract and every test
 	@$(MAKE) --no-print-directory lint
 	$(BIN)/python -m pytest -n auto
 
-coverage: .venv/dev.stamp  ## lines and branches that the tests reach, jobs of their runs included; takes twice as long
+coverage: .venv/dev.stamp .venv/referees.stamp  ## lines and branches that the tests reach, jobs of their runs included; takes twice as long
 	@rm -rf build/coverage
 	$(BIN)/python -m coverage run -m pytest -n auto
 	$(BIN)/python -m coverage combine -q

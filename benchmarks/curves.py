@@ -22,10 +22,10 @@ from solver.film.stack import RIGID, Layer, Stack
 from solver.film.table import table
 from solver.halfplane.profile import Profile
 from surrogate import GridGP, Input
-from surrogate.gp.curvegp import CurveGP
-from surrogate.gp.curves import Curves, Largest
-from surrogate.gp.measure import Measure
-from surrogate.gp.panels import Panels
+from surrogate.curves.curvegp import CurveGP
+from surrogate.curves.curves import Curves, Largest
+from surrogate.curves.measure import Measure
+from surrogate.curves.panels import Panels
 
 Array = NDArray[np.float64]
 

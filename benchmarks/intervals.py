@@ -20,7 +20,7 @@ from benchmarks.history import printed
 from surrogate import GaussianProcess
 from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import unit_coordinates
-from surrogate.gp.distribution import Distribution, Normal, Tabulated
+from surrogate.intervals.distribution import Distribution, Normal, Tabulated
 from surrogate.use.validation import DECILES, LEVELS, crps, distance, pit, worst_corner
 from workflow.dataset import factorial
 from workflow.learning import training

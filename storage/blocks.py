@@ -95,6 +95,7 @@ class _Stored:
     def completed(self, attrs: Mapping[Any, Any]) -> str:
         """Write the statistics of all values; the digest of the variable, which has further attributes."""
         count, size, own = self.statistics.count, self.variable.size, self.statistics.attrs
+        own["actual_range"] = np.array(own["actual_range"], dtype=self.variable.dtype)  # CF asks for the same type
         if count != size:
             raise ValueError(f"{self.variable.name}: {count} of {size} values given")
         self.variable.setncatts(own)

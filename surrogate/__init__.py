@@ -8,14 +8,14 @@ from surrogate.data.inputs import Input, chebyshev_levels
 from surrogate.data.points import OutOfBoxError
 
 if TYPE_CHECKING:
+    from surrogate.curves.curvegp import CurveGP
     from surrogate.gp.crossgp import CrossGP
-    from surrogate.gp.curvegp import CurveGP
     from surrogate.gp.gridgp import GridGP
     from surrogate.gp.groupedgp import GroupedGP
     from surrogate.gp.grouping import Group, Grouping, Scaling
     from surrogate.gp.model import GaussianProcess
     from surrogate.gp.persistence import load, save
-    from surrogate.gp.scattergp import ScatterGP
+    from surrogate.scattered.scattergp import ScatterGP
     from surrogate.use.estimator import FactorialRegressor
 
 __all__ = [
@@ -40,7 +40,7 @@ __all__ = [
 # imported when asked for: scikit-learn, on which they stand, takes longer to import than most jobs take for their work
 _MODELS = {
     "CrossGP": "gp.crossgp",
-    "CurveGP": "gp.curvegp",
+    "CurveGP": "curves.curvegp",
     "FactorialRegressor": "use.estimator",
     "GaussianProcess": "gp.model",
     "GridGP": "gp.gridgp",
@@ -48,7 +48,7 @@ _MODELS = {
     "GroupedGP": "gp.groupedgp",
     "Grouping": "gp.grouping",
     "Scaling": "gp.grouping",
-    "ScatterGP": "gp.scattergp",
+    "ScatterGP": "scattered.scattergp",
     "load": "gp.persistence",
     "save": "gp.persistence",
 }

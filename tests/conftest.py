@@ -26,6 +26,7 @@ __all__ = ["copy"]
 FILES = {
     "ran": (
         "tests/workflow/test_pipeline.py",
+        "tests/workflow/test_referees.py",
         "tests/workflow/cli/test_main.py",
         "tests/workflow/cli/test_questions.py",
         "tests/workflow/cli/test_serving.py",
@@ -43,7 +44,12 @@ FILES = {
         "tests/faults/test_tampered.py",
         "tests/faults/test_together.py",
     ),
-    "quickstart_run": ("tests/test_docs.py", "tests/test_documents.py", "tests/workflow/report/test_panel.py"),
+    "quickstart_run": (
+        "tests/test_docs.py",
+        "tests/test_documents.py",
+        "tests/test_format.py",
+        "tests/workflow/report/test_panel.py",
+    ),
 }
 
 #: What takes longest begins first, so that the last groups to end are short.

@@ -67,6 +67,8 @@ def test_every_command_runs(page: str, text: str, project: Project) -> None:
             assert re.search(rf"^{command[1]}:", makefile, re.MULTILINE)
             for setting in command[2:]:
                 assert (ROOT / "config" / f"{setting.partition('=')[2]}.yaml").is_file()
+        elif command[0] == "node":
+            assert subprocess.run(command, cwd=project.folder, capture_output=True, check=True).stdout
         else:
             assert command[0] in ("meecontact", "snakemake")
             project.run(*command)

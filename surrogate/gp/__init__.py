@@ -1,1 +1,1 @@
-"""Gaussian processes on factorials and on scattered cases, their calibrated intervals and their files."""
+"""Gaussian processes on factorials: kernels, tensor trains and files, and the face of every surrogate."""

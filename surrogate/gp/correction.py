@@ -18,8 +18,8 @@ from scipy.linalg import solve_triangular
 
 from surrogate.data.arrays import Array
 from surrogate.gp.factors import Features, chebyshev, chebyshev_slopes
-from surrogate.gp.sharing import places
-from surrogate.gp.trend import additive
+from surrogate.intervals.sharing import places
+from surrogate.intervals.trend import additive, values
 
 Indices = NDArray[np.intp]
 
@@ -264,7 +264,7 @@ def _rough_scale(left: Array, t: Array) -> Array:
     sizes = np.abs(left)
     if not sizes.any():
         return np.ones_like(left)
-    terms, logarithm = additive(t, SCALE_DEGREE), np.log(np.maximum(sizes, SMALLEST * sizes.max()))
+    terms, logarithm = values(additive([SCALE_DEGREE] * len(t)), t).T, np.log(np.maximum(sizes, SMALLEST * sizes.max()))
     scale = np.exp(terms @ np.linalg.lstsq(terms, logarithm, rcond=None)[0])
     return np.asarray(np.maximum(scale / np.median(scale), SMALLEST_SCALE))
 

@@ -8,11 +8,11 @@ if TYPE_CHECKING:
 
 #: Module and class of every kind.
 ENGINES = {
-    "grid": ("gridgp", "GridGP"),
-    "grouped": ("groupedgp", "GroupedGP"),
-    "curves": ("curvegp", "CurveGP"),
-    "corrected": ("corrected", "CorrectedGP"),
-    "scatter": ("scattergp", "ScatterGP"),
+    "grid": ("gp.gridgp", "GridGP"),
+    "grouped": ("gp.groupedgp", "GroupedGP"),
+    "curves": ("curves.curvegp", "CurveGP"),
+    "corrected": ("measured.corrected", "CorrectedGP"),
+    "scatter": ("scattered.scattergp", "ScatterGP"),
 }
 
 
@@ -21,5 +21,5 @@ def engine(name: str) -> "type[GaussianProcess]":
     if name not in ENGINES:
         raise ValueError(f"unknown engine {name!r}; known are {', '.join(ENGINES)}")
     module, kind = ENGINES[name]
-    found: type[GaussianProcess] = getattr(import_module(f"surrogate.gp.{module}"), kind)
+    found: type[GaussianProcess] = getattr(import_module(f"surrogate.{module}"), kind)
     return found

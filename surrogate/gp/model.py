@@ -13,13 +13,13 @@ from sklearn.exceptions import NotFittedError
 
 from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
+from surrogate.data.labels import Attrs
 from surrogate.data.points import Points, Queries, named_points, outside, require_inside
-from surrogate.gp.conformal import MINIMUM, Calibration, calibrate
-from surrogate.gp.distribution import NOMINAL
 from surrogate.gp.grouping import Grouping
-from surrogate.gp.labels import Attrs
-from surrogate.gp.predictive import EXTRAPOLATED, Predictive
-from surrogate.gp.sharing import sharing
+from surrogate.intervals.conformal import MINIMUM, Calibration, calibrate
+from surrogate.intervals.distribution import NOMINAL
+from surrogate.intervals.predictive import EXTRAPOLATED, Predictive
+from surrogate.intervals.sharing import sharing
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048

@@ -17,7 +17,7 @@ from surrogate.gp.engines import ENGINES, engine
 from surrogate.gp.model import GaussianProcess
 
 FORMAT = "surrogate"
-VERSION = 2
+VERSION = 3
 MAX_BYTES = 2**28  # unpacked; a model is a few MB at most, and a hostile file must not fill the memory
 PROBES = 8
 PROBE_TOLERANCE = 1e-7

@@ -15,11 +15,11 @@ from scipy.special import eval_chebyt
 
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
-from surrogate.gp.conformal import Calibration
 from surrogate.gp.correction import Correction
 from surrogate.gp.factors import ChebyshevFactor
-from surrogate.gp.guard import SLABS
 from surrogate.gp.tensortrain import TensorTrain
+from surrogate.intervals.conformal import Calibration
+from surrogate.intervals.guard import SLABS
 
 Indices = NDArray[np.intp]
 # 0 in the lowest slab, 2 in the highest, 1 between: places in the guard of corners.
@@ -152,13 +152,12 @@ class _Rows:
     """The polynomials of all factors in one vector, each factor's from T_0 on."""
 
     def __init__(self, process: Process) -> None:
-        trend = 0
-        if process.calibration is not None:
-            trend = process.calibration.trend_degree(len(process.factors))
-        sizes = []
-        for k, factor in enumerate(process.factors):
-            corrected = 0 if process.correction is None else int(process.correction.indices[:, k].max())
-            sizes.append(1 + max(2 * factor.levels - 1, corrected, trend))
+        products = [] if process.correction is None else [process.correction.indices]
+        products += [] if process.calibration is None else [process.calibration.trend_degree]
+        sizes = [
+            1 + max([2 * factor.levels - 1, *(int(degrees[:, k].max()) for degrees in products)])
+            for k, factor in enumerate(process.factors)
+        ]
         self.first = np.cumsum([0, *sizes[:-1]])
         self.nodal = self.first + [factor.levels for factor in process.factors]
         self.count = sum(sizes)
@@ -190,11 +189,9 @@ class _SingleStretch:
     """As `Calibration.std`: floor, local scale, guard of slabs and corners."""
 
     def __init__(self, calibration: Calibration, rows: _Rows) -> None:
-        d, degree = len(rows.first), calibration.trend_degree(len(rows.first))
+        d = len(rows.first)
         self._floor, self._trend = calibration.floor, calibration.trend
-        # T_0 of the first factor is the constant
-        own = rows.first[:, None] + np.arange(1, degree + 1)
-        self._terms = np.concatenate([rows.first[:1], own.ravel()])
+        self._terms = np.ascontiguousarray((rows.first + calibration.trend_degree).T)
         self._i, self._j = np.array(list(combinations(range(d), 2)), dtype=np.intp).reshape(-1, 2).T
         guard = calibration.guard
         self._cells = np.concatenate([part.reshape(-1, part.shape[-1]) for part in (guard.slabs, guard.corners)])
@@ -202,11 +199,10 @@ class _SingleStretch:
         self._corners = SLABS * d + 9 * np.arange(len(self._i))
 
     def __call__(self, variance: Array, t: Array, T: Array) -> Array:
-        terms = np.concatenate((T[self._terms], t[self._i] * t[self._j]))
         slab = np.minimum(((t + 1) / 2 * SLABS).astype(np.intp), SLABS - 1)
         edge = _EDGE[slab]
         cells = np.concatenate((self._slabs + slab, self._corners + 3 * edge[self._i] + edge[self._j]))
-        scale = terms @ self._trend
+        scale = np.multiply.reduce(T[self._terms]) @ self._trend
         scale += np.maximum.reduce(self._cells[cells])
         return np.asarray(np.sqrt(variance + self._floor) * np.exp(scale))
 

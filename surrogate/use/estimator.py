@@ -14,7 +14,7 @@ from surrogate.data.factorial import follows_chebyshev
 from surrogate.data.inputs import Input
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.model import GaussianProcess
-from surrogate.gp.scattergp import KernelName, ScatterGP
+from surrogate.scattered.scattergp import KernelName, ScatterGP
 
 Design = Literal["auto", "factorial", "scattered"]
 

@@ -13,9 +13,9 @@ import xarray as xr
 from numpy.polynomial.legendre import leggauss
 from scipy.stats import qmc
 
+from surrogate.curves.curvegp import CurveGP
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import gauss_points
-from surrogate.gp.curvegp import CurveGP
 from surrogate.gp.factors import cosine_basis
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.groupedgp import GroupedGP

@@ -9,8 +9,8 @@ import xarray as xr
 
 from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import unit_coordinates
-from surrogate.gp.distribution import NOMINAL, Distribution, Normal
 from surrogate.gp.model import GaussianProcess
+from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 from surrogate.use.baseline import baseline
 
 DECILES = 10

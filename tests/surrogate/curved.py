@@ -8,11 +8,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate import CurveGP, GridGP, GroupedGP, Input
+from surrogate.curves.curves import Curves, Largest
+from surrogate.curves.measure import Measure
+from surrogate.curves.panels import Panels
 from surrogate.data.inputs import gauss_points
-from surrogate.gp.curves import Curves, Largest
 from surrogate.gp.grouping import Group, Grouping, Scaling
-from surrogate.gp.measure import Measure
-from surrogate.gp.panels import Panels
 
 Array = NDArray[np.float64]
 

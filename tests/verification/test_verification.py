@@ -12,7 +12,7 @@ from verification import GROUPS, Findings, Sizes, film_cases, film_elements, fin
 from verification.cases import SIH_SONG, constants
 from verification.findings import check
 from verification.oracles.surface_response import surface_response
-from workflow.study.model import CHECK_GROUPS
+from workflow.study.sections import CHECK_GROUPS
 
 SMALL = Sizes(cases=4, elements=24, timed=0)
 SMALLEST = Sizes(elements=12, timed=0)

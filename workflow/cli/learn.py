@@ -46,10 +46,11 @@ def learn(options: argparse.Namespace) -> None:
         Options, rows or a surrogate that do not fit each other; in one line, and nothing is written.
     """
     from surrogate import save  # scikit-learn and the solver: not for every command
-    from surrogate.gp.corrected import CorrectedGP
+    from surrogate.measured.corrected import CorrectedGP
     from workflow.cli import questions
     from workflow.cli.measuredtable import read_measured
-    from workflow.learning import constants, measured
+    from workflow.learning import measured
+    from workflow.study import uncertainty
 
     regular(options.on)
     path = output(options.output or options.on.with_name(CORRECTED), options.on, options.measured)
@@ -57,7 +58,7 @@ def learn(options: argparse.Namespace) -> None:
     if isinstance(model, CorrectedGP):
         raise InputError(f"{options.on}: is corrected already; learn from all rows at once, on the surrogate before")
     rows = read_measured(options.measured, study, model)
-    asked = constants.uncertain(study, _uncertain(options.uncertain))
+    asked = uncertainty.uncertain(study, _uncertain(options.uncertain))
     try:
         corrected, taught = measured.learn(study, model, rows, asked, say)
     except InputError as error:

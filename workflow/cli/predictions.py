@@ -6,7 +6,7 @@ from math import floor, isfinite, log10
 import xarray as xr
 
 from surrogate import GaussianProcess
-from surrogate.gp.distribution import NOMINAL
+from surrogate.intervals.distribution import NOMINAL
 
 #: Figures of a number whose interval says nothing of them, and the fewest and most that an interval asks for.
 _FIGURES, _FEWEST, _MOST = 10, 4, 15

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import surrogate
 from storage.files import output, regular, writing
 from surrogate import GaussianProcess
-from surrogate.gp.distribution import NOMINAL
+from surrogate.intervals.distribution import NOMINAL
 from workflow.cli import predictions
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.pointtable import predicted

@@ -13,12 +13,13 @@ from solver.names import CHOICES
 from surrogate import GaussianProcess, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
 from workflow.dataset import factorial
-from workflow.design import answers, search
+from workflow.design import answers, search, spread
 from workflow.design.spoken import verdict
 from workflow.language.factors import FACTORS
 from workflow.learning import widened
 from workflow.study import location
 from workflow.study import model as studies
+from workflow.study.asked import check_target, check_values
 from workflow.study.categories import output
 from workflow.study.messages import first_problem
 from workflow.study.model import Study
@@ -97,7 +98,7 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
 def _checked(study: Study, asked: Target) -> Study:
     """The study, if a target makes sense on it."""
     try:
-        study.check_target("design", asked)
+        check_target(study, "design", asked)
     except ValueError as error:
         raise InputError(str(error)) from None
     return study
@@ -118,6 +119,7 @@ def as_text(answer: xr.Dataset) -> str:
         f"polish: {answer.attrs['polish']}",
     ]
     lines += [f"note: {answer['flags'].values}"] if str(answer["flags"].values) else []
+    lines += [f"note: {told}"] if (told := spread.in_words(answer)) else []
     lines += [f"  {name:44s} {kind:25s} {role}" for name, kind, role in answers.kinds(answer)]
     for name in answer["factor"].values:
         one = answer.sel(factor=name)
@@ -145,6 +147,7 @@ def as_json(answer: xr.Dataset) -> str:
     out: dict[str, Any] = {key: answer.attrs[key] for key in ("goal", "polish")}
     out["verdict"] = str(verdict(answer))
     out |= {key: answer[key].item() for key in ("status", "flags", "feasible")}
+    out["spread"] = spread.in_words(answer)
     out["factors"] = {
         str(name): {
             "value": float(one["value"]),
@@ -230,7 +233,7 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None]) -> str:
     at |= {name: _value(f"--at: {name}", name, text) for name, text in _named("--at", words.get("at"))}
     try:
         for name, given in at.items():
-            study.check_values("--at", name, [given])
+            check_values(study, "--at", name, [given])
         kinds = {name: str(at.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in at.items()}
         asked = [output(name, kinds) for name, _ in pairs]

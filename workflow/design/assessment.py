@@ -10,12 +10,12 @@ from scipy.stats import qmc
 
 from solver.names import ALL_QUANTITIES, CHOICES, PROFILES
 from workflow.dataset import factorial
-from workflow.design import budget, figures, linearity, perturbation
+from workflow.design import budget, figures, linearity, perturbation, spread
 from workflow.design.designs import Designs
 from workflow.design.question import Question
 from workflow.design.scenarios import Scenarios
 from workflow.design.sources import Predicted, Source, shape
-from workflow.design.terms import Key, Term
+from workflow.design.terms import BINDS, Key, Term
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import written
 from workflow.study.model import Study
@@ -24,8 +24,6 @@ Array = NDArray[np.float64]
 
 #: Excess over a limit's scale that counts as none: rounding of the exact solver, which is good to 4e-14.
 ROUNDING = 1e-12
-#: Margin below which a limit binds.
-BINDS = 1e-3
 #: Margin that a variable which does not matter leaves to every limit.
 ROOM = 0.01
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
@@ -119,8 +117,9 @@ def judge(design: Designs) -> xr.Dataset:
         ``inside``, ``limit``, ``margin``, ``units``, and of a limit that names what a material bears ``bound`` (whose)
         and ``source``. Over both: ``elasticity`` and ``worst`` (the scenario that
         decides). What :mod:`~workflow.design.figures` says of a
-        device. Over ``quantity``: its exact range over the scenarios. Scalars: ``feasible``, ``status``, ``beyond``
-        (where the material is beyond what linear theory holds for), ``flags`` (that, and what else is to be known).
+        device, and :mod:`~workflow.design.spread` of constants. Over ``quantity``: its exact range over the
+        scenarios. Scalars: ``feasible``, ``status``, ``beyond`` (where the material is beyond what linear theory holds
+        for), ``flags`` (that, and what else is to be known).
     """
     question, terms = design.question, design.question.terms
     guessed = predict(design, question.judged)
@@ -129,7 +128,7 @@ def judge(design: Designs) -> xr.Dataset:
     scales = np.array([term.scale for term in terms])
     signs = np.array([term.sign for term in terms])
     margin = signs * (limits - exact) / scales
-    half = guessed.reaches + _tolerances(design)
+    half = guessed.reaches + tolerances(design)
     corner = _corners(design)
     worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
     nominal = worst[0] | {name: float(values[0]) for name, values in design.variables.items()}
@@ -172,7 +171,7 @@ def judge(design: Designs) -> xr.Dataset:
             "quantity": list(corner),
         },
     )
-    parts = [out, sensitivity, figures.over(design, corner)]
+    parts = [out, sensitivity, figures.over(design, corner), spread.over(design, worst)]
     if bool(out["feasible"]):
         parts.append(figures.first_limit(design, worst))
     return xr.merge(parts)
@@ -208,8 +207,8 @@ def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[st
     return {name: float(study.validation.tolerance * size) for name, size in ranges.items()}
 
 
-def _tolerances(design: Designs) -> Array:
-    """What the study's tolerance may make of each term."""
+def tolerances(design: Designs) -> Array:
+    """What the study's tolerance may make of each term; (terms,)."""
     terms = design.question.terms
     names = list(dict.fromkeys(name for term in terms for name in _quantities(term)))
     sizes = allowances(design.question.study, design.predicted, names)

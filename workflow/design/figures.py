@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 _LOADS = 33  # of one search, which is refined
 _REFINED = 3
+_SAME = 1.005  # share of the load that is as good as none more
 #: How far a load is raised in search of the first limit.
 MOST_LOAD = 10.0
 
@@ -85,7 +86,8 @@ def first_limit(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dat
     -------
     xarray.Dataset
         ``overload``: the load at the first limit over the design's own, at most ``MOST_LOAD``; ``overload_term``: that
-        limit, empty where none stops it. Nothing where the load is no factor, or no limit says what a case alone does.
+        limit, empty where none stops it. Nothing where the load is no factor, or where none is known to stop it, but one
+        that no case alone tells might.
     """
     limits = [
         (term, case)
@@ -111,6 +113,8 @@ def first_limit(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dat
                 break
             low, high = shares[beyond[0]], shares[beyond[0] + 1]
             least, which = float(high), term.label
+    if not which and len(limits) < sum(term.limited for term in design.question.terms):
+        return xr.Dataset()  # a limit that no one case tells may stop it
     return xr.Dataset({"overload": least, "overload_term": which})
 
 
@@ -142,6 +146,8 @@ def range_in_words(answer: xr.Dataset, stops: str) -> str:
     if not stops:
         return f"No limit is met up to {number(MOST_LOAD, 2)} times the load."
     told = f"The load may rise to {number(share, 3)} times its own before {stops} stops it"
+    if share < _SAME:
+        told = f"The load may not rise: {stops} stops it"
     if "figure" in answer.dims and "dynamic_range" in answer["figure"].values:
         reach = share * float(answer["figure_low"].sel(figure="dynamic_range"))
         told += f": a dynamic range of {number(reach, 2)}"

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from workflow.design import figures, tolerances
-from workflow.design.assessment import BINDS, ROOM, ROUNDING
+from workflow.design.assessment import ROOM, ROUNDING
+from workflow.design.terms import BINDS
 from workflow.language import sizes, statements, titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
@@ -160,15 +161,15 @@ class _Limit:
 
     @classmethod
     def of(cls, answer: xr.Dataset, label: str) -> "_Limit":
-        one = answer.sel(term=label)
+        one, parsed = answer.sel(term=label), statements.limit(label)
         return cls(
             label,
-            statements.limit(label),
+            parsed,
             str(one["bound"].values),
             float(one["limit"]),
             float(one["exact"]),
             float(one["margin"]),
-            str(one["units"].values),
+            titles.units(parsed, str(one["units"].values)),
         )
 
     @property
@@ -185,7 +186,8 @@ class _Limit:
     def at(self) -> str:
         """The bound, and whose it is."""
         share = f"{number(100 * self.parsed.value, 3)} % of " if self.parsed.value != 1 else ""
-        return f"{shown(self.value, self.units, 4)}{f' ({share}the {self.bound})' if self.bound else ''}"
+        bound = self.bound.replace(" (", "; ").removesuffix(")")  # what is in brackets already, within ours
+        return f"{shown(self.value, self.units, 4)}{f' ({share}the {bound})' if bound else ''}"
 
 
 def _limited(answer: xr.Dataset, term: str) -> bool:

@@ -11,6 +11,8 @@ from workflow.language.statements import Limit, Objective
 
 Array = NDArray[np.float64]
 
+#: Margin below which a limit binds.
+BINDS = 1e-3
 _MEET = 1e-9  # distance of two bounds, over their scale, that leaves one value
 _REST = 1e-3  # share of all weight that scenarios may have which are not among those that decide
 

@@ -68,7 +68,7 @@ def written(units: str) -> str:
         return ""
     over: list[str] = []
     under: list[str] = []
-    for symbol, minus, power in re.findall(r"([^\W\d]+)(-?)([0-9/]*)", units):
+    for symbol, minus, power in re.findall(r"([^\W\d]+|%)(-?)([0-9/]*)", units):
         (under if minus else over).append(symbol + (power.translate(_RAISED) if power != "1" else ""))
     if not under:
         return "·".join(over)
@@ -81,11 +81,13 @@ def shown(value: float, units: str, digits: int = 5) -> str:
 
     Examples
     --------
-    >>> shown(0.12261, "m"), shown(2.6e2, "Pa", 2), shown(5e4, "N m-1")
-    ('122.61 mm', '260 Pa', '50 kN/m')
+    >>> shown(0.12261, "m"), shown(2.6e2, "Pa", 2), shown(5e4, "N m-1"), shown(0.08, "%")
+    ('122.61 mm', '260 Pa', '50 kN/m', '8 %')
     """
     if not math.isfinite(value):
         return "–"
+    if units == "%":  # a share
+        return f"{number(100 * value, digits)} %"
     size, text = prefixed(value, units, digits)
     return f"{number(value / size, digits)} {text}".strip()
 

@@ -122,6 +122,17 @@ def _deviation(one: statements.Objective | statements.Limit, text: str) -> str:
     return f"deviation of {words}{over}" if one.deviation else words
 
 
+def units(one: statements.Objective | statements.Limit, si: str) -> str:
+    """The unit in which a statement's values are told, for their own in SI: deviations are shares.
+
+    Examples
+    --------
+    >>> units(statements.limit("deviation(charge_sensitivity over load) <= 3 %"), "1")
+    '%'
+    """
+    return "%" if one.deviation else si
+
+
 def bound(limit: statements.Limit, at: float, units: str) -> str:
     """A limit in words; its number, which a material may give, is in SI units.
 

@@ -34,6 +34,7 @@ _SYMBOLS: dict[str, tuple[float, tuple[int, int, int, int]]] = {  # exponents of
 }
 _PART = re.compile(r"(?P<over>/)?\s*(?P<symbol>%|1|[A-Za-zµμ]+)\^?(?P<power>[-+]?[0-9]+(?:/[0-9]+)?)?")
 _QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)(?![\w.])\s*(\S.*)")
+_FEW = 2  # symbols of a unit that reads well
 _LARGEST_POWER, _LONGEST = 9, 100  # an exponent, also of its denominator; characters of a unit, or of a number with it
 
 
@@ -70,8 +71,16 @@ class Unit:
         return self.exponents == other.exponents
 
     def __str__(self) -> str:
-        """In SI without prefixes: one symbol where that is all, else what it was made of, as ``V m N-1``."""
+        """In SI without prefixes: as few symbols as tell it, or what it was made of, as ``V m N-1``.
+
+        Examples
+        --------
+        >>> str(parse("kC / F m")), str(parse("V m N-1"))
+        ('V m-1', 'V m N-1')
+        """
         symbols = _alone(self.exponents) or self.symbols
+        if len(symbols) > _FEW:
+            symbols = _per_length(self.exponents) or symbols
         ordered = [one for one in symbols if one[1] > 0] + [one for one in symbols if one[1] < 0]
         return " ".join(name if power == 1 else f"{name}{power}" for name, power in ordered) or "1"
 
@@ -83,6 +92,15 @@ def _alone(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], ...] 
             return ((symbol, Fraction(1)),)
     powers = tuple((name, power) for name, power in zip(("m", "kg", "s", "A"), exponents, strict=True) if power)
     return powers if len(powers) < 2 else None
+
+
+def _per_length(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], ...] | None:
+    """The symbol that, times a power of the metre, has these exponents, as ``V m-1``."""
+    for symbol, (_, own) in _SYMBOLS.items():
+        length, *rest = (a - b for a, b in zip(exponents, own, strict=True))
+        if symbol not in ("g", "m") and not any(rest):
+            return (symbol, Fraction(1)), ("m", length)
+    return None
 
 
 def parse(text: str) -> Unit:

@@ -10,14 +10,14 @@ import xarray as xr
 from solver.curves import FOLLOWS, REGIONS, described
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
-from surrogate.gp.curvegp import CurveGP
-from surrogate.gp.curves import Curves, Largest
+from surrogate.curves.curvegp import CurveGP
+from surrogate.curves.curves import Curves, Largest
+from surrogate.curves.measure import Measure
+from surrogate.curves.panels import Panels
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.groupedgp import GroupedGP
 from surrogate.gp.grouping import Grouping, Scaling
-from surrogate.gp.measure import Measure
 from surrogate.gp.model import GaussianProcess
-from surrogate.gp.panels import Panels
 from workflow.dataset import factorial, similar
 from workflow.study import categories
 from workflow.study.categories import output

@@ -14,10 +14,10 @@ from surrogate import GaussianProcess, GridGP
 from surrogate.levels.counts import UnreachableError
 from surrogate.levels.pilot import explore
 from workflow.dataset import factorial
-from workflow.learning.constants import Constant, concerned, moved
 from workflow.study import categories
 from workflow.study.model import Study
 from workflow.study.reading import InputError
+from workflow.study.uncertainty import Constant, concerned, moved
 
 Array = NDArray[np.float64]
 

@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 from solver import MaterialError
 from surrogate import GaussianProcess
 from surrogate.data.measurements import MOST_ROWS, Measurements
-from surrogate.gp.corrected import CorrectedGP
-from surrogate.gp.distribution import NOMINAL, Normal
+from surrogate.intervals.distribution import NOMINAL, Normal
+from surrogate.measured.corrected import CorrectedGP
 from surrogate.use import learning
-from workflow.learning.constants import Constant
 from workflow.learning.effects import Effects
 from workflow.learning.taught import Taught
 from workflow.study.model import Study
 from workflow.study.reading import InputError
+from workflow.study.uncertainty import Constant
 
 Array = NDArray[np.float64]
 

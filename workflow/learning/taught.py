@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from surrogate import GaussianProcess
 from surrogate.data.measurements import Measurements
-from surrogate.gp.distribution import NOMINAL, Normal
+from surrogate.intervals.distribution import NOMINAL, Normal
 from surrogate.use.learning import Learnt
-from workflow.learning.constants import Constant
+from workflow.study.uncertainty import Constant
 
 Array = NDArray[np.float64]
 

@@ -8,17 +8,19 @@ from markupsafe import Markup
 
 from solver.names import CHOICES
 from workflow.dataset import factorial
-from workflow.design import answers, tolerances
+from workflow.design import answers, spread, tolerances
 from workflow.design.spoken import UNREACHABLE, Verdict, verdict
 from workflow.language import titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
+from workflow.language.statements import Objective
 from workflow.report import device
 from workflow.report.svg import element
 from workflow.study.datum import hanging
 from workflow.study.model import Study
 from workflow.study.target import Target
 
+_LITTLE = 1e-5  # share that is told as less than that
 Case = Mapping[str, float | str]
 
 
@@ -42,6 +44,8 @@ class Answer:
         What errors in building cost; empty where nothing is known to.
     sure
         How sure all of that is.
+    beyond
+        Where it leaves what the theory holds for; empty where it does not.
     verdict
         In words.
     drawing
@@ -56,6 +60,7 @@ class Answer:
     limit: str
     cost: str
     sure: str
+    beyond: str
     verdict: Verdict
     drawing: Markup
 
@@ -85,6 +90,7 @@ def answered(study: Study, name: str, target: Target, found: xr.Dataset) -> Answ
         limit=limit(told),
         cost=cost(found),
         sure=sure(found),
+        beyond=beyond(found),
         verdict=told,
         drawing=element(drawn, f"device-{name}", f"{name.replace('_', ' ')}, drawn to scale: {body}; {punch}"),
     )
@@ -164,7 +170,7 @@ def good(target: Target, found: xr.Dataset, hangs: frozenset[str] = frozenset(),
     """How good a design is: every goal with its value, its datum if it hangs on one, and over what."""
     datum = f" (ground {titles.value('datum', reference)} away)"
     parts = [
-        f"{_joined(found.sel(term=str(goal)))} of {titles.objective(str(goal))}"
+        f"{_joined(goal, found.sel(term=str(goal)))} of {titles.objective(str(goal))}"
         f"{'' if hangs.isdisjoint(goal.expression.names()) else datum}"
         for goal in target.objectives
     ]
@@ -172,9 +178,11 @@ def good(target: Target, found: xr.Dataset, hangs: frozenset[str] = frozenset(),
     return titles.listed(parts) + together + _over(target)
 
 
-def _joined(one: xr.Dataset) -> str:
-    """The exact value of a term, in one piece of a line."""
-    return shown(float(one["exact"]), str(one["units"].values), 3).replace(" ", "\N{NO-BREAK SPACE}")
+def _joined(goal: Objective, one: xr.Dataset) -> str:
+    """The exact value of a goal, in one piece of a line."""
+    return shown(float(one["exact"]), titles.units(goal, str(one["units"].values)), 3).replace(
+        " ", "\N{NO-BREAK SPACE}"
+    )
 
 
 def _over(target: Target) -> str:
@@ -204,17 +212,28 @@ def cost(found: xr.Dataset) -> str:
         share = float(one["cost"])
         toleranced = bool(str(one["tolerance"].values))
         if str(one["role"].values) == "variable" and bool(one["matters"]) and share > 0 and not toleranced:
-            parts.append(f"1 % of {titles.title(str(name))} costs {number(100 * share, 2)} %")
+            parts.append(f"1 % of {titles.title(str(name))} costs {_share(share)}")
     return f"{titles.capital('; '.join(parts))}." if parts else ""
 
 
 def sure(found: xr.Dataset) -> str:
     """How sure the first goal's value is."""
-    beyond = f" Beyond what the theory holds for: {found['flags'].item()}." if found["flags"].item() else ""
     one = found.isel(term=0)
     exact, predicted = float(one["exact"]), float(one["predicted"])
     if not exact:
-        return f"Solved exactly.{beyond}"
+        return f"Solved exactly. {spread.short(found)}".strip()
     inside = "within" if bool(one["inside"]) else "outside"
-    off = number(100 * abs(predicted / exact - 1), 2)
-    return f"Solved exactly; the surrogate was off by {off} %, {inside} its 95 % interval.{beyond}"
+    off = _share(abs(predicted / exact - 1))
+    told = f"Solved exactly; the surrogate was off by {off}, {inside} its 95 % interval. {spread.short(found)}"
+    return told.strip()
+
+
+def beyond(found: xr.Dataset) -> str:
+    """Where a design leaves what the theory holds for; empty where it does not."""
+    flags = str(found["flags"].item())
+    return f"Beyond what the theory holds for: {flags}." if flags else ""
+
+
+def _share(part: float) -> str:
+    """A share of a whole in percent; what is next to none is said to be less than that."""
+    return f"{number(100 * part, 2)} %" if part > _LITTLE else f"less than {number(100 * _LITTLE, 1)} %"

@@ -6,7 +6,7 @@ import xarray as xr
 
 from solver.names import FIELDS
 from surrogate import GaussianProcess
-from surrogate.gp.export import exported
+from surrogate.use.export import exported
 from workflow.language.titles import title
 from workflow.report import firstscreen
 from workflow.study.categories import Kinds

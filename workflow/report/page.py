@@ -14,7 +14,7 @@ from surrogate import load
 from workflow.dataset import factorial
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
-from workflow.language.titles import title
+from workflow.language.titles import capital, title
 from workflow.learning.timing import by_quantity
 from workflow.report import datum_effect, firstscreen, problem, sentences, tables, whatif
 from workflow.report.figures.design_kinds import kinds
@@ -78,6 +78,7 @@ def page(
         "seconds": _seconds,
         "words": _words,
         "title": title,
+        "capital": capital,
         "si": shown,
         "counted": counted,
     }

@@ -10,14 +10,14 @@ import xarray as xr
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from workflow.dataset.slabs import CARD
-from workflow.design import answers, assessment
-from workflow.language import titles
+from workflow.design import answers, assessment, spread
+from workflow.language import statements, titles
 from workflow.language.factors import FACTORS
-from workflow.language.statements import limit
 from workflow.report import sentences
 from workflow.report.verdict import findings
 from workflow.study.datum import meaning
-from workflow.study.model import CHECK_GROUPS, Study
+from workflow.study.model import Study
+from workflow.study.sections import CHECK_GROUPS
 
 #: Quantities that the summary of a parametric study tells.
 CHANGED = ("peak_pressure", "trailing_tension", "depth", "voltage")
@@ -176,15 +176,16 @@ def design(data: xr.Dataset) -> dict[str, Any]:
     terms = [
         {
             "name": str(name),
-            "title": titles.objective(str(name)) if np.isnan(one["limit"]) else titles.limited(limit(str(name))),
+            "title": titles.limited(stated) if isinstance(stated, statements.Limit) else titles.objective(str(name)),
             "inside": bool(one["inside"]),
             "broken": float(one["margin"]) < -assessment.ROUNDING,
             **{key: float(one[key]) for key in ("predicted", "half", "exact", "limit", "margin")},
-            "units": str(one["units"].values),
+            "units": titles.units(stated, str(one["units"].values)),
             "error": abs(float(one["predicted"]) / float(one["exact"]) - 1) if float(one["exact"]) else np.nan,
         }
         for name in data["term"].values
         for one in [data.sel(term=name)]
+        for stated in [_stated(str(name), limited=bool(one["limit"].notnull()))]
     ]
     variables = [
         {
@@ -202,9 +203,9 @@ def design(data: xr.Dataset) -> dict[str, Any]:
         "target": str(data["target"].values),
         "goal": str(data.attrs["goal"]),
         "polish": str(data.attrs["polish"]),
+        "spread": spread.in_words(data),
         "statistic": str(data.attrs["statistic"]),
         "flags": str(data["flags"].values),
-        "status": str(data["status"].values),
         "feasible": bool(data["feasible"].values),
         "at_edge": any(one["edge"] for one in variables),
         "objective": terms[0],
@@ -216,6 +217,11 @@ def design(data: xr.Dataset) -> dict[str, Any]:
         "compromise": "objective" in data.dims,
         "ranges": _ranges(data),
     }
+
+
+def _stated(text: str, *, limited: bool) -> statements.Limit | statements.Objective:
+    """A term of a design as the study writes it, parsed."""
+    return statements.limit(text) if limited else statements.objective(text, maximise=False)
 
 
 def _ranges(data: xr.Dataset) -> list[dict[str, Any]]:

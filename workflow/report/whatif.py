@@ -11,7 +11,7 @@ from scipy.stats import qmc
 
 from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
-from surrogate.gp.export import exported
+from surrogate.use.export import exported
 from workflow.dataset import factorial
 from workflow.design import answers, assessment, scenarios
 from workflow.design.sources import Predicted
@@ -116,15 +116,15 @@ def _target(study: Study, name: str, target: Target, answer: xr.Dataset) -> dict
     constants = {constant: study.constant(constant) for constant in target.constants()}
     for limit in target.limits:
         one = answer.sel(term=str(limit))
-        exact = float(one["exact"])
+        exact, units = float(one["exact"]), titles.units(limit, str(one["units"].values))
         limits.append(
             {
                 "text": str(limit),
-                "words": titles.bound(limit, float(one["limit"]), str(one["units"].values)),
+                "words": titles.bound(limit, float(one["limit"]), units),
                 "tree": _tree(limit.expression, constants),
                 "value": float(one["limit"]),
                 "upper": limit.upper,
-                "units": str(one["units"].values),
+                "units": units,
                 "judged": limit.probability is None and not limit.deviation,
                 "exact": exact if np.isfinite(exact) else None,
                 "held": bool(one["margin"] >= -assessment.ROUNDING),
@@ -166,7 +166,7 @@ def _goal(target: Target, answer: xr.Dataset, over: str, constants: Mapping[str,
     return {
         "title": titles.objective(str(first)) + (f" at worst over {over}" if worst else ""),
         "tree": _tree(first.expression, constants),
-        "units": str(answer["units"].values[0]),
+        "units": titles.units(first, str(answer["units"].values[0])),
         "maximise": first.maximise,
         "worst": worst,
     }

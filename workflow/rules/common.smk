@@ -12,7 +12,8 @@ from workflow.design import unreached
 from workflow.run import crate, lock, provenance
 from workflow.study import location, partition, planned
 from workflow.study import model as studies
-from workflow.study.model import CHECK_GROUPS, CONVERGING, PHYSICS
+from workflow.study.contents import PHYSICS
+from workflow.study.sections import CHECK_GROUPS, CONVERGING
 
 # jobs look for modules where this process does
 sys.path.insert(0, str(provenance.ROOT))

@@ -54,9 +54,10 @@ def borne(name: str, given: Mapping[str, Any], materials: Mapping[str, Material]
     """
     limit = plain(name)
     if borne_by_base(name):
-        base = given.get("base", RIGID if "base_modulus" not in given else None)
+        base = given.get("base")
         if base is None or base == RIGID:
-            raise ValueError(f"{name}: {'a rigid base' if base else 'a base of given modulus'} has none")
+            modulus = "a base of given modulus" if "base_modulus" in given else "a half-plane, without a base,"
+            raise ValueError(f"{name}: {'a rigid base' if base else modulus} has none")
         return _least(limit, [find(str(base), materials)], "")
     if "material" in given:
         return _least(limit, [find(str(given["material"]), materials)], "")
@@ -79,5 +80,5 @@ def _least(limit: str, parts: Sequence[Material], composite: str) -> Borne:
     unknown = ", ".join(one.name for one in parts if one not in known)
     words = weakest.name
     if len(parts) > 1:
-        words += f" ({unknown}: none known)" if unknown else f", the weaker phase ({composite})"
+        words += f" ({unknown}: none known)" if unknown else ", the weaker phase"
     return Borne(weakest.limits[limit].value, words, weakest.limits[limit].source)

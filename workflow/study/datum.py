@@ -1,44 +1,10 @@
 """The datum of a study: the arbitrary length of a half-plane's logarithmic potentials, and what hangs on it."""
 
-from collections.abc import Callable, Mapping
-from typing import Any, Protocol
-
 import numpy as np
-import xarray as xr
 
 from solver import solve
 from solver.names import ALL_QUANTITIES, FACTORS
-from workflow.study.sections import Axis
-
-
-class Physics(Protocol):
-    """What of a study decides what its cases are."""
-
-    @property
-    def fixed(self) -> dict[str, float | str]:
-        """Factors with one value."""
-
-    @property
-    def factors(self) -> dict[str, Axis]:
-        """The box."""
-
-    @property
-    def categories(self) -> dict[str, list[str]]:
-        """Names of every category."""
-
-    @property
-    def on_film(self) -> bool:
-        """Whether the cases are films."""
-
-    @property
-    def tabled(self) -> list[str]:
-        """Factors for whose every value the solver makes tables of films."""
-
-    def solved(
-        self, entrance: Callable[..., xr.Dataset], factors: Mapping[str, Any], *axes: Any, **options: Any
-    ) -> xr.Dataset:
-        """Exact cases."""
-
+from workflow.study.contents import Contents
 
 #: Names of the quantities that change with the datum of a half-plane.
 HANGING = frozenset(name for name, one in ALL_QUANTITIES.items() if one.on_datum)
@@ -46,14 +12,14 @@ _SAME = 1e-9  # relative difference up to which two values are one
 _RELATIVE = " relative to the datum"
 
 
-def length(study: Physics) -> float | None:
+def length(study: Contents) -> float | None:
     """The datum of every case [m]; None where it is a factor."""
     if "datum" in study.factors:
         return None
     return float(study.fixed.get("datum", FACTORS["datum"].default or 1.0))
 
 
-def inner(study: Physics, share: float = 0.5) -> dict[str, float]:
+def inner(study: Contents, share: float = 0.5) -> dict[str, float]:
     """A point of the box, this far from the lower end of every axis on its own scale; by default its middle."""
     return {
         name: float(
@@ -65,7 +31,7 @@ def inner(study: Physics, share: float = 0.5) -> dict[str, float]:
     }
 
 
-def hanging(study: Physics) -> frozenset[str]:
+def hanging(study: Contents) -> frozenset[str]:
     """Names of the quantities that change with the datum in some cases of a study.
 
     What does on a film depends on its base and interface: the solver says so, at a point where no charge is likely to

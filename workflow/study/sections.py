@@ -18,6 +18,10 @@ MOST_VALUES = 2_000_000_000
 MOST_LEARNED = 20_000_000
 #: Most curves of a figure of effects, points of all of its curves, and points of a grid below the punch.
 _MOST_CURVES, _MOST_POINTS, _MOST_GRID = 200, 200_000, 250_000
+#: Groups of checks in verification/, in the order of the page.
+CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "films", "film_elements", "digits")
+#: Those with convergence curves.
+CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements")
 
 
 class Axis(Strict):

@@ -10,7 +10,7 @@ from numpy.polynomial.chebyshev import chebval, chebval2d
 from surrogate import GridGP, load, save
 from surrogate.gp import correction
 from surrogate.gp.correction import Correction, correct, degrees
-from surrogate.gp.sharing import places, sharing
+from surrogate.intervals.sharing import places, sharing
 from surrogate.use.validation import validate
 from tests.surrogate import functions
 

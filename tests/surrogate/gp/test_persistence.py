@@ -76,7 +76,7 @@ def replaced(name: str, value: Any) -> Callable[[xr.Dataset], xr.Dataset]:  # an
     ("change", "says"),
     [
         (attribute("format", "other"), "not a surrogate model"),
-        (attribute("format_version", 1), "format version 1 is not 2, the one known here: make the model anew"),
+        (attribute("format_version", 1), "format version 1 is not 3, the one known here: make the model anew"),
         (attribute("engine", "torch"), "unknown engine 'torch'; known are grid, grouped, curves, corrected, scatter"),
         (attribute("kernel", "__import__('os')"), "unknown kernel"),
         (lambda d: d.drop_vars("amplitude"), "inconsistent"),

@@ -15,9 +15,9 @@ from scipy.stats import multivariate_normal
 from storage.netcdf import read_whole, write_whole
 from surrogate import FormatError, GridGP, Input, load, save
 from surrogate.data.measurements import Measurements
-from surrogate.gp.corrected import CorrectedGP
-from surrogate.gp.discrepancy import Discrepancy
-from surrogate.gp.draws import Draw
+from surrogate.measured.corrected import CorrectedGP
+from surrogate.measured.discrepancy import Discrepancy
+from surrogate.measured.draws import Draw
 from surrogate.use.learning import Learnt, NotSettledError, learn
 from surrogate.use.residuals import Residuals
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from surrogate import load, save
-from surrogate.gp.corrected import CorrectedGP
+from surrogate.measured.corrected import CorrectedGP
 from tests.workflow.learning.test_measured import study_of
 from workflow.cli import main
 from workflow.dataset import factorial
-from workflow.learning import constants
+from workflow.study import uncertainty
 
 STUDY = """\
 title: A half-plane
@@ -33,9 +33,9 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "results/study").mkdir(parents=True)
     study, model = study_of(STUDY, folder / "config")
     save(model, folder / "results/study/surrogate.nc")
-    known = constants.uncertain(study, {"BaTiO3 stiffness": None})
+    known = uncertainty.uncertain(study, {"BaTiO3 stiffness": None})
     points = factorial.points(study, 15, (1,))
-    exact = factorial.exact(constants.moved(study, known, np.array([-1.5])), points).sel(composite="laminate")
+    exact = factorial.exact(uncertainty.moved(study, known, np.array([-1.5])), points).sel(composite="laminate")
     lines = ["# made up\n", HEADER]
     read = [points["radius"], points["load"], exact["depth"], exact["voltage"]]
     for k, (radius, force, depth, voltage) in enumerate(zip(*(one.values.tolist() for one in read), strict=True)):

@@ -12,6 +12,7 @@ from surrogate import GaussianProcess
 from workflow.dataset import factorial
 from workflow.design import scenarios, search, spoken
 from workflow.learning import training
+from workflow.study.asked import check_target
 from workflow.study.model import Study, load
 from workflow.study.target import Distribution, Target
 
@@ -44,7 +45,7 @@ def answer(fitted: tuple[Study, GaussianProcess], **changed: Any) -> xr.Dataset:
         "subject_to": ["trailing_tension <= 50 MPa"],
     }  # fmt: skip
     target = Target.model_validate(asked | changed)
-    fitted[0].check_target("mine", target)
+    check_target(fitted[0], "mine", target)
     return search.answer(fitted[0], "mine", target, fitted[1])
 
 

@@ -1,19 +1,14 @@
 """Numbers for people: short, with a prefix, the same in Python and in the page's script."""
 
-import html
 import json
-import re
-import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.workflow.report.browser import evaluated, needs_browser
 from workflow.language.numbers import label, number, prefixed, shown
 from workflow.report.page import TEMPLATES
-
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
 
 @pytest.mark.parametrize(
@@ -46,31 +41,15 @@ def test_a_label_is_wrapped_and_never_cut() -> None:
     assert max(map(len, lines)) <= 34
 
 
-@pytest.mark.skipif(BROWSER is None, reason="no Chromium: the browser tests are left out")
+@needs_browser
 def test_the_page_writes_numbers_as_python_does(tmp_path: Path) -> None:
     random = np.random.default_rng(0)
     values = [0.0, 2.5, 0.25, 1.25, 999.96, 99999.6, 1e5, 1e-3, 5e4, *(10.0 ** np.arange(-15, 13)).tolist()]
     values += (random.choice([-1, 1], 300) * 10 ** random.uniform(-17, 14, 300)).tolist()
-    units = ["Pa", "V m N-1", "1", "m2 s-1", "T m1/2", "kg m-3", "N m-1 V-1", "s-1", "C m-3/2"]
+    units = ["Pa", "V m N-1", "1", "m2 s-1", "T m1/2", "kg m-3", "N m-1 V-1", "s-1", "C m-3/2", "%"]
     cases = [[value, units[k % len(units)], 1 + k % 6] for k, value in enumerate(values)]
     expected = [[number(v, d), shown(v, u, d), *prefixed(v, u)] for v, u, d in cases]
     script = (TEMPLATES / "numbers.js").read_text(encoding="utf-8")
     told = "cases.map(([v, u, d]) => [digits(v, d), said(v, u, d), engineering(v, u).size, engineering(v, u).units])"
-    page = f"<!doctype html><meta charset=utf-8><pre></pre><script>{script}\nconst cases = {json.dumps(cases)};"
-    page += f"document.querySelector('pre').textContent = JSON.stringify({told});</script>"
-    (tmp_path / "page.html").write_text(page, encoding="utf-8")
-    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
-    flags += [
-        "--disable-quic",
-        "--disable-component-update",
-        "--disable-sync",
-        f"--user-data-dir={tmp_path / 'profile'}",
-    ]
-    assert BROWSER is not None
-    done = subprocess.run(
-        [BROWSER, *flags, "--dump-dom", (tmp_path / "page.html").as_uri()],
-        capture_output=True, text=True, timeout=120, check=True,
-    )  # fmt: skip
-    found = re.search(r"<pre>(.*?)</pre>", done.stdout, re.DOTALL)
-    assert found
-    assert json.loads(html.unescape(found[1])) == expected
+    script += f"const cases = {json.dumps(cases)};"
+    assert evaluated(script, told, tmp_path) == expected

@@ -8,12 +8,13 @@ from numpy.typing import NDArray
 
 from surrogate import GridGP
 from surrogate.data.measurements import Measurements
-from tests.workflow.learning.test_constants import FILM
+from tests.workflow.study.test_uncertainty import FILM
 from workflow.dataset import factorial
-from workflow.learning import constants, measured
-from workflow.learning.constants import Constant
+from workflow.learning import measured
+from workflow.study import uncertainty
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
+from workflow.study.uncertainty import Constant
 
 Array = NDArray[np.float64]
 
@@ -52,7 +53,7 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, GridGP]:
 def truth(study: Study, model: GridGP, known: list[Constant], z: Array, count: int, seed: int) -> tuple[Array, Array]:
     """Random points (n, d) and all exact outputs there (n, p), constants moved."""
     points = factorial.points(study, count, (seed,))
-    exact = factorial.learned(study, factorial.exact(constants.moved(study, known, z), points))
+    exact = factorial.learned(study, factorial.exact(uncertainty.moved(study, known, z), points))
     X = np.stack([points[name].values for name in model.box], -1)
     return X, np.stack([exact[name].values for name in model.outputs_], -1)
 
@@ -68,7 +69,7 @@ def rows(X: Array, exact: Array, outputs: list[int], share: float, seed: int) ->
 
 def test_intervals_hold_exact_answers_with_other_constants(half_plane: tuple[Study, GridGP]) -> None:
     study, model = half_plane
-    known = constants.uncertain(study)
+    known = uncertainty.uncertain(study)
     held, better, moved = [], [], []
     for seed in range(5):
         z = np.random.default_rng(seed).normal(size=len(known))
@@ -87,7 +88,7 @@ def test_intervals_hold_exact_answers_with_other_constants(half_plane: tuple[Stu
 
 def test_a_perturbed_base_is_found(film: tuple[Study, GridGP]) -> None:
     study, model = film
-    known = constants.uncertain(study, {"steel modulus": None, "steel poisson": None})
+    known = uncertainty.uncertain(study, {"steel modulus": None, "steel poisson": None})
     z = np.array([-1.8, 0.5])
     X, exact = truth(study, model, known, z, 60, 3)
     steel = [model.outputs_.index(f"{name}[steel]") for name in ("depth", "contact_trailing")]
@@ -110,7 +111,7 @@ def test_a_perturbed_base_is_found(film: tuple[Study, GridGP]) -> None:
 
 def test_a_meter_that_errs_is_a_discrepancy(half_plane: tuple[Study, GridGP]) -> None:
     study, model = half_plane
-    known = constants.uncertain(study, {"BaTiO3 stiffness": 0.02})
+    known = uncertainty.uncertain(study, {"BaTiO3 stiffness": 0.02})
     X, exact = truth(study, model, known, np.array([0.5]), 40, 1)
     exact[:, 1] *= 1 + 0.05 * np.sin(2 * model.inputs_[2].to_unit(X[:, 2]))  # the voltage, in the load
     _, taught = measured.learn(study, model, rows(X, exact, [0, 1], 0.003, 1), known)
@@ -122,7 +123,7 @@ def test_a_meter_that_errs_is_a_discrepancy(half_plane: tuple[Study, GridGP]) ->
 
 def test_what_cannot_be_learnt_is_refused(half_plane: tuple[Study, GridGP]) -> None:
     study, model = half_plane
-    known = constants.uncertain(study)
+    known = uncertainty.uncertain(study)
     X, exact = truth(study, model, known, np.zeros(len(known)), 12, 1)
     good = rows(X, exact, [0, 1], 0.01, 1)
     with pytest.raises(InputError, match="9 rows with a measured value; must be 10 to 1000"):

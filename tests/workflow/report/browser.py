@@ -25,19 +25,29 @@ console.error = console.warn = (...words) => complaints.push(words.join(" "));
 
 def opened(text: str, folder: Path, width: int, probe: str) -> dict[str, Any]:
     """What a headless Chromium sees of a page at some width."""
-    assert BROWSER is not None
-    file = folder / "probe.html"
-    file.write_text(
-        text.replace("<head>", f"<head>{ERRORS}", 1).replace("</body>", f"{probe}</body>"), encoding="utf-8"
-    )
-    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
-    flags += ["--disable-quic", "--disable-component-update", "--disable-sync", f"--user-data-dir={folder / 'profile'}"]
-    done = subprocess.run(
-        [BROWSER, *flags, f"--window-size={width},900", "--virtual-time-budget=20000", "--dump-dom", file.as_uri()],
-        capture_output=True, text=True, timeout=120, check=True,
-    )  # fmt: skip
-    found = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
-    assert found, done.stdout[:2000]
-    seen = json.loads(html.unescape(found[1]))
+    page = text.replace("<head>", f"<head>{ERRORS}", 1).replace("</body>", f"{probe}</body>")
+    seen = _probed(page, folder, f"--window-size={width},900", "--virtual-time-budget=20000")
     assert isinstance(seen, dict)
     return seen
+
+
+def evaluated(script: str, expression: str, folder: Path) -> Any:
+    """What an expression is after a script in a headless Chromium, as plain data."""
+    page = f'<!doctype html><meta charset=utf-8><pre id="probe"></pre><script>{script}\n'
+    page += f"document.querySelector('pre').textContent = JSON.stringify({expression});</script>"
+    return _probed(page, folder)
+
+
+def _probed(page: str, folder: Path, *flags: str) -> Any:
+    """What a page has written into its probe."""
+    assert BROWSER is not None
+    file = folder / "probe.html"
+    file.write_text(page, encoding="utf-8")
+    quiet = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
+    quiet += ["--disable-quic", "--disable-component-update", "--disable-sync", f"--user-data-dir={folder / 'profile'}"]
+    done = subprocess.run(
+        [BROWSER, *quiet, *flags, "--dump-dom", file.as_uri()], capture_output=True, text=True, timeout=120, check=True
+    )
+    found = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
+    assert found, done.stdout[:2000]
+    return json.loads(html.unescape(found[1]))

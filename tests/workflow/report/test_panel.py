@@ -10,14 +10,19 @@ import numpy as np
 import pytest
 
 import surrogate
+from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
 from tests.workflow.report.browser import needs_browser, opened
-from workflow.design import scenarios
+from workflow.design import assessment, scenarios, search
+from workflow.design.designs import Designs
+from workflow.design.question import ask
+from workflow.design.sources import Exact, Predicted
 from workflow.language.numbers import shown
 from workflow.learning import surface
-from workflow.report import device, live
+from workflow.report import device, live, whatif
 from workflow.report.device import Device
-from workflow.study.model import load
+from workflow.study.model import Study, load
+from workflow.study.target import Target
 
 CELLS = 25  # a side of the map
 
@@ -65,6 +70,51 @@ addEventListener("load", async () => {
 });
 </script>
 """
+
+#: What the panel says of the limits of each target at some points of it.
+JUDGING = """
+<script>
+addEventListener("load", async () => {
+  const root = document.getElementById("whatif"), out = {};
+  for (const point of POINTS) {
+    location.hash = point;
+    await new Promise((done) => setTimeout(done, 50));
+    out[point] = [...root.querySelectorAll("li[data-limit]")].map(({ dataset }) => ({ ...dataset }));
+  }
+  const pre = document.createElement("pre");
+  pre.id = "probe";
+  pre.textContent = JSON.stringify({ judged: out, over: document.getElementById("judged").textContent, complaints });
+  document.body.replaceChildren(pre);
+});
+</script>
+"""
+
+
+def judged_in_browser(page: str, target: str, points: list[dict[str, Any]], folder: Path) -> dict[str, Any]:
+    """What the panel of a page says of a target's limits at some points."""
+    links = ["#whatif?" + "&".join(f"{name}={one}" for name, one in ({"target": target} | at).items()) for at in points]
+    seen = opened(page, folder, 1280, JUDGING.replace("POINTS", json.dumps(links)))
+    seen["judged"] = [(at, seen["judged"][link]) for at, link in zip(points, links, strict=True)]
+    return seen
+
+
+def agree(study: Study, name: str, model: surrogate.GaussianProcess, judged: list[Any]) -> None:
+    """Compare what the panel judged, as ``(point, limits)``, with what Python counts, and how far off that may be."""
+    for at, limits in judged:
+        kinds = {key: at[key] for key in study.categories}
+        question = ask(study.narrowed(kinds), name, study.design[name], source := Predicted(model, kinds))
+        x = np.array([[float(axis.to_unit(at[key])) for key, axis in question.inputs.items()]])
+        design = Designs(question, source, Exact(study), x)
+        guessed = assessment.predict(design, question.searched)
+        terms = zip(question.terms, guessed.values, guessed.reaches + assessment.tolerances(design), strict=True)
+        found = {term.label: (value, room) for term, value, room in terms if term.limited}
+        bounds = {term.label: term.bound for term in question.terms}
+        assert [one["limit"] for one in limits] == list(found)
+        for one in limits:
+            value, room = found[one["limit"]]
+            if one["verdict"] != "not judged at one point":
+                assert float(one["value"]) == pytest.approx(value, rel=1e-9)
+                assert float(one["room"]) == pytest.approx(room, rel=1e-6, abs=2e-12 * abs(bounds[one["limit"]]))
 
 
 @pytest.fixture(scope="module")
@@ -177,3 +227,30 @@ def test_a_link_and_a_file_hold_the_point(seen: dict[str, Any], model: surrogate
     assert restored["radius"] == pytest.approx(0.01, rel=1e-12)
     assert restored["load"] == pytest.approx(1e4)  # no number: the design's own
     assert restored["pressed"] == "actuator"
+
+
+@needs_browser
+def test_limits_within_tolerances_are_judged_as_python_judges_them(
+    quickstart_run: Project, model: surrogate.GaussianProcess, tmp_path: Path
+) -> None:
+    folder, study = quickstart_run.folder / "results/quickstart", load("config/quickstart.yaml")
+    asked = study.design["sensor"].model_dump() | {"tolerance": {"radius": "5 %", "volume_fraction": 0.02}}
+    asked["subject_to"] = [*asked["subject_to"], "abs(voltage) / contact_trailing <= 4 MV/m"]
+    mine = study.model_copy(update={"design": {"sensor": Target.model_validate(asked)}})
+    design = search.answer(mine, "sensor", mine.design["sensor"], model)
+    content = whatif.content(mine, model, read_whole(folder / "quantities.nc"), [design])
+    page = re.sub(
+        r'(<script type="application/json" id="whatif-data">).*?(</script>)',
+        lambda found: found[1] + str(whatif.as_json(content)) + found[2],
+        (folder / "report.html").read_text(encoding="utf-8"),
+        count=1,
+    )
+    points = [(0.5, 0.12), (0.6722, 0.1456), (0.8, 0.03)]
+    seen = judged_in_browser(page, "sensor", [{"volume_fraction": v, "radius": r} for v, r in points], tmp_path)
+    assert seen["complaints"] == []
+    told = (
+        "over friction 0.1 to 0.4 and the tolerances of radius and volume fraction, whatever the sliders say of that:"
+    )
+    assert seen["over"] == f"Limits of sensor, on the surrogate {told}"
+    agree(mine, "sensor", model, seen["judged"])
+    assert {one["verdict"] for _, said in seen["judged"] for one in said} >= {"held", "broken"}

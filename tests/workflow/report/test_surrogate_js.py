@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from surrogate import CurveGP, GaussianProcess, GroupedGP, Input
-from surrogate.gp.export import exported
+from surrogate.use.export import exported
 from tests.surrogate import curved, grouped
 from tests.workflow.report.browser import needs_browser, opened
 from workflow.report.page import TEMPLATES

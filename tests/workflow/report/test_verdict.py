@@ -10,7 +10,7 @@ from tests.workflow.conftest import Project
 from workflow.cli import launch, main
 from workflow.report.verdict import RedError, verdict
 from workflow.run.provenance import ROOT
-from workflow.study.model import CHECK_GROUPS
+from workflow.study.sections import CHECK_GROUPS
 
 GROUPS = len(CHECK_GROUPS)
 #: Groups of one check each, in place of those that take minutes.

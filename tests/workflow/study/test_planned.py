@@ -14,7 +14,8 @@ from tests.workflow.conftest import SMALL, Project
 from workflow.run import lock
 from workflow.run.provenance import ROOT
 from workflow.study import partition, planned
-from workflow.study.model import PHYSICS, Study, load, named, thawed
+from workflow.study.contents import PHYSICS
+from workflow.study.model import Study, load, named, thawed
 from workflow.study.reading import InputError
 
 MATERIAL = "name: mine\nc11: 2.7e+11\nc13: 1.2e+11\nc33: 2.7e+11\nc44: 7.7e+10\n"

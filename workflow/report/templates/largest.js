@@ -1,4 +1,4 @@
-// Largest values of learnt curves: the arithmetic of surrogate/gp/curvegp.py, landscape.py, climb.py, measure.py and panels.py.
+// Largest values of learnt curves: the arithmetic of surrogate/curves/curvegp.py, landscape.py, climb.py, measure.py and panels.py.
 "use strict";
 
 const STEPS = 10, CLOSE = 3e-4, CLIMBED = 4, RIVAL = 0.1;

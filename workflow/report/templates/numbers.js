@@ -35,6 +35,7 @@ function digits(value, count = 4) {
 // A value with its prefix and unit, as 122.61 mm.
 function said(value, units, count = 5) {
   if (!Number.isFinite(value)) return "–";
+  if (units === "%") return `${digits(100 * value, count)} %`; // a share
   const shown = engineering(value, units, count);
   return `${digits(value / shown.size, count)} ${shown.units}`.trim();
 }

@@ -6,7 +6,7 @@ function readArray(stored) {
   return { shape: stored.shape, data: new Float64Array(bytes.buffer) };
 }
 
-// Whole numbers by groups of seven bits, times a number for the row and one for the column (surrogate/gp/packing.py).
+// Whole numbers by groups of seven bits, times a number for the row and one for the column (surrogate/use/packing.py).
 function readCore(stored) {
   const [r, modes, s] = stored.shape, text = atob(stored.data), data = new Float64Array(r * modes * s);
   const rows = readArray(stored.rows).data, columns = readArray(stored.columns).data;
@@ -147,6 +147,7 @@ function means(model, t) {
 function predict(model, t) {
   const { along, parts, mean: smooth, size } = learnt(model, t), count = model.outputs.length;
   const { mean, spread } = model.curves ? followed(model.curves, smooth) : { mean: smooth, spread: null };
+  const terms = trendTerms(model.calibration, spread ? t : along);
   const std = mean.map((_, p) => {
     let unknown = 0, known = 1;
     parts.forEach((part, f) => {
@@ -158,29 +159,35 @@ function predict(model, t) {
     });
     unknown *= model.variance.data[p];
     // largest values are calibrated over the inputs, by the size that the deviation of one smooth output then has
-    if (spread) return calibrated(model, t, p, unknown * (size(model.curves.witness[p]) * spread[p]) ** 2);
-    return calibrated(model, along, p, unknown) * size(p);
+    if (spread) return calibrated(model, t, terms, p, unknown * (size(model.curves.witness[p]) * spread[p]) ** 2);
+    return calibrated(model, along, terms, p, unknown) * size(p);
   });
   const ends = (away) => mean.map((one, p) => one + away.data[p] * std[p]);
   return { mean, std, lower: ends(model.interval.lower), upper: ends(model.interval.upper) };
 }
 
-function calibrated(model, t, p, variance) {
+const withinBox = (t) => t.map((one) => Math.min(Math.max(one, -1), 1));
+
+// Products of Chebyshev polynomials that the logarithm of the local scale is made of.
+function trendTerms(c, t) {
+  if (!c) return null;
+  const [count, inputs] = c.trend_degree.shape, degrees = c.trend_degree.data;
+  const T = withinBox(t).map((one) => chebyshev(one, Math.max(...degrees) + 1));
+  return Float64Array.from({ length: count }, (_, m) =>
+    T.reduce((product, own, k) => product * own[degrees[m * inputs + k]], 1));
+}
+
+function calibrated(model, t, terms, p, variance) {
   const c = model.calibration, count = model.outputs.length;
   if (!c) return Math.sqrt(variance);
-  const slabs = c.guard.shape[1], inside = t.map((one) => Math.min(Math.max(one, -1), 1));
-  const pairs = (t.length * (t.length - 1)) / 2, degree = (c.trend.shape[0] - pairs - 1) / t.length;
-  const slab = inside.map((one) => Math.min(Math.max(Math.trunc(((one + 1) / 2) * slabs), 0), slabs - 1));
+  const slabs = c.guard.shape[1];
+  const slab = withinBox(t).map((one) => Math.min(Math.max(Math.trunc(((one + 1) / 2) * slabs), 0), slabs - 1));
   const edge = slab.map((one) => (one > 0) + (one === slabs - 1)); // 0 in the lowest slab, 2 in the highest
-  let scale = c.trend.data[p], guard = -Infinity, pair = 0;
-  inside.forEach((one, k) => {
-    const T = chebyshev(one, degree + 1);
-    for (let m = 1; m <= degree; m++) scale += T[m] * c.trend.data[(k * degree + m) * count + p];
-    guard = Math.max(guard, c.guard.data[(k * slabs + slab[k]) * count + p]);
-  });
+  let scale = 0, guard = -Infinity, pair = 0;
+  terms.forEach((term, m) => { scale += term * c.trend.data[m * count + p]; });
+  slab.forEach((one, k) => { guard = Math.max(guard, c.guard.data[(k * slabs + one) * count + p]); });
   for (let i = 0; i < t.length; i++) {
     for (let j = i + 1; j < t.length; j++, pair++) {
-      scale += inside[i] * inside[j] * c.trend.data[(1 + t.length * degree + pair) * count + p];
       guard = Math.max(guard, c.corner_guard.data[((pair * 3 + edge[i]) * 3 + edge[j]) * count + p]);
     }
   }

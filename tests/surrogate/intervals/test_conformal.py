@@ -10,9 +10,9 @@ import xarray as xr
 from scipy.optimize import linprog
 
 from surrogate import GridGP, ScatterGP, load, save
-from surrogate.gp.conformal import calibrate
-from surrogate.gp.quantile import quantile_regression
-from surrogate.gp.sharing import sharing
+from surrogate.intervals.conformal import calibrate
+from surrogate.intervals.quantile import quantile_regression
+from surrogate.intervals.sharing import sharing
 from surrogate.use.validation import validate
 from tests.surrogate import functions
 

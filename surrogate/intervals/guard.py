@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from surrogate.data.arrays import Array
 
 SLABS = 10
-# Cases below which the own quantile of a slab or a corner says too little, and the shares of them that hold beyond: a
-# corner has few, and needs room for their error.
-SLAB_CASES, CORNER_CASES = 20, 8
+# Places of cases below which the own quantile of a slab or a corner says too little, and the shares of the cases that
+# hold beyond: a corner has few, and needs room for their error.
+SLAB_PLACES, CORNER_PLACES = 20, 8
 SLAB_LEVEL, CORNER_LEVEL = 0.95, 0.98
 
 
@@ -61,7 +61,7 @@ def unguarded(inputs: int, outputs: int) -> Guard:
     return Guard(np.zeros((inputs, SLABS, outputs)), np.zeros((pairs, 3, 3, outputs)))
 
 
-def fill(guard: Guard, output: int, scores: Array, level: float, t: Array) -> None:
+def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, groups: NDArray[np.intp]) -> None:
     """Set the guard of one output so that the scores of every cell hold.
 
     Parameters
@@ -74,13 +74,15 @@ def fill(guard: Guard, output: int, scores: Array, level: float, t: Array) -> No
         Score that the scale alone allows for.
     t : ndarray, shape (d, n)
         Scaled coordinates of the cases.
+    groups : ndarray of int, shape (n,)
+        Number of the group of every case; those of one share some coordinates, and tell as much of a cell as one.
     """
     for place, cell in _cells(slabs(t)):
         slab, own = len(place) == 2, np.sort(scores[cell])
         array, fewest, share = (
-            (guard.slabs, SLAB_CASES, SLAB_LEVEL) if slab else (guard.corners, CORNER_CASES, CORNER_LEVEL)
+            (guard.slabs, SLAB_PLACES, SLAB_LEVEL) if slab else (guard.corners, CORNER_PLACES, CORNER_LEVEL)
         )
-        if len(own) >= fewest:
+        if len(np.unique(groups[cell])) >= fewest:
             rank = min(len(own), int(np.ceil((len(own) + 1) * share)))
             array[(*place, output)] = max(0.0, float(own[rank - 1]) - level)
 

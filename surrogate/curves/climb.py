@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from surrogate.curves.measure import Bent, Measure
+from surrogate.curves.panels import Indices, jets, rows, spacing
 from surrogate.data.arrays import Array
-from surrogate.gp.measure import Bent, Measure
-from surrogate.gp.panels import Indices, jets, rows, spacing
 
 STEPS = 10
 CLOSE = 3e-4  # a step of Newton's iteration, in the half-width of a panel: the next is of its square

@@ -10,11 +10,11 @@ from xarray import ufuncs
 
 from surrogate import GridGP, Input
 from surrogate.data.arrays import Array
-from surrogate.gp.export import exported
+from surrogate.use.export import exported
 
 
 def plain(stored: dict[str, Any]) -> Array:
-    """An array as :func:`surrogate.gp.packing.array` stores it."""
+    """An array as :func:`surrogate.use.packing.array` stores it."""
     return np.frombuffer(base64.b64decode(stored["data"]), "<f8").reshape(stored["shape"])
 
 

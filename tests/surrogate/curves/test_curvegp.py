@@ -10,12 +10,12 @@ from scipy.optimize import minimize
 
 import surrogate
 from surrogate import CurveGP, GridGP
+from surrogate.curves.curves import Basis
+from surrogate.curves.landscape import Landscape
+from surrogate.curves.measure import Measure
+from surrogate.curves.panels import Panels
 from surrogate.data.inputs import gauss_points
-from surrogate.gp.curves import Basis
 from surrogate.gp.grouping import Scaling
-from surrogate.gp.landscape import Landscape
-from surrogate.gp.measure import Measure
-from surrogate.gp.panels import Panels
 from surrogate.use import validation
 from surrogate.use.sensitivity import sobol
 from tests.surrogate.curved import INPUTS, OUTPUTS, data, fields, fitted, fitted_over_groups

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from surrogate import Input, ScatterGP
-from surrogate.gp.scattergp import KernelName
+from surrogate.scattered.scattergp import KernelName
 from tests.surrogate.dense import stationary
 
 Array = NDArray[np.float64]

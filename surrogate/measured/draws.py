@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from surrogate.data.arrays import Array
-from surrogate.gp.discrepancy import Discrepancy
+from surrogate.measured.discrepancy import Discrepancy
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import pytest
 
 from solver import Material, find, solve
 from workflow.dataset import factorial
-from workflow.learning import constants
+from workflow.study import uncertainty
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
@@ -41,7 +41,7 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 
 def test_families_and_their_priors(film: Study) -> None:
-    found = {one.name: one.std for one in constants.uncertain(film)}
+    found = {one.name: one.std for one in uncertainty.uncertain(film)}
     assert list(found) == [
         "BaTiO3 stiffness", "BaTiO3 piezoelectricity", "BaTiO3 permittivity", "BaTiO3 permeability",
         "CoFe2O4 stiffness", "CoFe2O4 piezomagnetism", "CoFe2O4 permittivity", "CoFe2O4 permeability",
@@ -55,7 +55,7 @@ def test_families_and_their_priors(film: Study) -> None:
 
 def test_materials_of_layers_and_bases(tmp_path: Path) -> None:
     (tmp_path / "layers.yaml").write_text(LAYERS, encoding="utf-8")
-    names = {one.name for one in constants.uncertain(load(tmp_path / "layers.yaml"))}
+    names = {one.name for one in uncertainty.uncertain(load(tmp_path / "layers.yaml"))}
     assert names == {
         "PZT-4 stiffness", "PZT-4 piezoelectricity", "PZT-4 permittivity", "steel modulus", "steel poisson",
         "copper modulus", "copper poisson",
@@ -63,8 +63,8 @@ def test_materials_of_layers_and_bases(tmp_path: Path) -> None:
 
 
 def test_a_moved_study_is_solved_with_moved_constants(film: Study) -> None:
-    asked = constants.uncertain(film, {"steel modulus": 0.1, "steel poisson": None, "BaTiO3 e33": 0.2})
-    moved = constants.moved(film, asked, np.array([1.0, -1.0, 0.5]))
+    asked = uncertainty.uncertain(film, {"steel modulus": 0.1, "steel poisson": None, "BaTiO3 e33": 0.2})
+    moved = uncertainty.moved(film, asked, np.array([1.0, -1.0, 0.5]))
     at = {"thickness": 3e-4, "load": 5e4}
     found = factorial.exact(moved, {**at, "base": "steel"})
     ceramic = find("BaTiO3").plain() | {"e33": 18.6 * np.exp(0.1), "alternatives": []}
@@ -75,8 +75,8 @@ def test_a_moved_study_is_solved_with_moved_constants(film: Study) -> None:
     )
     for name in ("voltage", "depth", "capacitance"):
         assert float(found[name]) == pytest.approx(float(exact[name]), rel=1e-9)
-    assert constants.concerned(film, asked[0]) == {"base": "steel"}
-    assert constants.concerned(film, asked[2]) == {}
+    assert uncertainty.concerned(film, asked[0]) == {"base": "steel"}
+    assert uncertainty.concerned(film, asked[2]) == {}
     assert [one.change(1.0) for one in asked] == ["+10.5 %", "+0.02", "+22.1 %"]
 
 
@@ -87,4 +87,4 @@ def test_a_name_that_is_no_constant_is_refused(film: Study) -> None:
         ("steel e33", "unknown"),
     ):
         with pytest.raises(InputError, match=hint):
-            constants.uncertain(film, {name: None})
+            uncertainty.uncertain(film, {name: None})

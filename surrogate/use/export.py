@@ -5,19 +5,19 @@ from typing import Any
 
 import numpy as np
 
+from surrogate.curves.curvegp import CurveGP
+from surrogate.curves.curves import Basis
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.gp.correction import Correction
-from surrogate.gp.curvegp import CurveGP
-from surrogate.gp.curves import Basis
-from surrogate.gp.distribution import NOMINAL
 from surrogate.gp.factors import ChebyshevFactor
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.groupedgp import GroupedGP
 from surrogate.gp.model import GaussianProcess
-from surrogate.gp.packing import array, packed, rounded
+from surrogate.intervals.distribution import NOMINAL
+from surrogate.use.packing import array, packed, rounded
 
-FORMAT = 3
+FORMAT = 4
 # Rounding of fields of curves, in their sizes: what follows from them is still the same to 1e-9.
 STEP = 1e-12
 
@@ -26,7 +26,7 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
     """Return everything that mean, standard deviation and 95 % interval need, as what JSON can hold.
 
     Arrays are ``{"shape": [...], "data": base64 of little-endian float64}``, so that no digit is lost; cores are as
-    :func:`surrogate.gp.packing.packed` has them, which changes a mean by some 1e-10 of a standard deviation.
+    :func:`surrogate.use.packing.packed` has them, which changes a mean by some 1e-10 of a standard deviation.
 
     Parameters
     ----------

@@ -9,10 +9,10 @@ import xarray as xr
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.measurements import MOST_ROWS, Measurements
-from surrogate.gp.discrepancy import Discrepancy
-from surrogate.gp.distribution import NOMINAL, Normal
-from surrogate.gp.draws import Draw, mixture, moments
 from surrogate.gp.model import GaussianProcess
+from surrogate.intervals.distribution import NOMINAL, Normal
+from surrogate.measured.discrepancy import Discrepancy
+from surrogate.measured.draws import Draw, mixture, moments
 
 _MOST_DRAWS = 64  # that a file may hold
 

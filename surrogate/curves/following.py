@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from surrogate.gp.curves import Basis, Curves, Largest
-from surrogate.gp.measure import Measure
-from surrogate.gp.panels import Panels
+from surrogate.curves.curves import Basis, Curves, Largest
+from surrogate.curves.measure import Measure
+from surrogate.curves.panels import Panels
 
 # Most points of the panels of one file's curves.
 _MOST = 1_000_000

@@ -10,9 +10,9 @@ from sklearn.gaussian_process import GaussianProcessRegressor
 from surrogate.data.arrays import Array
 from surrogate.data.factorial import output_names, text_attrs
 from surrogate.data.inputs import Input, unit_coordinates
-from surrogate.gp.finiterank import FiniteRank
 from surrogate.gp.model import GaussianProcess
-from surrogate.gp.stationary import Stationary, regressor
+from surrogate.scattered.finiterank import FiniteRank
+from surrogate.scattered.stationary import Stationary, regressor
 
 KernelName = Literal["auto", "rbf", "matern32", "matern52", "chebyshev"]
 KERNELS: tuple[str, ...] = get_args(KernelName)

@@ -16,15 +16,15 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from storage.described import described
+from surrogate.curves.curves import Basis, Curves, Largest
+from surrogate.curves.following import followed, following
+from surrogate.curves.landscape import Landscape
+from surrogate.curves.measure import Measure
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.data.meanings import MEANINGS
-from surrogate.gp.curves import Basis, Curves, Largest
 from surrogate.gp.engines import engine
-from surrogate.gp.following import followed, following
 from surrogate.gp.grouping import Grouping, Scaling
-from surrogate.gp.landscape import Landscape
-from surrogate.gp.measure import Measure
 from surrogate.gp.model import GaussianProcess
 
 # Curves whose largest values are looked for at a time: their fields stay in cache.
@@ -90,7 +90,7 @@ class CurveGP(GaussianProcess):
     >>> a, points = Input("a", -1, 1), gauss_points(32)
     >>> grid = xr.Dataset(coords={"a": a.levels(12), "point": np.arange(32)})
     >>> x = xr.DataArray(points, dims="point")
-    >>> from surrogate.gp.panels import Panels
+    >>> from surrogate.curves.panels import Panels
     >>> hills = Curves(("height",), ("",), Panels((32,)), "point")
     >>> highest = Largest(0, Measure(np.ones((1, 1)), np.zeros((1, 1, 1))))
     >>> model = CurveGP(lambda names: GridGP(inputs=[a]), [hills], {"top": highest}, ["top"])

@@ -20,7 +20,7 @@ from scipy.optimize import minimize_scalar
 
 from surrogate.data.arrays import Array
 from surrogate.gp.factors import chebyshev, chebyshev_slopes
-from surrogate.gp.poisson import Decay, most_likely
+from surrogate.scattered.poisson import Decay, most_likely
 
 Indices = NDArray[np.intp]
 

@@ -9,10 +9,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate.data.arrays import Array, Flags
+from surrogate.data.labels import Attrs, Labels
 from surrogate.data.points import Points, Queries
-from surrogate.gp.conformal import Calibration
-from surrogate.gp.distribution import NOMINAL, Distribution, Normal
-from surrogate.gp.labels import Attrs, Labels
+from surrogate.intervals.conformal import Calibration
+from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 
 #: Attributes of the variable that tells where an answer is outside of the trained box.
 EXTRAPOLATED = {"extrapolated": {"long_name": "outside the trained box"}}

@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from surrogate.curves.climb import climb, held, hill
+from surrogate.curves.curves import Basis
+from surrogate.curves.measure import Measure
+from surrogate.curves.panels import Indices, Panels, jets, rows
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import gauss_points
-from surrogate.gp.climb import climb, held, hill
-from surrogate.gp.curves import Basis
-from surrogate.gp.measure import Measure
-from surrogate.gp.panels import Indices, Panels, jets, rows
 
 # Hills that are climbed, and how far below the highest they may lie: between points that are scanned one is higher.
 CLIMBED, RIVAL = 4, 0.1

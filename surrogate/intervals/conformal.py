@@ -3,8 +3,8 @@
 Four steps, each from the errors on cases that the model was not trained on:
 
 1. weights of the parts of the variance (what each factor leaves unknown) and a floor, by maximum likelihood;
-2. a local scale, the exponential of an additive polynomial of the scaled inputs, such that the nominal share of the
-   errors lies within it (quantile regression of their logarithms);
+2. a local scale, the exponential of a polynomial of the scaled inputs, additive but for the two inputs in which the
+   errors are waves, such that the nominal share of the errors lies within it (quantile regression of their logarithms);
 3. a guard (module `guard`): slabs and corners of the box where this share needs more, from cross-fitted scores;
 4. the distribution of the scores (module `distribution`), of which the standard deviation is half of the central 68 %.
 
@@ -15,22 +15,31 @@ The cross-fitting and the guard make the guarantee approximate; `use.validation.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from itertools import combinations
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate.data.arrays import Array
-from surrogate.gp.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
-from surrogate.gp.guard import SLABS, Guard, fill, unguarded
-from surrogate.gp.quantile import quantile_regression
-from surrogate.gp.trend import additive, pairwise
+from surrogate.intervals.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
+from surrogate.intervals.guard import SLABS, Guard, fill, unguarded
+from surrogate.intervals.quantile import quantile_regression
+from surrogate.intervals.sharing import places
+from surrogate.intervals.trend import Indices, additive, products, values
 
 MINIMUM = 40
 FOLDS = 5
-# Cases from which on the local scale has products of two inputs too.
-PAIRWISE = 3000
+# Highest degree of the local scale along an input by the places that the cases have there, and beyond these one more
+# for so many places and inputs. What a correction leaves has some twenty nodes along an input of ten levels.
+DEGREES = ((100, 2), (300, 4), (1000, 6))
+PLACES_A_DEGREE, HIGHEST = 125, 16
+# Cases from which on the local scale has the product of every two inputs, and products of higher total degree of the
+# two whose products tell most of the errors beyond it: these by so many times what they would tell by chance.
+PAIRWISE, WAVES = 3000, 5000
+TOTAL, TELLING = 8, 3.0
+MOST_TERMS, MOST_DEGREE = 1000, 64  # that a file may hold
 # Logarithms of errors are cut off this far below the largest: exact hits carry no further information.
 DEPTH = 20.0
 
@@ -38,6 +47,7 @@ _DIMS = {
     "weights": ("part", "output"),
     "floor": ("output",),
     "trend": ("trend_term", "output"),
+    "trend_degree": ("trend_term", "input"),
     "guard": ("input", "slab", "output"),
     "corner_guard": ("pair", "edge", "other_edge", "output"),
     "quantile": ("probability", "output"),
@@ -54,9 +64,11 @@ class Calibration:
         Weight of every part of the variance, for every output.
     floor : ndarray, shape (p,)
         Variance added everywhere, squared units of the output.
-    trend : ndarray, shape (1 + d * degree + d * (d - 1) / 2, p)
-        Coefficients of the logarithm of the local scale: a constant, T_1 .. T_degree of every scaled input, and the
-        product of every two.
+    trend : ndarray, shape (m, p)
+        Coefficients of the logarithm of the local scale.
+    trend_degree : ndarray of int, shape (m, d)
+        Degrees of the Chebyshev polynomials of the scaled inputs whose product each of its terms is; the first ones are
+        zero.
     guard : Guard
         Further scales in slabs and corners of the box.
     distribution : Tabulated
@@ -66,6 +78,7 @@ class Calibration:
     weights: Array
     floor: Array
     trend: Array
+    trend_degree: Indices
     guard: Guard
     distribution: Tabulated
 
@@ -76,16 +89,9 @@ class Calibration:
     def stretch(self, t: Array) -> Array:
         """Return what raw standard deviations are multiplied by at scaled coordinates (d, B): (p, B)."""
         inside = np.clip(t, -1, 1)
-        pairs = pairwise(inside)
-        count = len(self.trend) - pairs.shape[1]
-        scale = additive(inside, self.trend_degree(len(t))) @ self.trend[:count]
-        scale += pairs @ self.trend[count:]
-        scale += self.guard.at(inside)
-        return np.exp(scale, out=scale).T
-
-    def trend_degree(self, inputs: int) -> int:
-        """Return the highest degree of a single one of so many inputs in the trend."""
-        return (len(self.trend) - 1 - inputs * (inputs - 1) // 2) // inputs
+        scale = self.trend.T @ values(self.trend_degree, inside)
+        scale += self.guard.at(inside).T
+        return np.asarray(np.exp(scale, out=scale))
 
     def only(self, columns: Sequence[int]) -> Self:
         """Return that of some outputs."""
@@ -99,9 +105,9 @@ class Calibration:
             distribution=self.distribution.only(chosen),
         )
 
-    def arrays(self) -> dict[str, Array]:
+    def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the arrays by name."""
-        plain = {name: getattr(self, name) for name in ("weights", "floor", "trend")}
+        plain = {name: getattr(self, name) for name in ("weights", "floor", "trend", "trend_degree")}
         guard = {"guard": self.guard.slabs, "corner_guard": self.guard.corners}
         return {**plain, **guard, "quantile": self.distribution.quantiles}
 
@@ -124,19 +130,24 @@ class Calibration:
             "weights": (parts, outputs),
             "floor": (outputs,),
             "trend": (terms, outputs),
+            "trend_degree": (terms, inputs),
             "guard": (inputs, SLABS, outputs),
             "corner_guard": (pairs, 3, 3, outputs),
             "quantile": (len(PROBABILITIES), outputs),
         }
         found = {name: array.shape for name, array in arrays.items()}
-        if found != shapes or terms <= pairs or (terms - pairs - 1) % inputs or cases < MINIMUM:
+        degree = arrays["trend_degree"]
+        if found != shapes or not 0 < terms <= MOST_TERMS or degree.dtype.kind not in "iu" or cases < MINIMUM:
             raise ValueError("the calibration does not fit the model")
+        if degree.min() < 0 or degree.max() > MOST_DEGREE or degree[0].any():
+            raise ValueError("the calibration has degrees that none has")
         if (arrays["weights"] < 0).any() or (arrays["floor"] < 0).any():
             raise ValueError("the calibration has a negative variance")
         if (np.diff(arrays["quantile"], axis=0) < 0).any():
             raise ValueError("the calibration's quantiles do not ascend")
         guard = Guard(arrays["guard"], arrays["corner_guard"])
-        return cls(arrays["weights"], arrays["floor"], arrays["trend"], guard, Tabulated(arrays["quantile"], cases))
+        distribution = Tabulated(arrays["quantile"], cases)
+        return cls(arrays["weights"], arrays["floor"], arrays["trend"], degree.astype(np.intp), guard, distribution)
 
 
 def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: NDArray[np.intp]) -> Calibration:
@@ -153,35 +164,85 @@ def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: NDArray[n
     groups : ndarray of int, shape (n,)
         As `sharing` has them; no group is in two folds of the cross-fitting.
     """
-    outputs, cases = errors.shape
-    degree = 6 if cases >= 1000 else 4 if cases >= 300 else 2 if cases >= 100 else 0
-    A, pairs = additive(t, degree), pairwise(t)
-    trend = np.zeros((A.shape[1] + pairs.shape[1], outputs))
-    if cases >= PAIRWISE:
-        A = np.concatenate([A, pairs], axis=1)
-    weights, floor = np.ones((len(parts), outputs)), np.zeros(outputs)
-    guard, logarithms = unguarded(len(t), outputs), np.full_like(errors, np.nan)
-    for p, error in enumerate(errors):
-        squares = error**2
-        if not squares.any():
-            continue
-        variances = np.stack([part[p] for part in parts] + [np.full(cases, squares.mean())])
-        shares = _components(variances, squares)
-        weights[:, p], floor[p] = shares[:-1], shares[-1] * squares.mean()
-        with np.errstate(divide="ignore"):
-            ratio = 0.5 * (np.log(squares) - np.log(shares @ variances))
-        ratio = np.maximum(ratio, ratio.max() - DEPTH)
-        fitted = quantile_regression(A, ratio, NOMINAL)
-        trend[: len(fitted), p] = fitted
-        scores = _cross_fitted(A, ratio, fitted, groups)
-        fill(guard, p, scores, float(np.quantile(scores, NOMINAL)), t)
+    weights, floor, logarithms = _sizes(errors, parts)
+    known = np.flatnonzero(np.isfinite(logarithms).all(axis=1))
+    degrees, trend = _fitted(logarithms[known], t, groups)
+    A = values(degrees, t).T
+    guard, whole = unguarded(len(t), len(errors)), np.zeros((len(degrees), len(errors)))
+    whole[:, known] = trend
+    for p in known:
+        scores = _cross_fitted(A, logarithms[p], whole[:, p], groups)
+        fill(guard, int(p), scores, float(np.quantile(scores, NOMINAL)), t, groups)
         logarithms[p] = scores
     distribution = _distribution(np.sign(errors) * np.exp(logarithms - guard.at(t).T))
     # in standard deviations from here on
     one = np.ptp(distribution.ends(ONE_STD), axis=0) / 2
     one = np.where(one > 0, one, 1.0)
-    trend[0] += np.log(one)
-    return Calibration(weights, floor, trend, guard, replace(distribution, quantiles=distribution.quantiles / one))
+    whole[0] += np.log(one)
+    table = replace(distribution, quantiles=distribution.quantiles / one)
+    return Calibration(weights, floor, whole, degrees, guard, table)
+
+
+def _sizes(errors: Array, parts: Sequence[Array]) -> tuple[Array, Array, Array]:
+    """Weights of the parts (k, p), floors (p,), and logarithms of errors over the deviation that these give (p, n).
+
+    The latter are NaN for an output without any error.
+    """
+    weights, floor = np.ones((len(parts), len(errors))), np.zeros(len(errors))
+    logarithms = np.full_like(errors, np.nan)
+    for p, error in enumerate(errors):
+        squares = error**2
+        if not squares.any():
+            continue
+        variances = np.stack([part[p] for part in parts] + [np.full(len(error), squares.mean())])
+        shares = _components(variances, squares)
+        weights[:, p], floor[p] = shares[:-1], shares[-1] * squares.mean()
+        with np.errstate(divide="ignore"):
+            ratio = 0.5 * (np.log(squares) - np.log(shares @ variances))
+        logarithms[p] = np.maximum(ratio, ratio.max() - DEPTH)
+    return weights, floor, logarithms
+
+
+def _fitted(logarithms: Array, t: Array, groups: NDArray[np.intp]) -> tuple[Indices, Array]:
+    """Degrees of the local scale's terms, (m, d), and its coefficients for logarithms of errors (p, n): (m, p)."""
+    apart, (d, cases) = places(t, groups), t.shape
+    degrees = additive([_highest(int(count), d) for count in apart])
+    pairs = [pair for pair in combinations(range(d), 2) if apart[list(pair)].min() >= PAIRWISE]
+    degrees = np.concatenate([degrees, *(products(d, pair, 2) for pair in pairs)])
+    A = values(degrees, t).T
+    trend = np.array([quantile_regression(A, one, NOMINAL) for one in logarithms]).reshape(-1, len(degrees)).T
+    waves = _waves(A, logarithms, trend, t, pairs) if cases >= WAVES else None
+    if waves is None:
+        return degrees, trend
+    degrees = np.concatenate([degrees, waves])
+    A = values(degrees, t).T
+    starts = np.pad(trend, ((0, len(waves)), (0, 0))).T
+    found = [quantile_regression(A, one, NOMINAL, start) for one, start in zip(logarithms, starts, strict=True)]
+    return degrees, np.array(found).T
+
+
+def _highest(count: int, inputs: int) -> int:
+    """Highest degree along an input of so many different values."""
+    few = max((degree for least, degree in DEGREES if count >= least), default=0)
+    return max(few, min(count // (PLACES_A_DEGREE * inputs), HIGHEST))
+
+
+def _waves(A: Array, logarithms: Array, trend: Array, t: Array, pairs: Sequence[tuple[int, int]]) -> Indices | None:
+    """Degrees of the products of the two inputs on which it depends most which errors exceed a scale; None if little.
+
+    A score test (C. R. Rao, Math. Proc. Cambridge Philos. Soc. 44 (1948) 50) of the exceedances, whose statistic is by
+    chance as large as the number of products.
+    """
+    beyond = NOMINAL - (logarithms <= (A @ trend).T)
+    best, most = None, TELLING
+    for pair in pairs:
+        degrees = products(len(t), pair, TOTAL, 3)
+        features = values(degrees, t).T
+        basis = np.linalg.qr(features - A @ np.linalg.lstsq(A, features)[0])[0]
+        told = ((beyond @ basis) ** 2).sum(axis=1) / (NOMINAL * (1 - NOMINAL) * len(degrees))
+        if len(told) and (share := float(told.max())) > most:
+            best, most = degrees, share
+    return best
 
 
 def _distribution(scores: Array) -> Tabulated:

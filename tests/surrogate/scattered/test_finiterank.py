@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from storage.netcdf import read_whole, write_whole
 from storage.sealed import FormatError
 from surrogate import FactorialRegressor, Input, ScatterGP, load, save
-from surrogate.gp import finiterank, scattergp
-from surrogate.gp.finiterank import FiniteRank, largest
-from surrogate.gp.poisson import Decay, _cost, kernel, most_likely
+from surrogate.scattered import finiterank, scattergp
+from surrogate.scattered.finiterank import FiniteRank, largest
+from surrogate.scattered.poisson import Decay, _cost, kernel, most_likely
 from surrogate.use.validation import validate
 
 Array = NDArray[np.float64]

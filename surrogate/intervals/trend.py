@@ -1,0 +1,38 @@
+"""Polynomials of the scaled inputs that a local scale is the exponential of."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebvander
+from numpy.typing import NDArray
+
+from surrogate.data.arrays import Array
+
+Indices = NDArray[np.intp]
+
+
+def additive(highest: Sequence[int]) -> Indices:
+    """Return the degrees of a constant and T_1 .. T_highest of every input: (1 + sum(highest), d)."""
+    rows = [np.zeros((1, len(highest)), dtype=np.intp)]
+    for k, most in enumerate(highest):
+        rows.append(np.zeros((most, len(highest)), dtype=np.intp))
+        rows[-1][:, k] = np.arange(1, most + 1)
+    return np.concatenate(rows)
+
+
+def products(inputs: int, pair: tuple[int, int], total: int, least: int = 2) -> Indices:
+    """Return the degrees of T_a T_b of two inputs, a, b >= 1, least <= a + b <= total: (m, inputs)."""
+    both = [(a, b) for a in range(1, total) for b in range(1, total) if least <= a + b <= total]
+    degrees = np.zeros((len(both), inputs), dtype=np.intp)
+    degrees[:, pair] = np.reshape(both, (-1, 2))
+    return degrees
+
+
+def values(degrees: Indices, t: Array) -> Array:
+    """Return prod_k T_{degrees[m, k]}(t_k) at scaled inputs (d, n): (m, n)."""
+    T = chebvander(t, int(degrees.max())).transpose(2, 0, 1)
+    product = np.ones((len(degrees), t.shape[1]))
+    for k, column in enumerate(degrees.T):
+        held = np.flatnonzero(column)  # most of the rest is one
+        product[held] *= T[column[held], k]
+    return product

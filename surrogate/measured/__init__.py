@@ -1,0 +1,1 @@
+"""Surrogates that measured rows have corrected."""

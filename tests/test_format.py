@@ -1,0 +1,107 @@
+"""The format of surrogate.nc: the reader in JavaScript, which has the page alone, says what the program says."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+import surrogate
+from surrogate.gp.model import GaussianProcess
+from tests.surrogate.grouped import GROUPING, cases, factorial
+from tests.workflow.conftest import Project
+from workflow.run.provenance import ROOT
+
+pytestmark = pytest.mark.skipif(
+    not (shutil.which("node") and shutil.which("ncdump")), reason="no Node.js or no ncdump on this machine"
+)
+PAGE = (ROOT / "docs/format.md").read_text(encoding="utf-8")
+READER = """
+  const [path, points] = process.argv.slice(1), { read, predict } = await import(process.env.READER), file = read(path);
+  console.log(JSON.stringify(JSON.parse(points).map((point) => predict(file, point))));
+"""
+PARTS = ("mean", "std", "lower", "upper")
+
+
+def told(path: Path, points: list[dict[str, float]]) -> subprocess.CompletedProcess[str]:
+    command = ["node", "--input-type=module", "-e", READER, str(path), json.dumps(points)]
+    environment = os.environ | {"READER": (ROOT / "examples/surrogate.mjs").as_uri()}
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+
+
+def root() -> GaussianProcess:
+    """The example of the page."""
+    x = surrogate.Input("x", 1.0, 4.0, "log")
+    data = xr.Dataset({"y": ("x", np.sqrt(x.levels(3)))}, coords={"x": x.levels(3)})
+    return surrogate.GridGP(inputs=[x], hyperparameters={"x": 0.1}).fit(data)
+
+
+@pytest.fixture(scope="module")
+def files(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A calibrated grid, one over groups, and the page's example."""
+    folder = tmp_path_factory.mktemp("format")
+    grouped = surrogate.GroupedGP(GROUPING).fit(factorial(0.2)).calibrate(cases(400, 1, 0.2))
+    surrogate.save(grouped, folder / "grouped.nc")
+    surrogate.save(root(), folder / "root.nc")
+    grid = quickstart_run.folder / "results/quickstart/surrogate.nc"
+    return {"grid": grid, "grouped": folder / "grouped.nc", "root": folder / "root.nc"}
+
+
+@pytest.mark.parametrize("kind", ["grid", "grouped", "root"])
+def test_the_reader_says_what_the_program_says(kind: str, files: dict[str, Path]) -> None:
+    model = surrogate.load(files[kind])
+    t = np.random.default_rng(3).uniform(-1, 1, (12, len(model.inputs_)))
+    X = np.stack([one.from_unit(row) for one, row in zip(model.inputs_, t.T, strict=True)], axis=1)
+    X[0], X[1] = [one.low for one in model.inputs_], [one.high for one in model.inputs_]
+    points = [dict(zip(model.box, row, strict=True)) for row in X.tolist()]
+    mean, std = model.predict_array(X, return_std=True)
+    expected = dict(zip(PARTS, (mean, std, *model.interval_array(X)), strict=True))
+    answer = json.loads(told(files[kind], points).stdout)
+    for p, name in enumerate(model.outputs_):
+        for part in PARTS:
+            found = np.array([one[name][part] for one in answer])
+            size = 0.0 if part == "std" else float(np.abs(expected[part][..., p]).max())
+            # of the variance some terms nearly vanish near a level
+            rtol = 1e-10 if part == "std" else 0.0
+            np.testing.assert_allclose(found, expected[part][..., p], rtol=rtol, atol=1e-12 * size, err_msg=name)
+
+
+def test_every_variable_of_the_files_is_specified(files: dict[str, Path]) -> None:
+    names = set()
+    for path in files.values():
+        with netCDF4.Dataset(path) as file:
+            names |= {re.sub(r"^(levels|core)_\d+$", r"\1_", name) for name in file.variables}
+    assert len(names) > 30
+    spoken = set(re.findall(r"\b[a-z][a-z_]+[a-z_]\b", PAGE))
+    assert {name for name in names if name not in spoken and f"`{name}" not in PAGE} == set()
+
+
+def test_the_example_by_hand_is_the_file_s(files: dict[str, Path]) -> None:
+    rows = {
+        head: [float(one) for one in row.split(", ")]
+        for head, row in re.findall(r"^\| (.+?) \| ([-\d., ]+) \|$", PAGE, re.M)
+    }
+    with netCDF4.Dataset(files["root"]) as file:
+        for head, shown in rows.items():
+            if head[0] == "`":
+                stored = np.concatenate([np.ravel(file[name.strip("`")][:]) for name in head.split(", ")])
+                np.testing.assert_allclose(stored, shown, atol=6e-11)
+    model = root()
+    mean, std = model.predict_array(np.array([[3.0]]), return_std=True)
+    assert rows["interval"] == pytest.approx(np.ravel(model.interval_array(np.array([[3.0]]))), abs=6e-11)
+    assert next(row for head, row in rows.items() if head.startswith("mean")) == pytest.approx(mean[0], abs=6e-11)
+    assert next(row for head, row in rows.items() if head.startswith("std")) == pytest.approx(std[0], abs=6e-11)
+
+
+def test_what_the_reader_cannot_read_is_refused(tmp_path: Path, files: dict[str, Path]) -> None:
+    levels = surrogate.chebyshev_levels(0.0, 1.0, 4)
+    data = xr.Dataset({"y": ("x", levels**2)}, coords={"x": levels})
+    surrogate.save(surrogate.GridGP("rbf", inputs=[surrogate.Input("x", 0.0, 1.0)]).fit(data), tmp_path / "rbf.nc")
+    assert 'kernel "rbf" is not read here' in told(tmp_path / "rbf.nc", []).stderr
+    assert "x is from 1 to 4" in told(files["root"], [{"x": 5.0}]).stderr

@@ -1,0 +1,72 @@
+"""What the spread of the materials' constants makes of a design, against materials that are moved by hand."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from solver import find, solve
+from workflow.dataset import factorial
+from workflow.design import search, spread
+from workflow.learning import training
+from workflow.study.model import load
+from workflow.study.uncertainty import FAMILIES, uncertain
+
+STUDY = """\
+title: A punch on BaTiO3
+fixed: {material: BaTiO3, load: 1e4}
+factors:
+  friction: {low: 0.1, high: 0.3, levels: 3}
+  radius: {low: 0.05, high: 0.1, levels: 5, scale: log}
+surrogate: {outputs: [voltage_sensitivity, trailing_tension]}
+validation: {cases: 20, calibration: 100, tolerance: 1e-2}
+design:
+  sensor:
+    maximise: abs(voltage_sensitivity)
+    over: [radius]
+    worst_case: {friction: [0.1, 0.3]}
+    subject_to: [trailing_tension <= 30 MPa, trailing_tension <= 90 MPa with probability 0.9]
+    tolerance: {radius: 1 %}
+"""
+
+
+def test_the_spread_of_a_design_is_that_of_materials_moved_by_hand(tmp_path: Path) -> None:
+    path = tmp_path / "punch.yaml"
+    path.write_text(STUDY, encoding="utf-8")
+    study = load(path)
+    model = training.fit(study, factorial.exact(study, factorial.axes(study)))
+    found = search.solve_target(study, "sensor", model)
+    constants = uncertain(study)
+    assert found["constant"].values.tolist() == [one.name for one in constants]
+    own, squares = find("BaTiO3"), np.zeros(2)
+    for one in constants:
+        values = []
+        for share in (1.001, 0.999):
+            moved = replace(own, **{name: getattr(own, name) * share for name in FAMILIES[one.family]}, name="moved")
+            for term in range(2):
+                case = dict(zip(found["factor"].values.tolist(), found["worst"][term].values.tolist(), strict=True))
+                solved = solve({**case, "load": 1e4, "material": "moved"}, materials={"moved": moved})
+                values.append(float(abs(solved["voltage_sensitivity"]) if term == 0 else solved["trailing_tension"]))
+        slopes = np.log(np.array(values[:2]) / values[2:]) / np.log(1.001 / 0.999) * one.std
+        np.testing.assert_allclose(found["effect"].sel(constant=one.name)[:2], slopes, rtol=1e-4, atol=1e-7)
+        squares += slopes**2
+    np.testing.assert_allclose(found["spread"][:2], np.sqrt(squares), rtol=1e-4)
+    assert np.isnan(found["spread"][2])  # it counts over draws: no one case says what constants make of it
+    goal = f"± {100 * np.sqrt(squares[0]):.2g} %"
+    assert spread.short(found) == f"The spread of the materials' constants moves it by {goal}."
+    told = spread.in_words(found)
+    assert f"moves the goal by {goal} (most by BaTiO3 " in told
+    assert told.count("tension behind the contact by") == 1
+    assert ("it binds" in told) == (abs(float(found["margin"][1])) < 1e-3)
+    assert spread.short(found.drop_vars("spread")) == spread.in_words(found.drop_vars("spread")) == ""
+
+
+def test_what_has_no_uncertain_constant_has_no_spread(tmp_path: Path) -> None:
+    path = tmp_path / "punch.yaml"
+    alloy = STUDY.replace("material: BaTiO3", "composite: AlScN, scandium_fraction: 0.3").replace("30 MPa", "300 MPa")
+    path.write_text(alloy, encoding="utf-8")
+    study = load(path)
+    model = training.fit(study, factorial.exact(study, factorial.axes(study)))
+    found = search.solve_target(study, "sensor", model)
+    assert "spread" not in found
+    assert spread.in_words(found) == ""

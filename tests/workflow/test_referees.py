@@ -1,0 +1,84 @@
+"""Public referees find no fault in the files of a run, half-plane and film; and they do find faults."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import netCDF4
+import pytest
+
+import surrogate
+from storage.netcdf import read_whole, write_whole
+from tests.workflow.conftest import Project
+from workflow.dataset import croissant, datacard, quantities, slabs
+from workflow.learning import training
+from workflow.run.provenance import ROOT
+from workflow.study.model import load
+
+PYTHON = Path(sys.prefix) / "referees/bin/python"
+SMALL = "results/small"
+pytestmark = pytest.mark.skipif(not PYTHON.exists(), reason="no referees here: `make referees` installs them")
+
+FILM = """\
+title: Films in groups
+fixed: {composite: fibrous, volume_fraction: 0.4, friction: 0.2, base: rigid}
+factors:
+  thickness: {low: 2e-4, high: 1e-3, scale: log}
+  radius: {low: 0.03, high: 0.1, scale: log}
+  load: {low: 2e4, high: 5e4, scale: log}
+  charge: {low: -1e-6, high: 2e-6}
+groups:
+  load * radius / thickness^2: {levels: 4}
+  charge / load: {levels: 3}
+dataset: {precision: float32, slabs: 1, positions: {inside: 4, outside: 2}}
+"""
+
+
+@pytest.fixture(scope="module")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What a study of films writes, but its page."""
+    folder = tmp_path_factory.mktemp("films")
+    (folder / "films.yaml").write_text(FILM, encoding="utf-8")
+    study = load(folder / "films.yaml")
+    (folder / "fields").mkdir()
+    slabs.write_slab(study, 0, folder / "fields/slab_0.nc")
+    whole = quantities.gather([read_whole(folder / "fields/slab_0.nc", names=study.quantities)])
+    write_whole(whole, folder / "quantities.nc")
+    surrogate.save(training.fit(study, whole), folder / "surrogate.nc")
+    card = datacard.card(study, "films", [folder / "fields/slab_0.nc"], [])
+    (folder / "croissant.json").write_text(json.dumps(croissant.croissant(card)), encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def broken(film: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One of its files with a unit that is none, and a range of another type than the numbers."""
+    folder = tmp_path_factory.mktemp("broken")
+    with netCDF4.Dataset(shutil.copy(film / "fields/slab_0.nc", folder), "a") as file:
+        file["voltage"].setncattr("units", "volts or so")
+        file["contact_pressure"].setncattr("actual_range", [0.0, 1.0])
+    return folder
+
+
+@pytest.fixture(scope="module")
+def said(ran: Project, film: Path, broken: Path) -> list[str]:
+    """What the referees say of the three folders."""
+    command = [str(PYTHON), str(ROOT / "tests/referees.py"), str(ran.folder / SMALL), str(film), str(broken)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stderr  # of the last
+    return [line for line in done.stdout.splitlines() if "not installed" not in line]
+
+
+def test_no_referee_finds_a_fault(said: list[str], ran: Project, film: Path) -> None:
+    names = ("conventions", "croissant", "crate", "foreign", "served")
+    expected = [f"{ran.folder / SMALL}: {name}: no faults" for name in names]
+    expected += [f"{film}: {name}: no {'ro-crate-metadata.json' if name == 'crate' else 'faults'}" for name in names]
+    assert said[: said.index(expected[-1]) + 1] == expected
+
+
+def test_the_referees_do_find_faults(said: list[str], broken: Path) -> None:
+    found = "\n".join(said[said.index(f"{broken}: conventions: 3 faults") :])
+    assert 'units for voltage, "volts or so" are not recognized by UDUNITS' in found
+    assert "Attribute 'actual_range' (type: <class 'numpy.float64'>) and parent variable 'contact_pressure'" in found

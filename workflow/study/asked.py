@@ -1,0 +1,126 @@
+"""Whether the outputs, targets and read-outs that a study asks for are among what its cases have."""
+
+from collections.abc import Sequence
+
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, OF_A_FILM
+from workflow.language.factors import FACTORS
+from workflow.study.contents import Contents
+from workflow.study.readout import Readout
+from workflow.study.target import Target
+
+_OF_FILMS = {*OF_A_FILM, *EVERY_FILM_QUANTITY}
+_SMOOTH = {"profile": "cylinder", "electric": "conducting", "magnetic": "conducting"}
+
+
+def check_quantities(study: Contents) -> None:
+    """Whether the data set holds what the surrogate and the designs ask for."""
+    for name in study.searched if isinstance(study.dataset.peaks, list) else ():
+        if name in study.absent or name not in ALL_PEAKS:
+            known = ", ".join(name for name in ALL_PEAKS if name not in study.absent)
+            raise ValueError(f"dataset: peaks: these cases have no {name!r}; they have {known}")
+    for name in study.surrogate.outputs:
+        if name in study.absent or ALL_QUANTITIES[name].sparse:
+            raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
+        if name in ALL_PEAKS.keys() - study.searched:
+            raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
+    for name in study.surrogate.log or []:
+        if not study.groups or name not in study.outputs:
+            needs = "is not one of surrogate.outputs" if study.groups else "needs groups"
+            raise ValueError(f"surrogate: log: {name!r} {needs}")
+    if study.surrogate.fields and study.on_film:
+        raise ValueError("surrogate: fields: only those of half-planes are learned")
+    if study.surrogate.fields and any(study.fixed.get(name, usual) != usual for name, usual in _SMOOTH.items()):
+        raise ValueError("surrogate: fields: only those under a cylinder that conducts in both fields are learned")
+    if study.surrogate.fields and study.categories:
+        raise ValueError(f"surrogate: fields: are not learned over categories: {', '.join(study.categories)}")
+    for label, target in study.design.items():
+        check_target(study, f"design: {label}", target)
+    for label, readout in study.readout.items():
+        check_readout(study, f"readout: {label}", readout)
+
+
+def check_readout(study: Contents, where: str, readout: Readout) -> None:
+    """Whether a read-out knows or infers every factor, and measures what is learned."""
+    for name in study.factors:
+        if (name in readout.infer) + (name in readout.at) != 1:
+            raise ValueError(f"{where}: {name!r} must be either in infer or in at")
+    for name in study.categories:
+        if name not in readout.at:
+            raise ValueError(f"{where}: {name!r} is missing; put it in at")
+    for name in readout.infer:
+        check_values(study, where, name, [])
+    for name, value in readout.at.items():
+        check_values(study, where, name, [value])
+    for name in readout.measured:
+        if name not in study.outputs:
+            raise ValueError(f"{where}: {name!r} is not one of surrogate.outputs")
+
+
+def check_target(study: Contents, where: str, target: Target) -> None:
+    """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs."""
+    given = [*target.over, *target.at, *target.worst_case, *target.uncertain]
+    for name in given:
+        if given.count(name) > 1:
+            raise ValueError(f"{where}: {name!r} is given twice; over, at, worst_case and uncertain exclude each other")
+        check_values(study, where, name, target.values(name))
+    for name in (*study.factors, *study.categories):
+        if name not in given:
+            places = "over, at, worst_case or uncertain" if name in study.factors else "over or at"
+            raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
+    for name in target.names():
+        if name in FACTORS and name not in study.factors and not isinstance(study.held(name), float | int):
+            raise ValueError(f"{where}: {name!r} {lack(study, name) or 'has no value in this study'}")
+        if name in ALL_QUANTITIES and name not in study.outputs:
+            searched = name in ALL_PEAKS.keys() - study.absent - study.searched
+            needs = "needs dataset: peaks: true" if searched else lack(study, name)
+            raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
+    for name in target.tolerance:
+        check_tolerance(study, f"{where}: tolerance: {name}", name, target)
+    for name in target.constants():
+        for own in study.chosen(target):
+            try:
+                own.constant(name)
+            except ValueError as error:
+                raise ValueError(f"{where}: {error}") from None
+
+
+def check_tolerance(study: Contents, where: str, name: str, target: Target) -> None:
+    """Whether a tolerance leaves values of its variable whose whole tolerance is within the study's range."""
+    if name not in study.factors:
+        raise ValueError(f"{where}: a category has none")
+    axis, given = study.factors[name], target.tolerance[name]
+    if target.tolerances[name][1] and axis.low <= 0:
+        raise ValueError(f"{where}: {given} of what may be 0 is none; must have a unit [{FACTORS[name].units}]")
+    low, high = target.room(name, axis.low, axis.high)
+    if name in target.continuous:
+        low, high = target.range(name, low, high)
+    if not low < high:
+        raise ValueError(f"{where}: {given} is larger than the range {axis.low:g} to {axis.high:g} leaves room for")
+    for value in target.variables[name].choices:
+        if isinstance(value, str) or not low <= value <= high:
+            raise ValueError(f"{where}: {given} of {value} is not within {axis.low:g} to {axis.high:g}")
+
+
+def lack(study: Contents, name: str) -> str:
+    """Why no case has a quantity or factor, where the body is why."""
+    return "is a film's: a half-plane has none" if name in _OF_FILMS and not study.on_film else ""
+
+
+def check_values(study: Contents, where: str, name: str, values: Sequence[float | str]) -> None:
+    """Whether the study has a factor or category, and values are among what it has of it."""
+    if name in study.categories:
+        for value in values:
+            if value not in study.categories[name]:
+                raise ValueError(f"{where}: {name}: {value!r} is not one of {', '.join(study.categories[name])}")
+        return
+    if name not in study.factors:
+        known = ", ".join((*study.factors, *study.categories))
+        raise ValueError(f"{where}: {name!r} is not one of the study's factors: {known}")
+    axis = study.factors[name]
+    for value in values:
+        if isinstance(value, str):
+            raise ValueError(f"{where}: {name}: {value!r} is not a number")
+        if not axis.low <= value <= axis.high:
+            end = "low" if value < axis.low else "high"
+            told = f"{name} = {value:g} is not within {axis.low:g} to {axis.high:g}"
+            raise ValueError(f"{where}: {told}; factors: {name}: {end} says so")

@@ -1,0 +1,325 @@
+"""What a study holds and what follows from it: its cases, quantities, outputs, materials and hashes."""
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from math import prod
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+import xarray as xr
+from pydantic import Field, PrivateAttr
+
+from solver import Material
+from solver.curves import FOLLOWS
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, TABLED
+from workflow.language.constants import BORNE, DEVICE
+from workflow.language.factors import FACTORS
+from workflow.study import grouped, layered
+from workflow.study.borne import MADE_OF, Borne, borne
+from workflow.study.categories import Kinds, combinations, output
+from workflow.study.device import Device
+from workflow.study.readout import Readout
+from workflow.study.sections import Axis, DataSet, Effects, Group, Surrogate, Validation, Verification
+from workflow.study.target import Target
+from workflow.study.types import CategoryName, FactorName, InputName, Number, Strict
+
+#: Sections that decide what a case is and what the solver answers.
+PHYSICS = ("phases", "materials", "fixed", "factors", "categories", "body", "groups")
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a study has beside the content of its file: where that is, and the study's own materials by name.
+
+    Of one that was checked before, also the names of the quantities that some cases lack: of films it costs seconds to
+    ask the solver. And those that hang on a datum that is in none of its groups.
+    """
+
+    path: Path
+    materials: dict[str, Material]
+    absent: frozenset[str] | None = None
+    hanging: frozenset[str] = frozenset()
+
+
+class Contents(Strict):
+    """Everything that a run can be asked for, and what follows from it; unchecked but for each part alone."""
+
+    title: str = Field(min_length=1, max_length=200, description="headline of the report")
+    description: str = Field("", description="what the study is for")
+    materials: list[str] = Field(default_factory=list, description="files of own materials, relative to the study")
+    phases: Annotated[list[str], Field(min_length=2, max_length=2)] = Field(
+        default_factory=lambda: ["BaTiO3", "CoFe2O4"], description="phase one (fibres) and phase two (matrix)"
+    )
+    fixed: dict[InputName, Number | str] = Field(default_factory=dict, description="factors with one value")
+    factors: dict[FactorName, Axis] = Field(default_factory=dict, description="the axes of the factorial")
+    categories: dict[CategoryName, Annotated[list[str], Field(min_length=2, max_length=8)]] = Field(
+        default_factory=dict, description="factors that take one of a few names; every case is solved for each"
+    )
+    groups: dict[str, Group] = Field(
+        default_factory=dict,
+        description="axes of the data set, each a product of powers of factors, as load * radius / thickness^2",
+    )
+    body: list[layered.BodyLayer] = Field(
+        default_factory=list, description="layers from the top down, in place of one material and a film's factors"
+    )
+    dataset: DataSet = Field(default_factory=DataSet, description="what is stored of the factorial")
+    surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
+    validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
+    device: Device | None = Field(None, description="what the punch is connected to, for figures of a device")
+    design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
+    readout: dict[str, Readout] = Field(default_factory=dict, description="what measurements tell, by name")
+    effects: Effects | None = Field(None, description="one factor at a time, as figures")
+    verification: Verification | None = Field(None, description="checks of the solver against independent methods")
+
+    _origin: Origin = PrivateAttr()
+    _absent: frozenset[str] = PrivateAttr()
+    _hanging: frozenset[str] = PrivateAttr(default=frozenset())
+
+    @property
+    def path(self) -> Path:
+        """The file that the study was read from."""
+        return self._origin.path
+
+    @property
+    def own_materials(self) -> dict[str, Material]:
+        """The study's own materials by name."""
+        return self._origin.materials
+
+    @property
+    def absent(self) -> frozenset[str]:
+        """Names of the quantities that some cases lack."""
+        return self._absent
+
+    @property
+    def on_film(self) -> bool:
+        """Whether the cases are films on a base."""
+        return bool(self.body) or "thickness" in self.factors or "thickness" in self.fixed
+
+    @property
+    def tabled(self) -> list[str]:
+        """The axes for whose every value the solver makes tables of films."""
+        names = (*TABLED, *layered.tabled(self.body))
+        return [name for name in self.factors if self.on_film and name in names]
+
+    @property
+    def axes(self) -> dict[str, Axis]:
+        """The axes of the factorial in the order of its data set: the factors, or the groups that take their place.
+
+        Of films those come first for which the solver makes tables, so that a block of cases needs few of these.
+        """
+        own = grouped.axes(self.groups, self.factors, self.numbers) if self.groups else self.factors
+        return {name: own[name] for name in dict.fromkeys([*self.tabled, *own]) if name in own}
+
+    @property
+    def products(self) -> dict[str, grouped.Product]:
+        """What every axis of a study with groups is made of."""
+        own = {one.name: one for one in map(grouped.product, self.groups)}
+        return {name: own[name] for name in self.axes} if own else {}
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Numeric factors that are fixed, and those with a default."""
+        usual = {name: one.default for name, one in FACTORS.items() if one.default is not None}
+        return usual | {name: value for name, value in self.fixed.items() if not isinstance(value, str)}
+
+    @property
+    def crossed(self) -> list[str]:
+        """The axes in which a cross approximation asks for places; none where the whole factorial is solved.
+
+        Those of the most levels come first, where ranks are small.
+        """
+        if self.surrogate.method == "factorial":
+            return []
+        return sorted(self.tabled, key=lambda name: -(self.factors[name].levels or 0))
+
+    @property
+    def costly(self) -> frozenset[str]:
+        """Quantities of which a case costs milliseconds: searched for, or read from tables of the case's own."""
+        return frozenset(ALL_QUANTITIES if self.tabled else ALL_PEAKS)
+
+    @property
+    def searched(self) -> frozenset[str]:
+        """Largest stresses that the data set holds: none, all, or those that are named."""
+        asked = self.dataset.peaks
+        return frozenset(asked if isinstance(asked, list) else ALL_PEAKS if asked else ())
+
+    @property
+    def cases(self) -> int:
+        """Number of cases of the factorial; 0 while some of its levels are open."""
+        levels = prod(axis.levels or 0 for axis in self.axes.values()) if self.factors else 0
+        return levels * len(self.combinations)
+
+    @property
+    def block(self) -> int:
+        """Number of cases at a place of the crossed axes."""
+        return self.cases // prod(self.factors[name].levels or 1 for name in self.crossed)
+
+    @property
+    def combinations(self) -> list[Kinds]:
+        """Every combination of the categories' names."""
+        return combinations(self.categories)
+
+    @property
+    def open(self) -> bool:
+        """Whether the pipeline is to choose some levels."""
+        return any(axis.levels is None for axis in self.axes.values())
+
+    @property
+    def final_files(self) -> list[str]:
+        """Files under ``results/<study>/`` that a run makes last."""
+        return ["report.html", "verdict.txt"] if self.verification else ["report.html"]
+
+    @property
+    def quantities(self) -> list[str]:
+        """Quantities of the data set: those that its cases have, the peaks where they are asked for."""
+        without = self.absent | (ALL_PEAKS.keys() - self.searched)
+        return [name for name, one in ALL_QUANTITIES.items() if name not in without and not one.sparse]
+
+    @property
+    def outputs(self) -> list[str]:
+        """Quantities that the surrogate learns: those that the study names.
+
+        Else all but what designs take from others, and what a film's groups do not tell: see `added`.
+        """
+        left = (self._hanging - self.added) | {name for name in self.quantities if ALL_QUANTITIES[name].formula}
+        return self.surrogate.outputs or [name for name in self.quantities if name not in left]
+
+    @property
+    def added(self) -> frozenset[str]:
+        """Quantities whose logarithm of the datum is added exactly: of a film's groups, the depth on its base."""
+        return frozenset({"depth"} if self.on_film else set()) & self._hanging
+
+    @property
+    def regions(self) -> list[str]:
+        """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
+
+        None where it stands on a cross approximation, which knows no largest stresses.
+        """
+        if self.crossed or not self.surrogate.curves:
+            return []
+        followed = [FOLLOWS[name].region for name in self.outputs if name in FOLLOWS]
+        return list(dict.fromkeys(followed))
+
+    @property
+    def learned(self) -> list[str]:
+        """What the surrogate calls them: those of every combination of categories."""
+        return [output(name, kinds) for kinds in self.combinations for name in self.outputs]
+
+    @property
+    def of_interest(self) -> list[str]:
+        """What the designs ask for of it, or else all."""
+        asked = [name for target in self.design.values() for name in target.names() if name in self.outputs]
+        return [output(name, kinds) for name in dict.fromkeys(asked) for kinds in self.combinations] or self.learned
+
+    def solved(
+        self, entrance: Callable[..., xr.Dataset], factors: Mapping[str, Any], *axes: Any, **options: Any
+    ) -> xr.Dataset:
+        """Exact cases by an entrance of the solver: factors of this study's body, materials and phases.
+
+        Parameters
+        ----------
+        entrance
+            `solver.solve` or `solver.solve_interior`; ``axes`` and ``options`` are its own.
+        factors
+            All factors of the cases; of a body those that its layers name, and its base.
+        """
+        options |= {"materials": self.own_materials, "phases": self.phases}
+        if not self.body:
+            return entrance(factors, *axes, **options)
+        return layered.solved(self.body, entrance, factors, *axes, **options)
+
+    def held(self, name: str) -> float | str | None:
+        """What a factor is fixed at, or a number of the top layer, or its default."""
+        top = self.body[0].numbers.get(name) if self.body else None
+        return self.fixed.get(name, FACTORS[name].default if top is None else top)
+
+    def bears(self, name: str) -> Borne:
+        """What the top material or the base bears, of a study whose body has no open category.
+
+        Raises
+        ------
+        ValueError
+            Nothing is known of it.
+        """
+        given: dict[str, Any] = dict(self.fixed)
+        if self.body:
+            given |= {key: value for key, value in self.body[0] if key in MADE_OF and isinstance(value, str | float)}
+        return borne(name, given, self.own_materials, self.phases)
+
+    def constant(self, name: str) -> float:
+        """One of ``CONSTANTS``, of a study whose body has no open category.
+
+        Raises
+        ------
+        ValueError
+            Nothing is known of it.
+        """
+        if name in BORNE:
+            return self.bears(name).value
+        found = self.device.constants if self.device else {}
+        if name not in found:
+            part = "device" if name in Device.model_fields else "device: amplifier"
+            raise ValueError(f"{part}: {name}: missing; must be a number with a unit [{DEVICE[name].units}]")
+        return found[name]
+
+    def narrowed(self, kinds: Mapping[str, str]) -> Self:
+        """The study with some of its categories held at a name."""
+        rest = {name: names for name, names in self.categories.items() if name not in kinds}
+        return self.model_copy(update={"fixed": {**self.fixed, **kinds}, "categories": rest})
+
+    def with_materials(self, materials: Mapping[str, Material]) -> Self:
+        """The study with other constants under the names of some materials; its quantities stay those that it has."""
+        copy = self.model_copy()
+        copy._origin = replace(self._origin, materials={**self.own_materials, **materials})
+        return copy
+
+    def model_post_init(self, origin: Any, /) -> None:
+        """Take what stands beside the file, before anything is checked: the context of the validation."""
+        self._origin = origin or Origin(Path(), {})
+
+    def chosen(self, target: Target) -> list[Self]:
+        """The study for every combination of categories among which a target may choose."""
+        allowed = {
+            name: (variable.choices or names) if (variable := target.variables.get(name)) else [target.at[name]]
+            for name, names in self.categories.items()
+        }
+        return [
+            self.narrowed(kinds)
+            for kinds in self.combinations
+            if all(kind in allowed[name] for name, kind in kinds.items())
+        ]
+
+    def digest(self, *sections: str) -> str:
+        """Hash of some sections, and of own materials where the physics is among them."""
+        content = self.model_dump(mode="json", include=set(sections))
+        for name in ("body", "groups"):  # which studies had before there were any
+            if not content.get(name):
+                content.pop(name, None)
+        if self.surrogate.method == "factorial" and "surrogate" in content:  # the same
+            content["surrogate"].pop("method")
+        text = json.dumps(content, sort_keys=True)
+        if "phases" in sections:
+            text += json.dumps(self._plain_materials(), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    @property
+    def physics(self) -> str:
+        """Hash of what decides what a case is and what the solver answers, by which a surrogate knows its study."""
+        return self.digest(*PHYSICS)
+
+    def frozen(self) -> dict[str, Any]:
+        """The study, its text and its own materials as plain data, from which `thawed` makes the same again."""
+        return {
+            "path": str(self.path),
+            "text": self.path.read_text(encoding="utf-8") if self.path.is_file() else "",
+            "study": self.model_dump(mode="json"),
+            "materials": self._plain_materials(),
+            "absent": sorted(self.absent),
+            "hanging": sorted(self._hanging),
+        }
+
+    def _plain_materials(self) -> dict[str, dict[str, Any]]:
+        """Every constant exactly: JSON gives a float the digits that tell it from its neighbours."""
+        return {name: material.plain() for name, material in self.own_materials.items()}

@@ -1,0 +1,129 @@
+"""Whether the solver can answer a study at all, and which quantities its cases lack or tell only with the datum."""
+
+from typing import Any
+
+import xarray as xr
+
+from solver import solve
+from solver.names import ALL_QUANTITIES, FILM_PEAKS, PEAKS
+from solver.similarity import Weight, weight_of
+from workflow.study import datum, grouped
+from workflow.study.contents import Contents
+from workflow.study.sections import MOST_CASES, MOST_CORNERS, MOST_LEARNED, MOST_VALUES
+
+
+def check_groups(study: Contents) -> None:
+    """Whether the groups are axes, and cases with the same groups are similar."""
+    if not study.groups:
+        return
+    for name, axis in study.factors.items():
+        if axis.levels is not None:
+            raise ValueError(f"factors: {name}: levels: of a study with groups they stand in groups")
+    products = list(study.products.values())
+    grouped.leads(products, study.factors)
+    change = grouped.unlike(products, list(study.factors), standing(study))
+    if change:
+        raise ValueError(grouped.refusal(change))
+
+
+def standing(study: Contents) -> dict[str, Weight]:
+    """Weights of what does not vary and is not 0: similar cases must leave it alone; without the datum."""
+    fixed = {name: value for name, value in study.fixed.items() if not isinstance(value, str) and value}
+    layers = {
+        f"{kind} {number}": weight_of(kind)
+        for number, layer in enumerate(study.body)
+        for kind, one in layer.numbers.items()
+        if not isinstance(one, str)
+    }
+    own = {name: weight_of(name) for name in fixed if name != "datum"} | layers
+    return {name: weight for name, weight in own.items() if weight != Weight()}
+
+
+def hanging_on_datum(study: Contents) -> frozenset[str]:
+    """Quantities that hang on a datum that is in none of the groups; ValueError where they are asked for.
+
+    But of a film the depth, whose logarithm of the datum has one coefficient a base.
+    """
+    if not study.groups or "datum" in study.factors:
+        return frozenset()
+    fixed = standing(study) | {"datum": weight_of("datum")}
+    if grouped.unlike(list(study.products.values()), list(study.factors), fixed) is None:
+        return frozenset()
+    hanging = datum.hanging(study)
+    untold = hanging - ({"depth"} if study.on_film else set())
+    asked = [name for name in study.surrogate.outputs or ([] if study.on_film else study.quantities) if name in untold]
+    if asked:
+        raise ValueError(
+            f"groups: {', '.join(asked)} hang on the datum, which is in no group: give one with it, as "
+            "load * radius / datum^2, or leave them out of surrogate.outputs"
+        )
+    return hanging
+
+
+def lacked(study: Contents) -> frozenset[str]:
+    """Names of the quantities that some cases lack, once the solver has answered at the corners of the box.
+
+    Every combination of what needs tables costs a tenth of a second or more: these factors are all at their low
+    ends, or all at their high ones.
+    """
+    if not study.factors:
+        return frozenset()
+    ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in study.factors.items()}
+    ends |= {name: xr.DataArray(ends[name], dims="end") for name in study.tabled}
+    found = study.solved(solve, {**study.fixed, **study.categories, **ends})
+    peaks = set(FILM_PEAKS if study.on_film else PEAKS)
+    if "rigid" in study.categories.get("base", [study.fixed.get("base")]):
+        peaks -= {name for name in peaks if name.startswith("base_")}
+    if len(study.body) > 1:
+        peaks -= {name for name in peaks if name.startswith("film_")}
+    return frozenset(set(ALL_QUANTITIES) - set(found.data_vars) - peaks)
+
+
+def solve_effects(study: Contents) -> None:
+    """Whether the solver answers every effect."""
+    if study.effects is not None:
+        for factor in study.effects.vary:
+            solve(study.effects.case(factor), materials=study.own_materials, phases=study.phases)
+
+
+def check_size(study: Contents) -> None:
+    """Whether what the study asks for can be computed and stored at all."""
+    if study.surrogate.method == "cross":
+        check_crossed(study)
+    elif study.cases > MOST_CASES:
+        raise ValueError(f"factors: {study.cases} cases are more than {MOST_CASES}")
+    corners = 2 ** len(study.factors) * len(study.combinations)
+    if corners > MOST_CORNERS:
+        raise ValueError(f"factors: a box of {corners} corners, over all categories, has more than {MOST_CORNERS}")
+    if not study.factors:
+        return
+    cases, positions = study.cases or study.dataset.budget, study.dataset.positions.count
+    if study.crossed:
+        cases, positions = study.dataset.budget, 1  # without surface fields
+    if cases * positions > MOST_VALUES:
+        raise ValueError(
+            f"dataset: {cases} cases x {positions} positions are more than {MOST_VALUES} values of each field"
+        )
+    if cases * study.surrogate.fields > MOST_LEARNED:
+        raise ValueError(
+            f"surrogate: fields: {cases} cases x {study.surrogate.fields} angles are more than {MOST_LEARNED}"
+        )
+
+
+def check_crossed(study: Contents) -> None:
+    """Whether a cross approximation has places to ask for, and a block of cases at each."""
+    if not study.tabled:
+        raise ValueError("surrogate: method: cross is for films with factors that need tables of their own")
+    for name, axis in study.factors.items():
+        if axis.levels is None:
+            raise ValueError(f"factors: {name}: levels are missing; surrogate: method: cross needs them")
+    if study.surrogate.fields or study.surrogate.kernel != "chebyshev":
+        raise ValueError("surrogate: method: cross learns no fields, and its kernel is chebyshev")
+    if study.groups:
+        raise ValueError("groups: surrogate: method: cross stands on the factors themselves, not on groups")
+    if study.dataset.peaks:
+        raise ValueError("dataset: peaks: surrogate: method: cross learns no largest stresses; must be false")
+    if study.block > study.dataset.budget:
+        raise ValueError(
+            f"factors: {study.block} cases at a place are more than dataset: budget: {study.dataset.budget}"
+        )
