@@ -1,12 +1,13 @@
 """Draw the pictures of the documentation and write the list of modules: ``python -m docs``, as `make docs` does."""
 
-from docs import picture, rooms
+from docs import badges, picture, rooms
 from workflow.report import problem
 
 
 def write() -> None:
     """Write whatever in this folder is made from the code."""
     made = {
+        "badges.svg": badges.draw(),
         "pipeline.svg": picture.draw(picture.arrows(picture.rulegraph())),
         "rooms.svg": rooms.draw(rooms.imports()),
         "problem.svg": problem.draw(),

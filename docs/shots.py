@@ -12,10 +12,10 @@ from PIL import Image, ImageChops
 FOLDER = Path(__file__).parent
 REPORT = FOLDER.parent / "results/quickstart/report.html"
 #: What is shown, by the name of its picture: an element of the page, and how much of its height [px].
-SHOWN = {"answers": ("#answers", 900), "whatif": ("#whatif", 760), "matters": ("#figure-sensitivity", 900)}
-_WIDTH = 1200
+SHOWN = {"answers": ("#answers", 900), "whatif": ("#whatif", 1560), "matters": ("#figure-sensitivity", 900)}
+_WIDTH, _EDGE = 1200, 8
 _ALONE = """<style>
-  body {{ padding: 12px !important }}
+  body {{ padding: 24px 12px !important }}
   body *:not(:has({0})):not({0}):not({0} *) {{ display: none !important }}
 </style>"""
 
@@ -33,7 +33,10 @@ def shoot() -> None:
             subprocess.run(["chromium", *options, alone.as_uri()], check=True, capture_output=True)
             whole = Image.open(picture).convert("RGB")
             box = ImageChops.difference(whole, Image.new("RGB", whole.size, whole.getpixel((0, 0)))).getbbox()
-            whole.crop(box).quantize(64).save(FOLDER / f"report-{name}.png", optimize=True)
+            assert box is not None, element
+            left, top, right, bottom = box
+            room = (max(left - _EDGE, 0), max(top - _EDGE, 0), min(right + _EDGE, _WIDTH), min(bottom + _EDGE, height))
+            whole.crop(room).quantize(256).save(FOLDER / f"report-{name}.png", optimize=True)
 
 
 if __name__ == "__main__":

@@ -45,14 +45,17 @@ _CHANGING: dict[Weight, tuple[str, ...]] = {
     ),
 }  # fmt: skip
 
-#: Quantities and fields (at the same place relative to the contact) by name; exponents, sensitivities, strokes, blocked
-#: loads, capacitances and dimensionless positions stay what they are.
+#: Quantities, fields (at the same place relative to the contact) and sizes of curves by name; exponents, sensitivities,
+#: strokes, blocked loads, capacitances and dimensionless positions stay what they are.
 QUANTITY_WEIGHTS: dict[str, Weight] = {
     **dict.fromkeys(ALL_QUANTITIES, Weight()),
     **{name: weight for weight, names in _CHANGING.items() for name in names},
     **dict.fromkeys((*FIELDS, *REGULAR, *EVERY_INTERIOR), _STRESS),
     "electric_potential": _FORCE,
     "magnetic_potential": _FORCE,
+    "half_length": _LENGTH,
+    "mean_pressure": _STRESS,
+    "load_over_thickness": _STRESS,
 }
 
 

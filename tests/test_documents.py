@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from docs import badges
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
 
@@ -48,6 +49,31 @@ def test_every_make_target_of_the_readme_exists() -> None:
     named = set(re.findall(r"^make (\w+)", README, re.MULTILINE))
     assert named >= {"run", "test"}
     assert all(re.search(rf"^{target}:", makefile, re.MULTILINE) for target in named)
+
+
+def test_the_container_is_made_as_make_run_makes_its_environment() -> None:
+    steps = (ROOT / "Dockerfile").read_text(encoding="utf-8")
+    made = re.findall(r"^RUN make (.*)$", steps, re.MULTILINE)
+    plan = subprocess.run(["make", "-n", "-B", *made], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert "pip install -q --require-hashes -r requirements/run.txt" in plan
+    run = subprocess.run(["make", "-n", "-B", "run"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert run.startswith(plan)  # and then it runs
+    version = re.search(r"^FROM python:(\d\.\d+)-slim$", steps, re.MULTILINE)
+    asked = re.search(
+        r'^requires-python = ">=(.*)"$', (ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.MULTILINE
+    )
+    assert version
+    assert asked
+    assert version[1] == asked[1]
+    # what the steps need is not left behind
+    left = {line.rstrip("/") for line in (ROOT / ".dockerignore").read_text(encoding="utf-8").split()}
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
+    assert not {name.partition("/")[0] for name in listed} & left
+
+
+def test_the_badges_are_drawn_from_the_files_that_they_speak_of() -> None:
+    assert (ROOT / "docs/badges.svg").read_text(encoding="utf-8") == badges.draw()
+    assert {"version", "python", "licence", "types"} <= badges.facts().keys()
 
 
 def test_no_file_names_a_registry_or_a_path_of_a_machine() -> None:

@@ -1,6 +1,6 @@
 """Cases of films: from their factors to contacts, all of one kind from the same tables, and outputs by name."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,7 +19,7 @@ from solver.film.windows import Kind, critical
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.material.constants import MaterialError
-from solver.names import FIELDS, INTERIOR, NEED_C12, SINGULAR
+from solver.names import FIELDS, FILM_PEAKS, INTERIOR, NEED_C12, SINGULAR
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,11 +52,11 @@ class OnFilm:
         """Those of ``solver.names.QUANTITIES`` and ``FILM_QUANTITIES`` that every case has; (...)."""
         return self._put_together(quantities)
 
-    def peaks(self) -> dict[str, Array]:
-        """Those of ``solver.names.FILM_PEAKS`` that every case has; (...)."""
-        if (lacks := self._bodies.lacks_c12) is not None:
+    def peaks(self, asked: Set[str]) -> dict[str, Array]:
+        """Those of ``solver.names.FILM_PEAKS`` that are asked for and every case has; (...)."""
+        if (lacks := self._bodies.lacks_c12) is not None and asked & FILM_PEAKS.keys():
             raise MaterialError(f"{lacks}: c12: missing; film_peak_von_mises needs it [Pa]")
-        return self._put_together(peaks)
+        return self._put_together(lambda films: peaks(films, asked))
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """Sizes and curves of regions, see ``solver.curves``, that every case has; (...) and (..., point)."""

@@ -1,6 +1,6 @@
 """Cases on a half-plane: from their factors to its contact, and its outputs by name."""
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from functools import cached_property
 
 import numpy as np
@@ -59,12 +59,16 @@ class OnHalfPlane:
         """Those of ``solver.names.QUANTITIES`` that every case has; (...)."""
         return quantities(self.contact, self._datum)
 
-    def peaks(self) -> dict[str, Array]:
-        """Those of ``solver.names.PEAKS``; (...)."""
-        self._require_c12(list(PEAKS))
-        largest = peak_von_mises(self.contact)
-        tension = peak_principal_tension(self.contact)
-        return dict(zip(PEAKS, (largest.value, largest.depth, tension.value), strict=True))
+    def peaks(self, asked: Set[str]) -> dict[str, Array]:
+        """Those of ``solver.names.PEAKS`` that are asked for; (...)."""
+        self._require_c12([name for name in PEAKS if name in asked])
+        found: dict[str, Array] = {}
+        if {"peak_von_mises", "peak_von_mises_depth"} & asked:
+            largest = peak_von_mises(self.contact)
+            found |= {"peak_von_mises": largest.value, "peak_von_mises_depth": largest.depth}
+        if "peak_principal_tension" in asked:
+            found["peak_principal_tension"] = peak_principal_tension(self.contact).value
+        return {name: value for name, value in found.items() if name in asked}
 
     @np.errstate(all="ignore")
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:

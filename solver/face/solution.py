@@ -1,6 +1,6 @@
 """The labelled face of the solver: named factors in, an ``xarray.Dataset`` with units out."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from types import MappingProxyType
 from typing import Any
@@ -14,7 +14,7 @@ from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.refusal import FactorError
 from solver.material.constants import Material
-from solver.names import ALL_QUANTITIES, FIELDS, REGULAR
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, FIELDS, REGULAR
 
 _ALONG = {"units": "1", "long_name": "surface position X = (x - c)/h"}
 
@@ -26,7 +26,7 @@ def solve(
     materials: Mapping[str, Material] = MappingProxyType({}),
     phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
     regular: bool = False,
-    peaks: bool = False,
+    peaks: bool | Collection[str] = False,
 ) -> xr.Dataset:
     """Exact solution of every case: all quantities, and the surface fields where positions are given.
 
@@ -50,8 +50,9 @@ def solve(
     regular
         Also give ``<field>_regular``, the square-root singular fields times sqrt|1 - X^2|.
     peaks
-        Also give the quantities of ``solver.names.PEAKS``, or ``FILM_PEAKS`` of films, which are searched for over the
-        body: some milliseconds a case where the others take some microseconds. They need c12.
+        Also give the quantities of ``solver.names.PEAKS``, or ``FILM_PEAKS`` of films, or those of them that are named:
+        they are searched for over the body, some milliseconds a case where the others take some microseconds, and need
+        c12.
 
     Returns
     -------
@@ -65,10 +66,10 @@ def solve(
     Raises
     ------
     FactorError
-        Unknown, missing, non-finite or out-of-range factor or position; a charge on an insulating punch; a speed that
-        is not below the limiting one or a film's critical one; a film without base, or a base without film; a contact
-        that would need tension, one beyond the resolved range of a film, or several for one load. Names field, value
-        and what is allowed.
+        Unknown, missing, non-finite or out-of-range factor or position; an unknown name in ``peaks``; a charge on an
+        insulating punch; a speed that is not below the limiting one or a film's critical one; a film without base, or a
+        base without film; a contact that would need tension, one beyond the resolved range of a film, or several for
+        one load. Names field, value and what is allowed.
     MaterialError
         Unknown or inadmissible material.
 
@@ -85,10 +86,11 @@ def solve(
     """
     cases = Cases(checked(factors), materials, phases)
     X = None if positions is None else _positions(positions)
+    searched = _searched(peaks)
 
     def part(cases: Cases) -> xr.Dataset:
         body, coordinates = body_of(cases), cases.coordinates
-        values = body.quantities() | (body.peaks() if peaks else {})
+        values = body.quantities() | (body.peaks(searched) if searched else {})
         found = cases.labelled(values, ALL_QUANTITIES, "factors (contact as wide as the datum, or overflow)")
         if X is not None:
             coordinates |= (axis := {"position": xr.Variable("position", X, _ALONG)})
@@ -99,6 +101,16 @@ def solve(
     out = cases.solved("exact solution of a punch sliding on a magneto-electro-elastic half-plane", part)
     first = [name for name in ALL_QUANTITIES if name in out]
     return out[[*first, *(name for name in out.data_vars if name not in first)]]
+
+
+def _searched(peaks: bool | Collection[str]) -> frozenset[str]:
+    """Names of the quantities that are searched for."""
+    if isinstance(peaks, bool):
+        return frozenset(ALL_PEAKS if peaks else ())
+    for name in peaks:
+        if name not in ALL_PEAKS:
+            raise FactorError(f"peaks: {name!r} is unknown; known are {', '.join(ALL_PEAKS)}")
+    return frozenset(peaks)
 
 
 def _positions(positions: Iterable[float]) -> Array:

@@ -1,6 +1,6 @@
 """Every quantity of films by its name: those of a half-plane that a contact has, and those that only a film has."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence, Set
 
 import numpy as np
 
@@ -23,6 +23,7 @@ _RESPONSES = (
     ("magnetic_potential", "magnetic_sensitivity", "flux_sensitivity", "stroke_per_ampere", "blocked_load_per_ampere"),
 )
 _STORES = ("capacitance", "permeance")
+_INTERFACE = ("interface_shear", "interface_shear_position", "interface_tension", "interface_tension_position")
 
 
 def quantities(films: Films) -> dict[str, Array]:
@@ -93,8 +94,8 @@ def _short_circuit(uncharged: Films, field: int) -> Array:
     return np.asarray(state.charges[:, field] / state.load)
 
 
-def peaks(films: Films) -> dict[str, Array]:
-    """Quantities of ``solver.names.FILM_PEAKS`` that the cases have; (case,) each.
+def peaks(films: Films, asked: Set[str]) -> dict[str, Array]:
+    """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have; (case,) each.
 
     A film of several layers has those of its lowest interface and of its base.
 
@@ -105,19 +106,21 @@ def peaks(films: Films) -> dict[str, Array]:
     StackError
         A graded film, whose stresses are not tabulated.
     """
-    kind = films.kind
-    names = ["interface_shear", "interface_shear_position", "interface_tension", "interface_tension_position"]
-    names += [f"{body}_peak_{of}" for body in _bodies(kind) for of in ("von_mises", "principal_tension")]
+    bodies = [body for body in _bodies(films.kind) if any(name.startswith(f"{body}_") for name in asked)]
+    names = [*_INTERFACE] if asked & set(_INTERFACE) else []
+    names += [f"{body}_peak_{of}" for body in bodies for of in ("von_mises", "principal_tension")]
     out = {name: np.empty(films.load.size) for name in names}
-    for places, of, own in _peak_tables(films):
-        interface = of.interface(own)
-        found = [interface.shear, interface.shear_position, interface.tension, interface.tension_position]
-        for body in _bodies(kind):
+    for places, of, own in _peak_tables(films) if names else ():
+        found: list[Array] = []
+        if _INTERFACE[0] in out:
+            interface = of.interface(own)
+            found += [interface.shear, interface.shear_position, interface.tension, interface.tension_position]
+        for body in bodies:
             largest = of.film(own) if body == "film" else of.base(own)
             found += [largest.von_mises, largest.principal_tension]
         for name, value in zip(names, found, strict=True):
             out[name][places] = value
-    return out
+    return {name: values for name, values in out.items() if name in asked}
 
 
 def curves(films: Films, regions: Sequence[str]) -> dict[str, Array]:

@@ -8,7 +8,7 @@ polynomials (module `panels`). Its derivatives follow from those of the coeffici
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 import numpy as np
@@ -24,10 +24,11 @@ from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.data.meanings import MEANINGS
 from surrogate.gp.engines import engine
+from surrogate.gp.grouping import Grouping, Scaling
 from surrogate.gp.model import GaussianProcess
 
 # Curves whose largest values are looked for at a time: their fields stay in cache.
-_BLOCK = 64
+_BLOCK = 128
 _PROBES = 64
 
 
@@ -164,10 +165,21 @@ class CurveGP(GaussianProcess):
             np.array([rows[name] for k in range(len(basis.vectors)) if (name := f"score {number} {k}") in rows])
             for number, basis in enumerate(self.bases_)
         ]
+        self.grouping = self._grouped(smooth.grouping)
         self._landscapes = [
             Landscape(basis, curves.panels) for basis, curves in zip(self.bases_, self.curves, strict=True)
         ]
         self._witness = smooth.only([self._witnessed(name) for name in self.outputs])
+
+    def _grouped(self, smooth: Grouping | None) -> Grouping | None:
+        """The groups of the smooth process; what follows from curves scales as the size of these does."""
+        if smooth is None:
+            return None
+        known = {name: smooth.scalings[name] for name in self.outputs if name not in self.largest}
+        for name in self.largest:
+            size = smooth.scalings.get(self._learnt(self._size_of(name)), Scaling())
+            known[name] = replace(size, logarithm=0)
+        return replace(smooth, scalings={name: known[name] for name in self.outputs})
 
     def _sizes(self) -> list[str]:
         return sorted({size for curves in self.curves for size in curves.sizes if size})
@@ -327,7 +339,10 @@ class CurveGP(GaussianProcess):
         return plain
 
     def _corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
-        """Correct what is smooth, the curves too where the cases have them."""
+        """Correct what is smooth, the curves too where the cases have them; a process over groups stays as it is.
+
+        Held-out cases hardly reach the ends of the groups' ranges, where what they tell of its error would be a guess.
+        """
         plain = self.smooth_.uncalibrated()
         smooth = np.concatenate([plain._mean_variance(t[:, some], None)[0] for some in _blocks(t)], axis=1)
         known, left = np.zeros_like(smooth), errors.copy()

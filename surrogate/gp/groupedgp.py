@@ -10,7 +10,7 @@ import xarray as xr
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.gp.gridgp import GridGP, Kernel
-from surrogate.gp.grouping import Grouping
+from surrogate.gp.grouping import Grouping, Scaling
 from surrogate.gp.model import BLOCK, GaussianProcess
 
 
@@ -53,6 +53,8 @@ class GroupedGP(GaussianProcess):
 
     engine: ClassVar[str] = "grouped"
     core_: GridGP
+
+    grouping: Grouping
 
     def __init__(
         self,
@@ -131,6 +133,11 @@ class GroupedGP(GaussianProcess):
         part.grouping = self.grouping.only(outputs)
         part.outputs_, part.attrs_ = part.core_.outputs_, part.core_.attrs_
         return part
+
+    def thinned(self, errors: Mapping[str, float]) -> Self:
+        """Return the model with root-mean-square errors of outputs that are learnt as they are; others keep theirs."""
+        plain = {name for name, one in self.grouping.scalings.items() if one == Scaling()}
+        return self._over(self.core_.thinned({name: error for name, error in errors.items() if name in plain}))
 
     def _over(self, core: GridGP) -> Self:
         part = copy(self)

@@ -15,6 +15,7 @@ from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.labels import Attrs
 from surrogate.data.points import Points, Queries, named_points, outside, require_inside
+from surrogate.gp.grouping import Grouping
 from surrogate.intervals.conformal import MINIMUM, Calibration, calibrate
 from surrogate.intervals.distribution import NOMINAL
 from surrogate.intervals.predictive import EXTRAPOLATED, Predictive
@@ -43,6 +44,8 @@ class GaussianProcess(Predictive):
         `units` and `long_name` of every output.
     calibration_ : Calibration or None
         What `calibrate` has learnt; None before.
+    grouping : Grouping or None
+        The groups of inputs that it stands on, if any.
     made_from_ : str
         A word of the caller's that tells what the model was made from, kept in its file; empty by default.
 
@@ -84,6 +87,7 @@ class GaussianProcess(Predictive):
 
     engine: ClassVar[str]
     MEMBERS: ClassVar[tuple[str, ...]] = ()
+    grouping: Grouping | None = None
     inputs_: tuple[Input, ...]
     outputs_: tuple[str, ...]
     attrs_: dict[str, dict[str, str]]

@@ -12,7 +12,6 @@ from surrogate.data.arrays import Array
 from surrogate.data.factorial import complete_factorial
 from surrogate.data.inputs import Input
 from surrogate.data.points import named_points
-from surrogate.gp.groupedgp import GroupedGP
 from surrogate.gp.model import GaussianProcess
 
 # Elements of the largest intermediate array, which bounds memory.
@@ -59,9 +58,9 @@ def baseline(
     model: GaussianProcess, training: xr.Dataset, points: Mapping[str, Any] | xr.Dataset, outputs: Sequence[str]
 ) -> xr.Dataset:
     """Interpolate what a grid or grouped model was trained on: over its own inputs, or its axes and scaled outputs."""
-    if not isinstance(model, GroupedGP):
-        return chebyshev_interpolation(training, list(model.inputs_), points, outputs)
     grouping, named = model.grouping, named_points(points, model.inputs_)
+    if grouping is None:
+        return chebyshev_interpolation(training, list(model.inputs_), points, outputs)
     axes = {one.name: training[one.name] for one in grouping.axes}
     at = xr.DataArray(grouping.coordinates(named.X), dims=("point", "axis"))
     columns = {one.name: at.isel(axis=k) for k, one in enumerate(grouping.axes)}

@@ -8,6 +8,7 @@ import xarray as xr
 from hypothesis import given, settings
 
 import solver
+from solver.curves import SIZES
 from solver.names import ALL_QUANTITIES, EVERY_INTERIOR, FIELDS, REGULAR
 from solver.similarity import FACTOR_WEIGHTS, QUANTITY_WEIGHTS, scale_powers, weight_of
 from tests.solver.strategies import PROPERTY, decades, loads, materials
@@ -71,7 +72,7 @@ def test_films_scale_with_size_and_strength(base: str) -> None:
 
 
 def test_the_table_knows_every_quantity_and_field() -> None:
-    assert set(QUANTITY_WEIGHTS) == {*ALL_QUANTITIES, *FIELDS, *REGULAR, *EVERY_INTERIOR}
+    assert set(QUANTITY_WEIGHTS) == {*ALL_QUANTITIES, *FIELDS, *REGULAR, *EVERY_INTERIOR, *SIZES}
 
 
 def test_scales_are_refused_where_nothing_tells_them() -> None:

@@ -1,16 +1,18 @@
 """Two hills over a square, the higher one's height and place as outputs."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from surrogate import CurveGP, GridGP, Input
+from surrogate import CurveGP, GridGP, GroupedGP, Input
 from surrogate.curves.curves import Curves, Largest
 from surrogate.curves.measure import Measure
 from surrogate.curves.panels import Panels
 from surrogate.data.inputs import gauss_points
+from surrogate.gp.grouping import Group, Grouping, Scaling
 
 Array = NDArray[np.float64]
 
@@ -60,3 +62,14 @@ def grid() -> xr.Dataset:
 def fitted() -> CurveGP:
     """The process of the grid."""
     return CurveGP(lambda names: GridGP(inputs=INPUTS, outputs=names), [HILLS], LARGEST, OUTPUTS).fit(grid())
+
+
+def fitted_over_groups() -> CurveGP:
+    """The same over groups that are the inputs, sizes and what is plain in proportion to b."""
+    groups = tuple(Group(one, {one.name: 1.0}) for one in INPUTS)
+
+    def smooth(names: Sequence[str]) -> GroupedGP:
+        scalings = {name: Scaling({"b": 1.0} if name in ("size", "plain") else {}) for name in names}
+        return GroupedGP(Grouping(INPUTS, groups, scalings))
+
+    return CurveGP(smooth, [HILLS], LARGEST, OUTPUTS, logarithms=False).fit(grid())

@@ -1,6 +1,6 @@
 """The factorial of a study: its axes, its exact cases, and random cases in the same box."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,10 +16,9 @@ from workflow.study.model import Study
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
-#: Random cases of films that share the values for which the solver makes tables: these cost 0.1 to 1 s, a case 0.1 ms.
-TOGETHER = 50
-#: The same where so many axes need tables that few places would not tell of the box.
-FEWER_TOGETHER = 10
+#: Random cases of films that share the values for which the solver makes tables: these cost 0.1 to 1 s, a case 0.1 ms,
+#: but of these values few places tell little.
+TOGETHER = 10
 
 
 def inputs(study: Study) -> list[Input]:
@@ -88,24 +87,19 @@ def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
     return exact(study, points(study, count, seed))
 
 
-def together(study: Study) -> int:
-    """Random cases of a study that share the values for which the solver makes tables."""
-    return FEWER_TOGETHER if study.crossed else TOGETHER
-
-
-def points(study: Study, count: int, seed: Sequence[int], at_a_place: int | None = None) -> dict[str, xr.DataArray]:
+def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETHER) -> dict[str, xr.DataArray]:
     """Random factors over dimension ``case``, uniform in the axes' own scales.
 
     Of films, so many cases at a time share the factors for which the solver makes tables; few as these places are, each
     lies in a part of its own of every such axis.
     """
-    random, share = np.random.default_rng(list(seed)), at_a_place or together(study)
+    random = np.random.default_rng(list(seed))
     found: dict[str, xr.DataArray] = {}
     for name, axis in study.factors.items():
         u = random.uniform(size=count)
-        if name in study.tabled and share > 1:
-            places = -(-count // share)
-            u = np.repeat((random.permutation(places) + u[:places]) / places, share)[:count]
+        if name in study.tabled and together > 1:
+            places = -(-count // together)
+            u = np.repeat((random.permutation(places) + u[:places]) / places, together)[:count]
         if axis.scale == "log":
             values = axis.low * (axis.high / axis.low) ** u
         elif axis.scale == "logit":
@@ -121,14 +115,14 @@ def exact(
     axes: dict[str, Any],
     positions: Iterable[float] | None = None,
     *,
-    peaks: bool | None = None,
+    peaks: Collection[str] | None = None,
     regular: bool = False,
     curves: bool = False,
 ) -> xr.Dataset:
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
     ``axes`` hold factors, or of a study with groups all of its axes: then the factors of the cases are coordinates.
-    With the largest stresses of the body where ``peaks``, by default where the data set has them; with the regular
+    With the largest stresses that ``peaks`` names, by default those that the data set has; with the regular
     parts of the surface fields where ``regular``; with the curves that the surrogate learns where ``curves``. Without
     what is no number in some cases, which no file would hold.
     """
@@ -142,7 +136,7 @@ def exact(
         solve,
         factors,
         positions,
-        peaks=study.dataset.peaks if peaks is None else peaks,
+        peaks=study.searched if peaks is None else peaks,
         regular=regular,
     )
     if curves and study.regions:

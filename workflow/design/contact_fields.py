@@ -26,7 +26,7 @@ def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
         ``x`` for the in-plane and, where the material has c12, von Mises stress.
     """
     factors = {**study.fixed, **case}
-    surface = factorial.exact(study, dict(case), _POSITIONS.values(), peaks=False)
+    surface = factorial.exact(study, dict(case), _POSITIONS.values(), peaks=())
     parts = {f"field_{name}": surface[name].reset_coords(drop=True) for name in SURFACE if name in surface}
 
     def below(names: list[str]) -> xr.Dataset:

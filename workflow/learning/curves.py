@@ -1,6 +1,7 @@
 """Largest stresses of a study by the curves they follow from: the solver's statements in the surrogate's words."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,10 @@ from surrogate.curves.curves import Curves, Largest
 from surrogate.curves.measure import Measure
 from surrogate.curves.panels import Panels
 from surrogate.gp.gridgp import GridGP
-from workflow.dataset import factorial
+from surrogate.gp.groupedgp import GroupedGP
+from surrogate.gp.grouping import Grouping, Scaling
+from surrogate.gp.model import GaussianProcess
+from workflow.dataset import factorial, similar
 from workflow.study import categories
 from workflow.study.categories import output
 from workflow.study.model import Study
@@ -23,8 +27,19 @@ from workflow.study.model import Study
 _SHARE = 1e-2
 
 
-def model(study: Study, compression: float) -> CurveGP:
-    """The process, not fitted, of a study that learns curves; ``compression`` as of a `GridGP`."""
+def model(study: Study, compression: float, by: Grouping | None = None) -> CurveGP:
+    """The process, not fitted, of a study that learns curves.
+
+    Parameters
+    ----------
+    study
+        A study.
+    compression
+        As of a `GridGP`.
+    by
+        How the study's outputs follow from its groups, where it has some. Sizes are learned by their logarithms either
+        way, scores of curves as they are: they have no units.
+    """
     curves: list[Curves] = []
     largest: dict[str, Largest] = {}
     attrs: dict[str, dict[str, str]] = {}
@@ -43,12 +58,19 @@ def model(study: Study, compression: float) -> CurveGP:
                     one = ALL_QUANTITIES[quantity]
                     words = f"{one.long_name}, {categories.named(kinds)}" if kinds else one.long_name
                     attrs[learnt] = {"units": one.units, "long_name": words}
-    inputs = factorial.inputs(study)
+    inputs, kernel = factorial.inputs(study), study.surrogate.kernel
+    scalings = dict(by.scalings) if by else {}
+    for kinds in study.combinations if by else ():
+        scalings |= {output(size, kinds): Scaling(similar.scale(study, size), logarithm=1) for size in _sizes(study)}
 
-    def smooth(names: Sequence[str]) -> GridGP:
-        return GridGP(study.surrogate.kernel, inputs, names, compression=compression)
+    def smooth(names: Sequence[str]) -> GaussianProcess:
+        if by is None:
+            return GridGP(kernel, inputs, names, compression=compression)
+        own = replace(by, scalings={name: scalings.get(name, Scaling()) for name in names})
+        return GroupedGP(own, kernel, compression=compression)
 
-    return CurveGP(smooth, curves, largest, study.learned, attrs, error=_SHARE * study.validation.tolerance)
+    error = _SHARE * study.validation.tolerance
+    return CurveGP(smooth, curves, largest, study.learned, attrs, logarithms=by is None, error=error)
 
 
 def _measure(name: str) -> Measure:
@@ -86,5 +108,8 @@ def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
 
 def _names(study: Study) -> list[str]:
     """Variables of the slabs that are learnt beside quantities: sizes, and the fields of all regions."""
-    sizes = [size for region in study.regions for size in REGIONS[region].sizes if size]
-    return [*dict.fromkeys(sizes), *(name for region in study.regions for name in described(region))]
+    return [*_sizes(study), *(name for region in study.regions for name in described(region))]
+
+
+def _sizes(study: Study) -> list[str]:
+    return list(dict.fromkeys(size for region in study.regions for size in REGIONS[region].sizes if size))

@@ -28,18 +28,18 @@ def compression(study: Study) -> float:
 
 def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     """Gaussian process of the study's outputs on its factorial, or on what a cross approximation asked for of it."""
+    data, by = curves.learned(study, quantities), None
     if study.groups:
-        data = factorial.with_factors(study, factorial.learned(study, quantities))
+        data = factorial.with_factors(study, data)
         by = factorial.grouping(study, data)
-        grouped = GroupedGP(by, study.surrogate.kernel, compression=compression(study))
-        grouped.made_from_ = study.physics
-        return grouped.fit(data)
     if curves.given(study, quantities):  # some outputs follow from them
-        model: GaussianProcess = curves.model(study, compression(study))
+        model: GaussianProcess = curves.model(study, compression(study), by)
+    elif by is not None:
+        model = GroupedGP(by, study.surrogate.kernel, compression=compression(study))
     else:
         model = crossing(study) if study.crossed else process(study, study.learned)
     model.made_from_ = study.physics
-    return model.fit(curves.learned(study, quantities))
+    return model.fit(data)
 
 
 def process(study: Study, outputs: Sequence[str]) -> GridGP:
@@ -84,7 +84,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     """
     points = {name: cases[name] for name in study.factors}
     cases, quantities = factorial.learned(study, cases), factorial.learned(study, quantities)
-    by = model.grouping if isinstance(model, GroupedGP) else None
+    by = model.grouping
     if study.crossed:
         decays = lines.decays(crossing(study), quantities)
     else:

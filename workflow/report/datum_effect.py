@@ -78,7 +78,7 @@ def singular_zone(study: Study, target: Target, answer: xr.Dataset) -> dict[str,
     if not labels:
         return None
     own = study.narrowed({name: kind for name, kind, _ in answers.kinds(answer)})
-    solved = factorial.exact(own, _case(answer.sel(term=labels[0])), [_EDGE], peaks=False, regular=True)
+    solved = factorial.exact(own, _case(answer.sel(term=labels[0])), [_EDGE], peaks=(), regular=True)
     tension = float(solved["trailing_tension"])
     half = float(solved["contact_trailing"] + solved["contact_leading"]) / 2
     strength = float(solved["stress_xx_regular"][..., 0]) - tension * np.sqrt(1 - _EDGE**2)
@@ -93,6 +93,6 @@ def _case(one: xr.Dataset) -> dict[str, float]:
 def _solved(study: Study, case: Mapping[str, float], *, every: bool = False) -> dict[str, np.ndarray[Any, Any]]:
     """What hangs on the datum, or every quantity, of one case at the three lengths."""
     base = case.get("datum") or length(study) or 1.0
-    solved = factorial.exact(study, {**case, "datum": base * np.array(_TIMES)}, peaks=False)
+    solved = factorial.exact(study, {**case, "datum": base * np.array(_TIMES)}, peaks=())
     names = [str(name) for name in solved.data_vars if every or name in HANGING]
     return {name: np.broadcast_to(solved[name].values, len(_TIMES)) for name in names}

@@ -78,7 +78,7 @@ def answered(study: Study, name: str, target: Target, found: xr.Dataset) -> Answ
     told = verdict(found)
     body, punch = body_in_words(study, case), punch_in_words(case)
     own = study.narrowed(kinds)
-    solved = factorial.exact(own, dict(varied), peaks=False)
+    solved = factorial.exact(own, dict(varied), peaks=())
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
     drawn = device.draw(of_case(study, case, solved), f"{body}; {punch}")
     return Answer(
@@ -109,9 +109,14 @@ def of_case(study: Study, case: Case, solved: xr.Dataset) -> device.Device:
         float(case["load"]),
         case.get("electric", CHOICES["electric"][0]) == "conducting",
         study.body[0].at(case)["thickness"] if study.body else float(case["thickness"]) if study.on_film else None,
-        " on ".join([*(_layer(study, layer.plain(case)) for layer in study.body[1:]), _base(case)]),
+        _below(len(study.body) - 1, _base(case)),
         _grounded(study, case),
     )
+
+
+def _below(layers: int, base: str) -> str:
+    """What is below the top layer, in few words: layers, and the base."""
+    return base if layers < 1 else f"{layers} more layer{'s' if layers > 1 else ''} on {base}"
 
 
 def _grounded(study: Study, case: Case) -> bool:
@@ -125,12 +130,13 @@ def _grounded(study: Study, case: Case) -> bool:
 def body_in_words(study: Study, case: Case) -> str:
     """The body under the punch, as ``fibrous, 67 % BaTiO3, 230 µm on steel``."""
     if study.body:
-        return " on ".join([*(_layer(study, layer.plain(case)) for layer in study.body), _base(case)])
+        layers = [_layer(study, layer.plain(case), first=not k) for k, layer in enumerate(study.body)]
+        return " on ".join([*layers, _base(case)])
     return f"{_layer(study, case)} on {_base(case)}" if study.on_film else f"{_layer(study, case)}, a half-plane"
 
 
-def _layer(study: Study, case: Case) -> str:
-    """One layer, or the whole body, as ``fibrous, 67 % BaTiO3, 230 µm``."""
+def _layer(study: Study, case: Case, *, first: bool = True) -> str:
+    """One layer, or the whole body, as ``Fibrous, 67 % BaTiO3, 230 µm``; with a small letter if not the first."""
     composite = str(case.get("composite", CHOICES["composite"][0]))
     if "material" in case:
         words = str(case["material"])
@@ -138,7 +144,8 @@ def _layer(study: Study, case: Case) -> str:
         share = float(case["scandium_fraction"])
         words = f"Al({number(1 - share, 3)})Sc({number(share, 3)})N"
     else:
-        words = f"{composite.capitalize()}, {number(100 * float(case['volume_fraction']), 3)} % {study.phases[0]}"
+        composite = composite.capitalize() if first else composite
+        words = f"{composite}, {number(100 * float(case['volume_fraction']), 3)} % {study.phases[0]}"
     return f"{words}, {titles.value('thickness', float(case['thickness']), 3)}" if "thickness" in case else words
 
 

@@ -14,10 +14,14 @@ _SMOOTH = {"profile": "cylinder", "electric": "conducting", "magnetic": "conduct
 
 def check_quantities(study: Contents) -> None:
     """Whether the data set holds what the surrogate and the designs ask for."""
+    for name in study.searched if isinstance(study.dataset.peaks, list) else ():
+        if name in study.absent or name not in ALL_PEAKS:
+            known = ", ".join(name for name in ALL_PEAKS if name not in study.absent)
+            raise ValueError(f"dataset: peaks: these cases have no {name!r}; they have {known}")
     for name in study.surrogate.outputs:
         if name in study.absent or ALL_QUANTITIES[name].sparse:
             raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
-        if name in ALL_PEAKS and not study.dataset.peaks:
+        if name in ALL_PEAKS.keys() - study.searched:
             raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
     for name in study.surrogate.log or []:
         if not study.groups or name not in study.outputs:
@@ -67,7 +71,7 @@ def check_target(study: Contents, where: str, target: Target) -> None:
         if name in FACTORS and name not in study.factors and not isinstance(study.held(name), float | int):
             raise ValueError(f"{where}: {name!r} {lack(study, name) or 'has no value in this study'}")
         if name in ALL_QUANTITIES and name not in study.outputs:
-            searched = name in ALL_PEAKS and name not in study.absent and not study.dataset.peaks
+            searched = name in ALL_PEAKS.keys() - study.absent - study.searched
             needs = "needs dataset: peaks: true" if searched else lack(study, name)
             raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
     for name in target.tolerance:

@@ -140,6 +140,12 @@ class Contents(Strict):
         return frozenset(ALL_QUANTITIES if self.tabled else ALL_PEAKS)
 
     @property
+    def searched(self) -> frozenset[str]:
+        """Largest stresses that the data set holds: none, all, or those that are named."""
+        asked = self.dataset.peaks
+        return frozenset(asked if isinstance(asked, list) else ALL_PEAKS if asked else ())
+
+    @property
     def cases(self) -> int:
         """Number of cases of the factorial; 0 while some of its levels are open."""
         levels = prod(axis.levels or 0 for axis in self.axes.values()) if self.factors else 0
@@ -168,7 +174,7 @@ class Contents(Strict):
     @property
     def quantities(self) -> list[str]:
         """Quantities of the data set: those that its cases have, the peaks where they are asked for."""
-        without = self.absent | (set() if self.dataset.peaks else set(ALL_PEAKS))
+        without = self.absent | (ALL_PEAKS.keys() - self.searched)
         return [name for name, one in ALL_QUANTITIES.items() if name not in without and not one.sparse]
 
     @property
@@ -189,9 +195,9 @@ class Contents(Strict):
     def regions(self) -> list[str]:
         """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
 
-        None where it stands on groups or on a cross approximation: it then learns the largest stresses themselves.
+        None where it stands on a cross approximation, which knows no largest stresses.
         """
-        if self.groups or self.crossed or not self.surrogate.curves:
+        if self.crossed or not self.surrogate.curves:
             return []
         followed = [FOLLOWS[name].region for name in self.outputs if name in FOLLOWS]
         return list(dict.fromkeys(followed))

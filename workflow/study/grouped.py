@@ -19,6 +19,7 @@ from surrogate.gp.grouping import span
 from workflow.language.expressions import Expression, Name, Operation, Power
 from workflow.language.factors import FACTORS
 from workflow.language.grammar import parse
+from workflow.language.spelling import nearest
 from workflow.study.sections import Axis, Group
 
 _SAME = 1e-9
@@ -60,14 +61,14 @@ def product(text: str) -> Product:
     >>> one.name, one.units, dict(one.powers)
     ('load_radius_per_thickness2', 'Pa', {'load': 1, 'radius': 1, 'thickness': -2})
     """
+    for name in re.findall(r"[^\W\d]\w*", text):
+        if name not in FACTORS:
+            raise ValueError(f"groups: {text!r}: {name!r} is no factor; {nearest(name, list(FACTORS))}")
     try:
         tree = parse(text)
         powers = {name: power for name, power in _powers(text, tree).items() if power}
     except ValueError as error:
         raise ValueError(f"groups: {error}") from None
-    for name in powers:
-        if name not in FACTORS:
-            raise ValueError(f"groups: {text!r}: {name!r} is no factor")
     if not powers:
         raise ValueError(f"groups: {text!r}: is 1")
     above = [_called(name, power) for name, power in powers.items() if power > 0]

@@ -85,8 +85,8 @@ class DataSet(Strict):
     )
     precision: Literal["float32", "float64"] = Field("float64", description="stored precision of the surface fields")
     budget: int = Field(500_000, ge=1, le=MOST_CASES, description="most cases where the pipeline chooses the levels")
-    peaks: bool = Field(
-        False, description="also the largest stresses of the body: milliseconds a case, not microseconds"
+    peaks: bool | list[QuantityName] = Field(
+        False, description="also the largest stresses of the body, all or those that are named: milliseconds a case"
     )
 
 

@@ -8,7 +8,7 @@ import xarray as xr
 
 import solver
 from solver.film.stack import Layer, Stack
-from solver.names import EVERY_FILM_QUANTITY, EVERY_QUANTITY, FILM_PEAKS, FILM_QUANTITIES, QUANTITIES
+from solver.names import ALL_PEAKS, EVERY_FILM_QUANTITY, EVERY_QUANTITY, FILM_PEAKS, FILM_QUANTITIES, QUANTITIES
 from tests.solver.film.films import FIBROUS, cylinder
 
 FILM: dict[str, Any] = {"material": "BaTiO3", "thickness": 0.5e-3, "base": "rigid", "radius": 0.05, "load": 1e5}
@@ -181,6 +181,13 @@ def test_peaks_of_film_and_interface() -> None:
     assert float(out["interface_shear"]) > 3.3e7  # section 9, at X = 1
     assert abs(float(out["interface_shear_position"])) > 0.6
     assert float(out["film_peak_von_mises"]) > 1.829406836e08  # section 9, at half the thickness
+    some = solver.solve(FILM, peaks=["interface_tension", "peak_von_mises"])  # a half-plane's: no film has it
+    assert set(some.data_vars) & set(ALL_PEAKS) == {"interface_tension"}
+    assert float(some["interface_tension"]) == float(out["interface_tension"])
+    half = solver.solve({"material": "BaTiO3", "radius": 0.05, "load": 1e4}, peaks=["peak_von_mises_depth"])
+    assert set(half.data_vars) & set(ALL_PEAKS) == {"peak_von_mises_depth"}
+    with pytest.raises(solver.FactorError, match="peaks: 'shear' is unknown; known are peak_von_mises"):
+        solver.solve(FILM, peaks=["shear"])
 
 
 REFUSALS: dict[str, tuple[dict[str, Any], str]] = {

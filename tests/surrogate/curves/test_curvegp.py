@@ -15,9 +15,10 @@ from surrogate.curves.landscape import Landscape
 from surrogate.curves.measure import Measure
 from surrogate.curves.panels import Panels
 from surrogate.data.inputs import gauss_points
+from surrogate.gp.grouping import Scaling
 from surrogate.use import validation
 from surrogate.use.sensitivity import sobol
-from tests.surrogate.curved import INPUTS, OUTPUTS, data, fields, fitted
+from tests.surrogate.curved import INPUTS, OUTPUTS, data, fields, fitted, fitted_over_groups
 
 Array = NDArray[np.float64]
 
@@ -62,6 +63,20 @@ def test_maxima_and_places_are_right_where_they_jump(model: CurveGP, cases: xr.D
     assert found["top"].values == pytest.approx(cases["top"].values, abs=3e-5)
     assert found["place"].values == pytest.approx(cases["place"].values, abs=3e-3)
     assert found["plain"].values == pytest.approx(cases["plain"].values, rel=1e-4)
+
+
+def test_groups_may_stand_behind_the_curves(model: CurveGP, cases: xr.Dataset, tmp_path: Path) -> None:
+    over, points = fitted_over_groups(), {name: cases[name] for name in "ab"}
+    found, plain = (one.predict(points, return_std=False) for one in (over, model))
+    xr.testing.assert_allclose(found["top"], plain["top"], rtol=1e-4)
+    assert over.grouping is not None
+    assert over.grouping.scalings["top"] == Scaling({"b": 1.0})  # as the size does
+    held, fresh = cases.isel(case=slice(100)), cases.isel(case=slice(100, None))
+    over.calibrate(held)
+    table = validation.validate(over, fresh[["a", "b", *OUTPUTS]], None)
+    assert table["coverage"].values.min() >= 0.85
+    surrogate.save(over, tmp_path / "over.nc")
+    xr.testing.assert_identical(surrogate.load(tmp_path / "over.nc").predict(points), over.predict(points))
 
 
 def test_the_maximum_itself_is_learnt_far_worse(model: CurveGP, cases: xr.Dataset) -> None:

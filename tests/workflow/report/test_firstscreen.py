@@ -12,6 +12,7 @@ from workflow.report import device, firstscreen, sentences
 from workflow.report.device import Device
 from workflow.report.firstscreen import Case
 from workflow.report.svg import ACCENT, BAD
+from workflow.study.layered import BodyLayer
 from workflow.study.model import load
 
 FILM = Device("cylinder", "leading", 0.05, 6e-4, 5e-4, 1e4, thickness=3e-4, base="steel", grounded=True)
@@ -89,6 +90,12 @@ def test_the_body_is_said_by_what_it_is() -> None:
     assert firstscreen.body_in_words(half, {"material": "PZT-4"}) == "PZT-4, a half-plane"
     scandium: Case = {"composite": "AlScN", "scandium_fraction": 0.3}
     assert firstscreen.body_in_words(half, scandium) == "Al(0.7)Sc(0.3)N, a half-plane"
+    body = [{"composite": "fibrous", "volume_fraction": 0.2 * k, "thickness": 1e-4} for k in (1, 2, 3)]
+    layers = study.model_copy(update={"body": [BodyLayer.model_validate(one) for one in body]})
+    told = "Fibrous, 20 % BaTiO3, 100 µm on fibrous, 40 % BaTiO3, 100 µm on fibrous, 60 % BaTiO3, 100 µm on steel"
+    assert firstscreen.body_in_words(layers, case) == told
+    contact = xr.Dataset({"contact_trailing": 1e-4, "contact_leading": 1e-4})
+    assert firstscreen.of_case(layers, {**case, "load": 1e4}, contact).base == "2 more layers on steel"
     assert firstscreen.punch_in_words({"profile": "flat", "width": 2e-3}) == "flat punch 2 mm wide"
     assert firstscreen.punch_in_words({"profile": "wedge", "slope": 0.02}) == "wedge of slope 0.02"
 

@@ -1,7 +1,7 @@
 """The surrogate in the browser says what it says in Python, with its groups and its largest values of curves too."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +9,6 @@ import pytest
 import xarray as xr
 
 from surrogate import CurveGP, GaussianProcess, GroupedGP, Input
-from surrogate.gp.grouping import Group, Grouping, Scaling
 from surrogate.use.export import exported
 from tests.surrogate import curved, grouped
 from tests.workflow.report.browser import needs_browser, opened
@@ -39,14 +38,7 @@ def of_curves() -> GaussianProcess:
 
 
 def of_curves_over_groups() -> GaussianProcess:
-    groups = tuple(Group(one, {one.name: 1.0}) for one in curved.INPUTS)
-
-    def smooth(names: Sequence[str]) -> GroupedGP:
-        scalings = {name: Scaling({"b": 1.0} if name in ("size", "plain") else {}) for name in names}
-        return GroupedGP(Grouping(curved.INPUTS, groups, scalings))
-
-    model = CurveGP(smooth, [curved.HILLS], curved.LARGEST, curved.OUTPUTS, logarithms=False)
-    return held_out(model.fit(curved.grid()))
+    return held_out(curved.fitted_over_groups())
 
 
 def held_out(model: CurveGP) -> GaussianProcess:
