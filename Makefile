@@ -42,8 +42,8 @@ lint: .venv/dev.stamp  ## ruff, mypy --strict and the import contract
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: .venv/run.stamp  ## measure side by side: results/benchmarks.json and results/benchmarks.html
-	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks $(BENCH)
+bench: .venv/bench.stamp  ## measure side by side with rivals: results/benchmarks.json and results/benchmarks.html [BENCH="exact surrogates"]
+	OMP_NUM_THREADS=1 .venv/bench/bin/python -m benchmarks $(BENCH)
 
 lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without download addresses
 	$(BIN)/uv pip compile -q --upgrade --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
@@ -54,6 +54,8 @@ lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without dow
 	  --custom-compile-command "make lock" --extra build --extra slurm --extra docs --extra dev -c requirements/run.txt pyproject.toml -o requirements/dev.txt
 	$(BIN)/uv pip compile -q --upgrade --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	  --custom-compile-command "make lock" requirements/referees.in -o requirements/referees.txt
+	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+	  --custom-compile-command "make lock" --extra build -c requirements/run.txt pyproject.toml requirements/bench.in -o requirements/bench.txt
 
 docs: .venv/dev.stamp  ## draw the pictures, run the quickstart and build the site, with its report, into build/docs
 	$(BIN)/python -m docs
@@ -67,6 +69,14 @@ schema: .venv/run.stamp  ## write the JSON schema and the documented default of 
 .venv/bin/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Python >= 3.11 is needed; set PYTHON=/path/to/one"; exit 2; }
 	@$(PYTHON) -m venv .venv
+
+# the run's own, and the rivals of its surrogates
+.venv/bench.stamp: requirements/bench.txt pyproject.toml | .venv/bin/python
+	@echo "installing the rivals ($<) into .venv/bench"
+	@$(PYTHON) -m venv .venv/bench
+	@.venv/bench/bin/python -m pip install -q --require-hashes -r $<
+	@.venv/bench/bin/python -m pip install -q --no-deps --no-build-isolation -e .
+	@touch $@
 
 # their needs and ours differ: an environment of their own
 .venv/referees.stamp: requirements/referees.txt | .venv/bin/python

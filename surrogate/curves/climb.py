@@ -31,12 +31,15 @@ def climb(fields: Array, measure: Measure, start: tuple[Array, Array]) -> tuple[
         bent = measure.bent(jet[..., 0, 0])
         gradient, bends = hill(jet, bent)
         step = _step(gradient, bends, u, v, counts)
-        ahead = np.clip(np.stack([u, v]) + step, -1.0, 1.0)
+        here = np.array([u, v])
+        ahead = np.minimum(np.maximum(here + step, -1.0), 1.0)
         close = np.abs(step).max(axis=0) < CLOSE
         # what the last step brings is its gain on a parabola, to the third order of it
-        gain = np.where(close, np.maximum((gradient * (ahead - [u, v])).sum(axis=0), 0.0) / 2, 0.0)
-        up = bent.value + gain > best[2, active]
-        best[:, active[up]] = np.stack([*np.where(close, ahead, [u, v]), bent.value + gain])[:, up]
+        gain = np.where(close, np.maximum((gradient * (ahead - here)).sum(axis=0), 0.0) / 2, 0.0)
+        value = bent.value + gain
+        up = value > best[2, active]
+        best[:2, active[up]] = np.where(close, ahead, here)[:, up]
+        best[2, active[up]] = value[up]
         u, v = ahead
         if close.any():
             if close.all():
@@ -52,8 +55,7 @@ def hill(jet: Array, bent: Bent) -> tuple[Array, Array]:
     gradient = np.asarray(slope[:, None] @ steep)[:, 0].T
     quadratic = np.swapaxes(steep, 1, 2) @ bent.bend @ steep
     seconds = (slope[:, None] @ jet[..., [0, 2, 1], [2, 0, 1]])[:, 0]
-    return gradient, np.stack([seconds[:, 0] + quadratic[:, 0, 0], seconds[:, 1] + quadratic[:, 1, 1],
-                               seconds[:, 2] + quadratic[:, 0, 1]])  # fmt: skip
+    return gradient, (seconds + quadratic[:, [0, 1, 0], [0, 1, 1]]).T
 
 
 def held(place: Array, slope: Array, count: int | Indices) -> NDArray[np.bool_]:
@@ -63,16 +65,17 @@ def held(place: Array, slope: Array, count: int | Indices) -> NDArray[np.bool_]:
 
 def _step(gradient: Array, bends: Array, u: Array, v: Array, counts: tuple[int, int]) -> Array:
     """Newton's step, (2, n), uphill and no longer than points lie apart; along an end of the panel that holds it."""
-    (gu, gv), (uu, vv, uv) = gradient, bends
-    fixed = np.stack([held(u, gu, counts[0]), held(v, gv, counts[1])])
+    uu, vv, uv = bends
+    places, sizes = np.array([u, v]), np.array(counts)[:, None]
+    fixed = held(places, gradient, sizes)
     gradient = np.where(fixed, 0.0, gradient)
     gu, gv = gradient
-    room = np.stack([spacing(u, counts[0]), spacing(v, counts[1])])
+    room = spacing(places, sizes)
     # not on top of a hill: each coordinate by its own curvature, its sign made that of one
     alone = gradient / np.maximum(np.abs(bends[:2]), np.abs(gradient) / room + 1e-300)
     determinant = uu * vv - uv**2
     whole = (uu < 0) & (determinant > 0) & ~fixed.any(axis=0)
     if not whole.any():
-        return np.asarray(np.clip(alone, -room, room))
-    newton = np.stack([uv * gv - vv * gu, uv * gu - uu * gv]) / np.where(whole, determinant, 1.0)
-    return np.asarray(np.clip(np.where(whole, newton, alone), -room, room))
+        return np.minimum(np.maximum(alone, -room), room)
+    newton = np.array([uv * gv - vv * gu, uv * gu - uu * gv]) / np.where(whole, determinant, 1.0)
+    return np.minimum(np.maximum(np.where(whole, newton, alone), -room), room)

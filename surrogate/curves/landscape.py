@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surrogate.curves.climb import climb, held, hill
 from surrogate.curves.curves import Basis
@@ -57,9 +58,8 @@ class Landscape:
     def summit(self, scores: Array, measure: Measure) -> Summit:
         """Find where a measure is largest on the curves of scores, (rank, B)."""
         scan, ones = self.panels.scan, np.concatenate([np.ones((1, scores.shape[1])), scores])
-        fields = (ones.T @ self._scanned[:, : measure.fields * scan.points.size]).reshape(
-            scores.shape[1], measure.fields, -1
-        )
+        some = self._scanned[:, : measure.fields * scan.points.size]
+        fields = (ones.T.astype(some.dtype) @ some).reshape(scores.shape[1], measure.fields, -1)
         hills = scan.hills(measure.values(fields))
         every = np.arange(len(hills))
         top = hills.argmax(axis=1)
@@ -161,8 +161,10 @@ class Landscape:
         return np.concatenate([self.basis.mean[None], self.basis.vectors])
 
     @cached_property
-    def _scanned(self) -> Array:
-        return np.ascontiguousarray(self._whole[..., self.panels.scan.points].reshape(len(self._whole), -1))
+    def _scanned(self) -> NDArray[np.float32]:
+        """The same at the points of the scan: single precision tells where hills are."""
+        found = self._whole[..., self.panels.scan.points].reshape(len(self._whole), -1)
+        return np.ascontiguousarray(found, dtype=np.float32)
 
     @property
     def _shape(self) -> tuple[int, int]:

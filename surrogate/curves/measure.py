@@ -4,12 +4,14 @@ Norms, largest eigenvalues of small symmetric matrices and one-sided values are 
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surrogate.data.arrays import Array
 
+Floats = NDArray[np.floating[Any]]  # of any precision
 _TINY = np.finfo(float).tiny
 
 
@@ -53,9 +55,9 @@ class Measure:
         """Number m of fields that it takes."""
         return int(self.linear.shape[1])
 
-    def values(self, s: Array) -> Array:
+    def values(self, s: Floats) -> Floats:
         """Return the measure of fields s, (B, >= m, n): (B, n)."""
-        found: Array | None = None
+        found: Floats | None = None
         for linear, root in zip(self.linear, self.root, strict=True):
             squares = sum(_product(row, s) ** 2 for row in root if row.any())
             branch = _product(linear, s) + np.sqrt(squares)
@@ -75,6 +77,6 @@ class Measure:
         return Bent(every[rows, which], self.linear[which] + along, np.where(norm[..., None] > _TINY, bend, 0.0))
 
 
-def _product(row: Array, s: Array) -> Array:
+def _product(row: Array, s: Floats) -> Floats:
     """A combination of fields, (B, n); terms that are zero cost nothing."""
     return np.asarray(sum(weight * s[:, k] for k, weight in enumerate(row.tolist()) if weight))

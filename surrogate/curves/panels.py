@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,8 +56,7 @@ class Panels:
     @cached_property
     def scan(self) -> "Scan":
         """The points at which hills are looked for."""
-        some = np.arange if self.down == (1,) else _some  # along one coordinate all of them
-        kept = [(some(down), some(across)) for down, across, _ in self.parts]
+        kept = [(_some(down), np.arange(across)) for down, across, _ in self.parts]
         points = [
             (part.start + own_rows[:, None] * across + columns).ravel()
             for (_, across, part), (own_rows, columns) in zip(self.parts, kept, strict=True)
@@ -90,7 +90,7 @@ class Scan:
     across: Array
     down: Array
 
-    def hills(self, values: Array) -> Array:
+    def hills(self, values: NDArray[np.floating[Any]]) -> NDArray[np.floating[Any]]:
         """Return values (B, point) with those lower than a neighbour in their row or column put to -inf.
 
         Neighbours lie in one panel.
@@ -121,7 +121,7 @@ def _some(count: int) -> Indices:
     return np.union1d(np.arange(0, count, 2), [count - 1])
 
 
-def spacing(place: Array, count: int) -> Array:
+def spacing(place: Array, count: int | Indices) -> Array:
     """About the distance of Chebyshev points near a place."""
     angle = np.pi / count
     return np.asarray(angle * np.sqrt(np.maximum(1 - place**2, 0)) + angle**2 / 2)

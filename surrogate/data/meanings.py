@@ -35,6 +35,7 @@ MEANINGS = {
     "calibration_floor": "calibration: variance that is added, over the square of the unit in output_units",
     "calibration_trend": "calibration: coefficients of the logarithm of the standard deviation's factor",
     "calibration_trend_degree": "calibration: degrees of the Chebyshev polynomials whose product each of its terms is",
+    "calibration_trend_range": "calibration: least and largest of that logarithm at the held-out cases",
     "calibration_guard": "calibration: what is added to that logarithm in slabs of every input",
     "calibration_corner_guard": "calibration: the same where two inputs are in their outermost slabs",
     "calibration_quantile": "calibration: quantiles of the error in standard deviations, at fixed probabilities",

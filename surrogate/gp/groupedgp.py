@@ -6,14 +6,12 @@ from typing import ClassVar, Self
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.gp.gridgp import GridGP, Kernel
 from surrogate.gp.grouping import Grouping, Scaling
 from surrogate.gp.model import BLOCK, GaussianProcess
-from surrogate.intervals.sharing import sharing
 
 
 class GroupedGP(GaussianProcess):
@@ -203,15 +201,6 @@ class GroupedGP(GaussianProcess):
         learnt, variance = self.core_._mean_variance(self._core_coordinates(X), weights)
         mean = self.grouping.told(learnt, X, self.outputs_)
         return mean, None if variance is None else variance * self._sizes(X, mean) ** 2
-
-    def _corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
-        X = self._physical(t)
-        at, plain = self._core_coordinates(X), self.core_.uncalibrated()
-        blocks = (slice(start, start + BLOCK) for start in range(0, len(X), BLOCK))
-        mean = np.concatenate([plain._mean_variance(at[:, some], None)[0] for some in blocks], axis=1)
-        true = self.grouping.learnt(self.grouping.told(mean, X, self.outputs_) + errors, X, self.outputs_)
-        left = self.core_._corrected(dataset, true - mean, at, sharing(at))
-        return self.grouping.told(true, X, self.outputs_) - self.grouping.told(true - left, X, self.outputs_)
 
     def _slopes(self, t: Array) -> Array:
         X = self._physical(t)

@@ -190,7 +190,7 @@ class _SingleStretch:
 
     def __init__(self, calibration: Calibration, rows: _Rows) -> None:
         d = len(rows.first)
-        self._floor, self._trend = calibration.floor, calibration.trend
+        self._floor, self._trend, self._range = calibration.floor, calibration.trend, calibration.trend_range
         self._terms = np.ascontiguousarray((rows.first + calibration.trend_degree).T)
         self._i, self._j = np.array(list(combinations(range(d), 2)), dtype=np.intp).reshape(-1, 2).T
         guard = calibration.guard
@@ -203,6 +203,8 @@ class _SingleStretch:
         edge = _EDGE[slab]
         cells = np.concatenate((self._slabs + slab, self._corners + 3 * edge[self._i] + edge[self._j]))
         scale = np.multiply.reduce(T[self._terms]) @ self._trend
+        np.maximum(scale, self._range[0], out=scale)
+        np.minimum(scale, self._range[1], out=scale)
         scale += np.maximum.reduce(self._cells[cells])
         return np.asarray(np.sqrt(variance + self._floor) * np.exp(scale))
 

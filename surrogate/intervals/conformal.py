@@ -31,8 +31,8 @@ from surrogate.intervals.trend import Indices, additive, products, values
 
 MINIMUM = 40
 FOLDS = 5
-# Highest degree of the local scale along an input by the places that the cases have there, and beyond these one more
-# for so many places and inputs. What a correction leaves has some twenty nodes along an input of ten levels.
+# Highest degree of the local scale along an input by the number of cases, and beyond these one more for so many places
+# of them along it and inputs. What a correction leaves has some twenty nodes along an input of ten levels.
 DEGREES = ((100, 2), (300, 4), (1000, 6))
 PLACES_A_DEGREE, HIGHEST = 125, 16
 # Cases from which on the local scale has the product of every two inputs, and products of higher total degree of the
@@ -48,6 +48,7 @@ _DIMS = {
     "floor": ("output",),
     "trend": ("trend_term", "output"),
     "trend_degree": ("trend_term", "input"),
+    "trend_range": ("end", "output"),
     "guard": ("input", "slab", "output"),
     "corner_guard": ("pair", "edge", "other_edge", "output"),
     "quantile": ("probability", "output"),
@@ -69,6 +70,8 @@ class Calibration:
     trend_degree : ndarray of int, shape (m, d)
         Degrees of the Chebyshev polynomials of the scaled inputs whose product each of its terms is; the first ones are
         zero.
+    trend_range : ndarray, shape (2, p)
+        Least and largest of that logarithm at the cases: a polynomial does not go beyond them where cases are few.
     guard : Guard
         Further scales in slabs and corners of the box.
     distribution : Tabulated
@@ -79,6 +82,7 @@ class Calibration:
     floor: Array
     trend: Array
     trend_degree: Indices
+    trend_range: Array
     guard: Guard
     distribution: Tabulated
 
@@ -90,6 +94,7 @@ class Calibration:
         """Return what raw standard deviations are multiplied by at scaled coordinates (d, B): (p, B)."""
         inside = np.clip(t, -1, 1)
         scale = self.trend.T @ values(self.trend_degree, inside)
+        np.clip(scale, *self.trend_range[..., None], out=scale)
         scale += self.guard.at(inside).T
         return np.asarray(np.exp(scale, out=scale))
 
@@ -101,13 +106,14 @@ class Calibration:
             weights=self.weights[:, chosen],
             floor=self.floor[chosen],
             trend=self.trend[:, chosen],
+            trend_range=self.trend_range[:, chosen],
             guard=self.guard.only(chosen),
             distribution=self.distribution.only(chosen),
         )
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the arrays by name."""
-        plain = {name: getattr(self, name) for name in ("weights", "floor", "trend", "trend_degree")}
+        plain = {name: getattr(self, name) for name in ("weights", "floor", "trend", "trend_degree", "trend_range")}
         guard = {"guard": self.guard.slabs, "corner_guard": self.guard.corners}
         return {**plain, **guard, "quantile": self.distribution.quantiles}
 
@@ -131,6 +137,7 @@ class Calibration:
             "floor": (outputs,),
             "trend": (terms, outputs),
             "trend_degree": (terms, inputs),
+            "trend_range": (2, outputs),
             "guard": (inputs, SLABS, outputs),
             "corner_guard": (pairs, 3, 3, outputs),
             "quantile": (len(PROBABILITIES), outputs),
@@ -147,7 +154,8 @@ class Calibration:
             raise ValueError("the calibration's quantiles do not ascend")
         guard = Guard(arrays["guard"], arrays["corner_guard"])
         distribution = Tabulated(arrays["quantile"], cases)
-        return cls(arrays["weights"], arrays["floor"], arrays["trend"], degree.astype(np.intp), guard, distribution)
+        weights, floor, trend, within = (arrays[name] for name in ("weights", "floor", "trend", "trend_range"))
+        return cls(weights, floor, trend, degree.astype(np.intp), within, guard, distribution)
 
 
 def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: NDArray[np.intp]) -> Calibration:
@@ -179,8 +187,10 @@ def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: NDArray[n
     one = np.ptp(distribution.ends(ONE_STD), axis=0) / 2
     one = np.where(one > 0, one, 1.0)
     whole[0] += np.log(one)
+    fitted = A @ whole
+    within = np.stack([fitted.min(axis=0), fitted.max(axis=0)])
     table = replace(distribution, quantiles=distribution.quantiles / one)
-    return Calibration(weights, floor, whole, degrees, guard, table)
+    return Calibration(weights, floor, whole, degrees, within, guard, table)
 
 
 def _sizes(errors: Array, parts: Sequence[Array]) -> tuple[Array, Array, Array]:
@@ -206,7 +216,8 @@ def _sizes(errors: Array, parts: Sequence[Array]) -> tuple[Array, Array, Array]:
 def _fitted(logarithms: Array, t: Array, groups: NDArray[np.intp]) -> tuple[Indices, Array]:
     """Degrees of the local scale's terms, (m, d), and its coefficients for logarithms of errors (p, n): (m, p)."""
     apart, (d, cases) = places(t, groups), t.shape
-    degrees = additive([_highest(int(count), d) for count in apart])
+    few = max((degree for least, degree in DEGREES if cases >= least), default=0)
+    degrees = additive([max(few, min(int(count) // (PLACES_A_DEGREE * d), HIGHEST)) for count in apart])
     pairs = [pair for pair in combinations(range(d), 2) if apart[list(pair)].min() >= PAIRWISE]
     degrees = np.concatenate([degrees, *(products(d, pair, 2) for pair in pairs)])
     A = values(degrees, t).T
@@ -219,12 +230,6 @@ def _fitted(logarithms: Array, t: Array, groups: NDArray[np.intp]) -> tuple[Indi
     starts = np.pad(trend, ((0, len(waves)), (0, 0))).T
     found = [quantile_regression(A, one, NOMINAL, start) for one, start in zip(logarithms, starts, strict=True)]
     return degrees, np.array(found).T
-
-
-def _highest(count: int, inputs: int) -> int:
-    """Highest degree along an input of so many different values."""
-    few = max((degree for least, degree in DEGREES if count >= least), default=0)
-    return max(few, min(count // (PLACES_A_DEGREE * inputs), HIGHEST))
 
 
 def _waves(A: Array, logarithms: Array, trend: Array, t: Array, pairs: Sequence[tuple[int, int]]) -> Indices | None:

@@ -7,8 +7,8 @@ from surrogate.data.arrays import Array
 
 # The smoothing ends at this share of the residuals' upper spread, where its bias no longer matters.
 BANDWIDTH = 0.1
-# Keeps directions that the data do not see at zero.
-RIDGE = 1e-3
+# Keeps at zero what few values tell: in sparse parts of the box a share may lie below whatever is large enough.
+RIDGE = 1.0
 
 
 def quantile_regression(A: Array, y: Array, level: float, start: Array | None = None) -> Array:

@@ -16,10 +16,9 @@ from workflow.study.model import Study
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
-#: Random cases of films that share the values for which the solver makes tables: these cost 0.1 to 1 s, a case 0.1 ms.
-TOGETHER = 50
-#: The same where so many axes need tables that few places would not tell of the box.
-FEWER_TOGETHER = 10
+#: Random cases of films that share the values for which the solver makes tables: these cost 0.1 to 1 s, a case 0.1 ms,
+#: but of these values few places tell little.
+TOGETHER = 10
 
 
 def inputs(study: Study) -> list[Input]:
@@ -88,24 +87,19 @@ def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
     return exact(study, points(study, count, seed))
 
 
-def together(study: Study) -> int:
-    """Random cases of a study that share the values for which the solver makes tables."""
-    return FEWER_TOGETHER if study.crossed else TOGETHER
-
-
-def points(study: Study, count: int, seed: Sequence[int], at_a_place: int | None = None) -> dict[str, xr.DataArray]:
+def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETHER) -> dict[str, xr.DataArray]:
     """Random factors over dimension ``case``, uniform in the axes' own scales.
 
     Of films, so many cases at a time share the factors for which the solver makes tables; few as these places are, each
     lies in a part of its own of every such axis.
     """
-    random, share = np.random.default_rng(list(seed)), at_a_place or together(study)
+    random = np.random.default_rng(list(seed))
     found: dict[str, xr.DataArray] = {}
     for name, axis in study.factors.items():
         u = random.uniform(size=count)
-        if name in study.tabled and share > 1:
-            places = -(-count // share)
-            u = np.repeat((random.permutation(places) + u[:places]) / places, share)[:count]
+        if name in study.tabled and together > 1:
+            places = -(-count // together)
+            u = np.repeat((random.permutation(places) + u[:places]) / places, together)[:count]
         if axis.scale == "log":
             values = axis.low * (axis.high / axis.low) ** u
         elif axis.scale == "logit":

@@ -99,11 +99,13 @@ class Counted:
 
 
 def count_exactly(design: Designs, term: Term) -> Counted:
-    """What a term exactly counts as at one design over the many scenarios of the verdict, from those that decide it.
+    """What a term counts as at one design over the many scenarios of the verdict, those that decide solved exactly.
 
     The surrogate says which these are; they are solved, and so are those that decide then or may do so by the errors
-    that the surrogate has shown, until none is left. Where a great many decide, as in a mean, all of the few scenarios
-    of the search are solved instead, and the surrogate says what the many change.
+    that the surrogate has shown, until none is left. Scenarios that in a mean weigh a thousandth together are not
+    solved, so that a mean or a deviation errs by a thousandth of the surrogate's own errors. Where a great many decide,
+    as in a mean, all of the few scenarios of the search are solved instead, and the surrogate says what the many
+    change.
     """
     many, few = design.question.judged[term.key], design.question.searched[term.key]
     whole = design.values(design.predicted, many, term)

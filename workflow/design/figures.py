@@ -86,8 +86,8 @@ def first_limit(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dat
     -------
     xarray.Dataset
         ``overload``: the load at the first limit over the design's own, at most ``MOST_LOAD``; ``overload_term``: that
-        limit, empty where none stops it. Nothing where the load is no factor, or where none is known to stop it, but one
-        that no case alone tells might.
+        limit, empty where none stops it. Nothing where the load is no factor, or where none is known to stop it and one
+        might that no case alone tells.
     """
     limits = [
         (term, case)

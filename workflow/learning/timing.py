@@ -69,7 +69,7 @@ def _half_planes(study: Study, points: dict[str, xr.DataArray]) -> dict[str, flo
 
 def _films(study: Study) -> dict[str, float]:
     """The same of films, each at tables that nobody has made before: that of the factorial at one place of these."""
-    new = factorial.points(study, _FILMS + 2, (study.validation.seed, 6), at_a_place=1)
+    new = factorial.points(study, _FILMS + 2, (study.validation.seed, 6), together=1)
     own = {name: levels for name, levels in factorial.levels(study).items() if name not in study.tabled}
     block: dict[str, Any] = {name: new[name][0] if name in study.tabled else own[name] for name in study.axes}
     if study.groups:

@@ -94,7 +94,7 @@ def page(
         "hanging": hangs,
         "datum": length(study),
         "on_film": study.on_film,
-        "together": factorial.together(study),
+        "together": factorial.TOGETHER,
         "tabled": study.tabled,
         "film_beside": study.effects.film if study.effects else {},
         "costly": study.costly.issuperset(study.quantities),

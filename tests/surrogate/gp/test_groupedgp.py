@@ -10,7 +10,6 @@ import xarray as xr
 import surrogate
 from surrogate import GridGP, Group, GroupedGP, Input, Scaling
 from surrogate.data.inputs import unit_coordinates
-from surrogate.intervals.sharing import sharing
 from surrogate.use.sensitivity import sobol
 from surrogate.use.validation import validate
 from tests.surrogate.grouped import GROUPING, GROUPS, INPUTS, PRESSING, SCALINGS, cases, factorial, world
@@ -35,20 +34,6 @@ def test_what_the_groups_tell_is_exact_in_the_inputs(exact: GroupedGP) -> None:
         np.testing.assert_allclose(found[name].values, true, rtol=1e-9, atol=1e-10 * float(np.ptp(true)))
     assert len(exact.core_.inputs_) == 3
     assert list(exact.box) == [one.name for one in INPUTS]
-
-
-def test_errors_by_the_inputs_correct_what_is_learnt_along_the_axes(calibrated: GroupedGP) -> None:
-    """As part of another process, which has its own calibration, it is corrected as alone."""
-    part, held = GroupedGP(GROUPING).fit(factorial(0.2)), cases(3000, 1, 0.2)
-    X = np.stack([held[one.name].values for one in INPUTS], axis=1)
-    t = unit_coordinates(INPUTS, X)
-    truth = np.stack([held[name].values for name in part.outputs_])
-    left = part._corrected(held, truth - part.predict_array(X).T, t, sharing(t))
-    assert part.core_.correction_ is not None
-    np.testing.assert_allclose(part.predict_array(X), calibrated.predict_array(X), rtol=1e-12)
-    after = np.abs(truth - part.predict_array(X).T).max(axis=1)
-    assert (np.abs(left).max(axis=1) > 0.9 * after).all()  # left out, a case is told no better
-    assert (np.abs(left).max(axis=1) < 3 * after).all()
 
 
 def test_gradients_are_those_by_the_inputs(calibrated: GroupedGP) -> None:

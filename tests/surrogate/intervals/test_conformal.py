@@ -1,6 +1,7 @@
 """Intervals after calibration: do they hold on fresh cases, everywhere, and do they survive a file."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,8 @@ import xarray as xr
 from scipy.optimize import linprog
 
 from surrogate import GridGP, ScatterGP, load, save
-from surrogate.intervals.conformal import calibrate
+from surrogate.data.arrays import Array, Flags
+from surrogate.intervals.conformal import Calibration, calibrate
 from surrogate.intervals.quantile import quantile_regression
 from surrogate.intervals.sharing import sharing
 from surrogate.use.validation import validate
@@ -139,6 +141,55 @@ def test_fitting_again_forgets_the_calibration() -> None:
     raw = model.predict(points)
     assert not raw.equals(model.calibrate(functions.scattered(100, seed=1)).predict(points))
     xr.testing.assert_identical(model.fit(data).predict(points), raw)
+
+
+def held(model: Calibration, t: Array, errors: Array) -> Flags:
+    """Whether the 95 % intervals of a calibration without parts of a variance hold errors (p, n)."""
+    std = model.std(np.zeros_like(errors), t)
+    lower, upper = model.distribution.ends(0.95)[..., None]
+    return np.asarray((lower * std <= errors) & (errors <= upper * std))
+
+
+def test_a_scale_that_waves_across_two_inputs_is_followed() -> None:
+    """Oblique slabs hold; what no products of higher degree follow holds three quarters there."""
+    random = np.random.default_rng(0)
+    t = random.uniform(-1, 1, (3, 22_000))
+    errors = random.normal(size=(1, t.shape[1])) * np.exp(1.5 * np.sin(4 * (t[0] - t[2]) + 0.5))
+    some = t[:, :6000]
+    learnt = calibrate(errors[:, :6000], [np.zeros((1, 6000))], some, sharing(some))
+    assert set(np.flatnonzero(learnt.trend_degree.max(axis=0) > 2)) >= {0, 2}
+    assert int((learnt.trend_degree.astype(bool).sum(axis=1) > 1).sum()) == 27 + 3
+    new, at = errors[:, 6000:], t[:, 6000:]
+    inside = held(learnt, at, new)
+    assert inside.mean() == pytest.approx(0.955, abs=0.012)
+    along = at[0] - at[2]
+    for low in np.linspace(-1.4, 1.2, 14):
+        assert inside[0, (along >= low) & (along < low + 0.2)].mean() >= 0.9
+    additive = replace(learnt, trend=np.where(learnt.trend_degree.astype(bool).sum(axis=1) > 1, 0.0, learnt.trend.T).T)
+    slabs = [
+        held(additive, at, new)[0, (along >= low) & (along < low + 0.2)].mean() for low in np.linspace(-1.4, 1.2, 14)
+    ]
+    assert min(slabs) < 0.8
+
+
+def test_a_scale_stays_within_what_the_cases_showed() -> None:
+    random = np.random.default_rng(1)
+    t = np.tanh(random.normal(size=(2, 6000)) * [[0.3], [0.3]])  # next to nothing in the corners
+    errors = random.normal(size=(1, 6000)) * np.exp(np.sin(3 * t.sum(axis=0)))
+    learnt = calibrate(errors, [np.zeros((1, 6000))], t, sharing(t))
+    corners = np.array([[-1.0, -1, 1, 1], [-1, 1, -1, 1]])
+    std = learnt.std(np.zeros((1, 4)), corners)
+    assert (std < 30).all()
+    assert (std > 0.03).all()
+
+
+def test_cases_that_share_places_count_as_places_in_parts_of_the_box() -> None:
+    random = np.random.default_rng(2)
+    few, own = np.repeat(random.uniform(-1, 1, (1, 60)), 50, axis=1), random.uniform(-1, 1, (1, 3000))
+    t = np.concatenate([few, own])
+    learnt = calibrate(random.normal(size=(1, 3000)), [np.zeros((1, 3000))], t, sharing(t))
+    assert not learnt.guard.slabs[0].any()  # six places each
+    assert not learnt.trend_degree.all(axis=1).any()  # no product of the two
 
 
 def test_exactly_reproduced_outputs_keep_a_zero_interval() -> None:

@@ -10,12 +10,12 @@ function loadCurves(plain) {
 // A net of panels: mean and vectors of its fields, the points that are scanned, and pairs of neighbours among these.
 function loadNet(plain) {
   const net = { ...plain, whole: readCore(plain.whole), panels: [], scan: [], pairs: [], counts: [Math.max(...plain.across), Math.max(...plain.down)] };
-  const some = (count) => Array.from({ length: count }, (_, k) => k).filter((k) => k % 2 === 0 || k === count - 1);
-  const kept = plain.down.length === 1 && plain.down[0] === 1 ? (count) => Array.from({ length: count }, (_, k) => k) : some;
+  const all = (count) => Array.from({ length: count }, (_, k) => k);
+  const some = (count) => all(count).filter((k) => k % 2 === 0 || k === count - 1);
   let start = 0;
   for (const down of plain.down) {
     for (const across of plain.across) {
-      const panel = net.panels.length, rows = kept(down), columns = kept(across), first = net.scan.length;
+      const panel = net.panels.length, rows = some(down), columns = all(across), first = net.scan.length;
       rows.forEach((i) => columns.forEach((j) => net.scan.push({ panel, point: start + i * across + j, u: gauss(across, j), v: gauss(down, i) })));
       rows.forEach((_, i) => columns.forEach((__, j) => {
         const own = first + i * columns.length + j;

@@ -185,6 +185,7 @@ function calibrated(model, t, terms, p, variance) {
   const edge = slab.map((one) => (one > 0) + (one === slabs - 1)); // 0 in the lowest slab, 2 in the highest
   let scale = 0, guard = -Infinity, pair = 0;
   terms.forEach((term, m) => { scale += term * c.trend.data[m * count + p]; });
+  scale = Math.min(Math.max(scale, c.trend_range.data[p]), c.trend_range.data[count + p]);
   slab.forEach((one, k) => { guard = Math.max(guard, c.guard.data[(k * slabs + one) * count + p]); });
   for (let i = 0; i < t.length; i++) {
     for (let j = i + 1; j < t.length; j++, pair++) {

@@ -1,0 +1,75 @@
+"""Films over groups: what data sets of two sizes cost, their errors, and a million queries beside the exact solver.
+
+``python -m benchmarks films``; times are processor time. The box is that of `config/film.yaml`, seven factors.
+"""
+
+from time import process_time
+
+import numpy as np
+import xarray as xr
+
+from workflow.dataset import factorial
+from workflow.learning import training
+from workflow.run.provenance import ROOT
+from workflow.study import model as studies
+from workflow.study.model import Study
+
+#: Levels of volume fraction, friction, P R/h^2, T/P and J/P.
+LEVELS = {"4,608 cases": (8, 4, 12, 4, 3), "36,800 cases": (16, 5, 23, 5, 4)}
+BASES = ("rigid", "steel")
+#: Queries that are counted, and outputs that each of them asks for.
+QUERIES, OUTPUTS = 1_000_000, 21
+
+
+def measure(fresh: int = 1000, held: int = 2500, queries: int = QUERIES) -> dict[str, float]:
+    """Seconds and largest errors over range on fresh cases, before and after the calibration, for every base."""
+    whole = studies.load(ROOT / "config" / "film.yaml")
+    found: dict[str, float] = {}
+    for base in BASES:
+        for name, levels in LEVELS.items():
+            study = alone(whole, base, levels)
+            found |= {f"{base}, {name}: {what}": value for what, value in of(study, fresh, held, queries).items()}
+    return found
+
+
+def alone(whole: Study, base: str, levels: tuple[int, ...]) -> Study:
+    """The study of films on one base, with these levels of its groups."""
+    groups = {
+        text: group.model_dump() | {"levels": count}
+        for (text, group), count in zip(whole.groups.items(), levels, strict=True)
+    }
+    fixed = {**whole.fixed, "base": base}
+    return studies.remade(whole, fixed=fixed, categories={}, groups=groups, design={}, readout={})
+
+
+def of(study: Study, fresh: int, held: int, queries: int) -> dict[str, float]:
+    """What one data set costs, and what is learnt from it."""
+    start = process_time()
+    data = factorial.exact(study, factorial.axes(study))
+    solved = process_time()
+    model = training.fit(study, data)
+    fitted = process_time()
+    truth = factorial.sample(study, fresh, (1, 0))
+    exact = process_time() - fitted
+    points = {name: truth[name] for name in study.factors}
+    true = factorial.learned(study, truth)
+
+    def error() -> float:
+        away = model.predict(points, return_std=False) - true
+        return max(float(abs(away[name]).max() / np.ptp(true[name].values)) for name in model.outputs_)
+
+    plain = error()
+    model.calibrate(factorial.learned(study, factorial.sample(study, held, (1, 2))))
+    some = model.only(model.outputs_[:OUTPUTS])
+    X = np.stack([np.resize(xr.DataArray(column).values, queries) for column in points.values()], axis=1)
+    start_queries = process_time()
+    some.interval_array(X)
+    asked = process_time() - start_queries
+    return {
+        "data set [s]": solved - start,
+        "fit [s]": fitted - solved,
+        "error, plain mean": plain,
+        "error, corrected": error(),
+        f"a million queries of {OUTPUTS} outputs with intervals [s]": asked * QUERIES / queries,
+        "a million exact cases, fifty at a place [s]": exact * QUERIES / fresh,
+    }
