@@ -77,8 +77,9 @@ function spread(file, t, parts, p) {
   const edge = slab.map((one) => (one > 0) + (one === slabs - 1));
   const pairs = t.flatMap((_, i) => t.slice(i + 1).map((_, j) => [i, i + 1 + j]));
   const degree = file.calibration_trend_degree, T = t.map((one) => chebyshev(one, Math.max(...degree.values) + 1));
-  const trend = range(degree.sizes[0]).reduce((sum, j) =>
-    sum + T.reduce((all, own, f) => all * own[degree(j, f)], file.calibration_trend(j, p)), 0);
+  const term = (j) => T.reduce((all, own, f) => all * own[degree(j, f)], file.calibration_trend(j, p));
+  const sum = range(degree.sizes[0]).reduce((all, j) => all + term(j), 0);
+  const trend = clip(sum, file.calibration_trend_range(0, p), file.calibration_trend_range(1, p));
   const guards = slab.map((one, f) => file.calibration_guard(f, one, p));
   guards.push(...pairs.map(([i, j], k) => corner(k, edge[i], edge[j], p)));
   const std = Math.sqrt(raw + file.calibration_floor(p)) * Math.exp(trend + Math.max(...guards));

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from storage.files import output, regular
-from workflow.cli.words import say
+from workflow.cli.words import say, surrogate_file
 from workflow.study.reading import InputError, number, one_line
 
 #: Name of the corrected surrogate, beside the one that it was made from, where none is given.
@@ -23,7 +23,7 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
         "are missing are estimated. A unit may stand behind a name, as 'thickness [um]'; without one it is SI.",
     )
     command.add_argument("measured", type=Path, metavar="MEASURED.csv")
-    command.add_argument("--on", type=Path, required=True, metavar="results/STUDY/surrogate.nc")
+    command.add_argument("--on", type=surrogate_file, required=True, metavar="results/STUDY/surrogate.nc")
     command.add_argument(
         "--uncertain",
         action="append",

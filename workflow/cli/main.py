@@ -23,7 +23,7 @@ from workflow.cli.launch import launch
 from workflow.cli.progress import busy
 from workflow.cli.query import query
 from workflow.cli.solving import solved
-from workflow.cli.words import numbers, say
+from workflow.cli.words import numbers, say, surrogate_file
 from workflow.study.reading import InputError, one_line, read_material
 
 
@@ -108,7 +108,7 @@ def _parser() -> _Parser:
         "--level says another. Columns written: the inputs, then NAME, NAME_std, NAME_lower and NAME_upper of every "
         "output. NAME +- NAME_std holds 68 %%; intervals are no fixed multiple of it: errors are not Gaussian.",
     )
-    command.add_argument("surrogate", type=Path, metavar="surrogate.nc")
+    command.add_argument("surrogate", type=surrogate_file, metavar="surrogate.nc", help="or results/STUDY")
     command.add_argument(
         "table", type=Path, nargs="?", metavar="AT.csv", help="one row a point, columns are the inputs"
     )

@@ -57,7 +57,7 @@ def _described(material: Material, half: HalfPlane) -> str:
     lines = [f"{_in_line(material.name)}: admissible"]
     lines += [f"{label}: {_in_line(text)}" for label, text in texts if text]
     lines.append("constants")
-    lines += [_constant(material, name) for name in UNITS]
+    lines += [_constant(material, name) for name in UNITS if not np.isnan(getattr(material, name))]
     for variant, other in zip(material.variants(), material.alternatives, strict=True):
         values = ", ".join(f"{name} = {value:.6g} {UNITS[name]}" for name, value in other.constants.items())
         lines.append(f"{_in_line(variant.name)}: {values}: {_in_line(other.source)}")

@@ -10,7 +10,6 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from pathlib import Path
 from threading import Lock
 from typing import Any
 
@@ -23,7 +22,7 @@ from solver import FactorError, MaterialError
 from storage.files import regular
 from surrogate import GaussianProcess, OutOfBoxError
 from workflow.cli.query import study_of
-from workflow.cli.words import say
+from workflow.cli.words import say, surrogate_file
 from workflow.dataset import factorial
 from workflow.study.model import Study
 from workflow.study.reading import InputError, one_line
@@ -253,7 +252,7 @@ def add(commands: Any) -> None:
         description="Answers UM-Bridge requests: input 0 is the vector of factors, output 0 that of quantities, both "
         "in SI units and in the order that is printed at the start.",
     )
-    command.add_argument("surrogate", type=Path, metavar="surrogate.nc")
+    command.add_argument("surrogate", type=surrogate_file, metavar="surrogate.nc", help="or results/STUDY")
     command.add_argument("--exact", metavar="STUDY", help="also the exact solver: the study that it came from")
     command.add_argument("--port", type=int, default=PORT, help=f"default: {PORT}; 0: any that is free")
     command.add_argument("--host", default="127.0.0.1", help="default: this machine only; there is no password")

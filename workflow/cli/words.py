@@ -1,6 +1,7 @@
 """What options say, as numbers and pairs, and what is told beside the answers."""
 
 import sys
+from pathlib import Path
 
 from workflow.study.reading import InputError, number, one_line
 
@@ -32,3 +33,9 @@ def pairs(text: str) -> dict[str, float]:
             raise InputError(f"--at: {name.strip()}: given twice")
         found[name.strip()] = numbers(f"--at: {name.strip()}", value)[0]
     return found
+
+
+def surrogate_file(text: str) -> Path:
+    """The file of a surrogate; of a study's folder of results, the one in it."""
+    path = Path(text)
+    return path / "surrogate.nc" if path.is_dir() else path

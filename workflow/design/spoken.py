@@ -42,7 +42,7 @@ class Verdict:
     advice
         What would make it better, or reachable; empty where nothing is known to.
     idle
-        Which variables do not matter; empty where all do.
+        Which variables do not matter, and which ends of ranges; empty where all do.
     tolerance
         What the tolerances cost, and the nominal optimum; empty where there is none.
     device
@@ -139,11 +139,18 @@ def _verdict(answer: xr.Dataset) -> Verdict:
         return Verdict(UNREACHABLE, _missed(broken), _way_out(answer, broken, edges))
     edges = {name: edge for name, edge in edges.items() if name not in idle}
     binding = [limit for limit in limits if limit.margin < BINDS]
-    stops = [f"{titles.title(name)} at {_end(edge)} ({_value(answer, name)})" for name, edge in edges.items()]
+    gains = _gains(answer, binding, edges)
+    ends = {name: f"{titles.title(name)} at {_end(edge)} ({_value(answer, name)})" for name, edge in edges.items()}
+    slight = [name for name in edges if gains.get(name, np.inf) <= _NOTHING]
+    if slight:
+        told = f"{capital(listed([ends[name] for name in slight]))} {'do' if len(slight) > 1 else 'does'} not stop it"
+        unmoved = f"{told}: next to nothing is gained beyond. {unmoved}".strip()
+    edges = {name: edge for name, edge in edges.items() if name not in slight}
+    stops = [ends[name] for name in edges]
     stops += [limit.words for limit in binding]
     told = f"{listed(stops)} {'stop' if len(stops) > 1 else 'stops'} it."
     if edges:
-        return Verdict(AT_EDGE, told, _enlarged(answer, binding, edges), unmoved)
+        return Verdict(AT_EDGE, told, _enlarged(answer, edges, gains), unmoved)
     return Verdict(RECOMMENDED, told if stops else "best within the ranges, and no limit stops it.", "", unmoved)
 
 
@@ -239,17 +246,22 @@ def _rounded_away(one: _Limit) -> str:
     return shown(float(rounded), one.units, 4)
 
 
-def _enlarged(answer: xr.Dataset, binding: list[_Limit], edges: dict[str, str]) -> str:
-    """What moving the ends of the ranges would likely bring, by the multipliers of the optimum."""
+def _gains(answer: xr.Dataset, binding: list[_Limit], edges: dict[str, str]) -> dict[str, float]:
+    """What moved ends of the ranges would likely bring, by the multipliers of the optimum; those that are known."""
     if int(np.isnan(answer["limit"].values).sum()) > 1:  # a compromise of several goals has no one gradient
-        return "A better design may lie beyond."
-    gains = multipliers(answer, [one.label for one in binding], edges)
-    parts = []
-    for name, edge in edges.items():
-        change = _moved(answer, name, edge)
-        gain = gains.get(name, np.nan) * abs(change)
-        if gain > _NOTHING:
-            parts.append(f"{_to(answer, name, change)} would likely bring {_percent(gain)} more")
+        return {}
+    found = multipliers(answer, [one.label for one in binding], edges)
+    changes = {name: abs(_moved(answer, name, edges[name])) for name in found}
+    return {name: gain * changes[name] for name, gain in found.items() if changes[name]}
+
+
+def _enlarged(answer: xr.Dataset, edges: dict[str, str], gains: dict[str, float]) -> str:
+    """The same in words."""
+    parts = [
+        f"{_to(answer, name, _moved(answer, name, edge))} would likely bring {_percent(gains[name])} more"
+        for name, edge in edges.items()
+        if name in gains
+    ]
     return f"By the gradient, {listed(parts)}." if parts else "A better design may lie beyond."
 
 

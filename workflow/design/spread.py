@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from solver.names import ALL_PEAKS
 from workflow.design.designs import Designs
 from workflow.design.risk import WorstCase
 from workflow.design.sources import Exact
@@ -42,7 +43,8 @@ def over(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dataset:
     xarray.Dataset
         ``effect`` over (``term``, ``constant``), the relative change of a term by one prior standard deviation;
         ``spread`` over ``term``, the root of the sum of their squares; ``prior`` over ``constant``, in words. NaN for a
-        term that counts over distributions, or is next to zero. Nothing where no constant is uncertain.
+        term that counts over distributions, is next to zero, or is searched for in a film. Nothing where no
+        constant is uncertain.
     """
     question = design.question
     try:
@@ -50,7 +52,7 @@ def over(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dataset:
     except InputError:  # a material whose constants follow its composition
         return xr.Dataset()
     effects = np.full((len(question.terms), len(constants)), np.nan)
-    told = [k for k, term in enumerate(question.terms) if isinstance(term.measure, WorstCase)]
+    told = [k for k, term in enumerate(question.terms) if _tells(question.study, term)]
     terms, cases = [question.terms[k] for k in told], [worst[k] for k in told]
     here = _values(design, question.study, terms, cases)
     for column, one in enumerate(constants):
@@ -66,6 +68,12 @@ def over(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dataset:
         },
         coords={"constant": [one.name for one in constants]},
     )
+
+
+def _tells(study: Study, term: Term) -> bool:
+    """Whether one case tells what a term counts as, in less than seconds for every constant."""
+    searched = study.on_film and not ALL_PEAKS.keys().isdisjoint(term.expression.names())
+    return isinstance(term.measure, WorstCase) and not searched
 
 
 def _moved(study: Study, one: Constant, z: float) -> Study:

@@ -87,9 +87,9 @@ def answered(study: Study, name: str, target: Target, found: xr.Dataset) -> Answ
         body=body,
         punch=punch,
         good=good(target, found, hanging(own), reference),
-        limit=limit(told),
-        cost=cost(found),
-        sure=sure(found),
+        limit=_unbroken(limit(told)),
+        cost=_unbroken(cost(found)),
+        sure=_unbroken(sure(found)),
         beyond=beyond(found),
         verdict=told,
         drawing=element(drawn, f"device-{name}", f"{name.replace('_', ' ')}, drawn to scale: {body}; {punch}"),
@@ -232,6 +232,11 @@ def beyond(found: xr.Dataset) -> str:
     """Where a design leaves what the theory holds for; empty where it does not."""
     flags = str(found["flags"].item())
     return f"Beyond what the theory holds for: {flags}." if flags else ""
+
+
+def _unbroken(text: str) -> str:
+    """With every per cent sign in one piece with its number."""
+    return text.replace(" %", "\N{NO-BREAK SPACE}%")
 
 
 def _share(part: float) -> str:

@@ -207,7 +207,6 @@ def design(data: xr.Dataset) -> dict[str, Any]:
         "statistic": str(data.attrs["statistic"]),
         "flags": str(data["flags"].values),
         "feasible": bool(data["feasible"].values),
-        "at_edge": any(one["edge"] for one in variables),
         "objective": terms[0],
         "several": int(np.isnan(data["limit"]).sum()) > 1,
         "limits": terms[1:],

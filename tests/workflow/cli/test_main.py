@@ -134,6 +134,7 @@ def test_missing_files_and_folders_are_named(tmp_path: Path, capsys: pytest.Capt
     cases = write(tmp_path / "cases.csv", "material,radius,load\nsteel,0.1,1e4\n")
     line = complaint(capsys, "solve", cases, "-o", tmp_path / "absent" / "out.nc")
     assert f"{tmp_path / 'absent'} does not exist" in line
+    assert f"{tmp_path}/surrogate.nc: No such file" in complaint(capsys, "query", tmp_path, "--at", "load=1")
     assert "invalid choice" in complaint(capsys, "slove")
     assert "-o/--output" in complaint(capsys, "solve", cases)
 
@@ -180,6 +181,8 @@ def test_query_prints_and_writes_what_the_surrogate_says(
     printed = capsys.readouterr().out
     for name in model.outputs_:
         assert name in printed
+    assert main.main(["query", str(path.parent), "--at", ",".join(f"{k}={v}" for k, v in point.items())]) == 0
+    assert capsys.readouterr().out == printed  # of the study's folder too
     table = write(tmp_path / "at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.5,0,0.02,5e3\n")
     out = tmp_path / "out.csv"
     assert main.main(["query", str(path), str(table), "-o", str(out)]) == 0

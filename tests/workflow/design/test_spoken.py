@@ -65,6 +65,18 @@ def test_an_end_is_worth_its_multiplier(farther: float, goal: float) -> None:
     assert told.advice == f"By the gradient, radius of 220 mm would likely bring {10 * (farther - 1):g} % more."
 
 
+def test_an_end_beyond_which_nothing_is_gained_does_not_stop_a_design() -> None:
+    upper = "upper end of the studied range"
+    told = spoken.verdict(design([1e-9, 5e6], [50e6], [[1e-5, 1.0], [1.0, 1.0]], (upper, upper)))
+    assert told.kind == spoken.AT_EDGE
+    assert told.stops == "load at its upper end (10 kN/m) stops it."
+    assert told.advice == "By the gradient, load of 11 kN/m would likely bring 10 % more."
+    assert told.idle == "Radius at its upper end (200 mm) does not stop it: next to nothing is gained beyond."
+    alone = spoken.verdict(design([1e-9, 50e6], [50e6], [[1e-5, 0.0], [1.0, 1.0]], (upper, "")))
+    assert alone.kind == spoken.RECOMMENDED
+    assert alone.stops == "tension behind the contact of 50 MPa stops it."
+
+
 def test_a_gradient_that_nothing_explains_promises_nothing() -> None:
     answer = design([1e-9, 5e6], [50e6], [[1.0, 1.0], [1.0, 1.0]], ("upper end of the studied range", ""))
     assert spoken.multipliers(answer, [], {"radius": "upper end"}) == {}

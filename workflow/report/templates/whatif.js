@@ -160,7 +160,7 @@ function startWhatIf(root) {
       const { value, room, words: said_ } = verdict(limit, found), row = document.createElement("li");
       row.className = said_ === "broken" ? "bad" : said_.startsWith("not") ? "soft" : "good";
       Object.assign(row.dataset, { limit: limit.text, verdict: said_, value: String(value), room: String(room) });
-      row.textContent = `${limit.words}: ${value === null ? "" : `${said(value, limit.units, 5)}, `}${said_}`;
+      row.textContent = `${limit.words}: ${value === null ? "" : `${said(value, limit.units, 5)}, `}${said_}`.replaceAll(" %", "\u00a0%");
       return row;
     }));
     root.querySelectorAll("button[data-case]").forEach((button, k) => button.setAttribute("aria-pressed", String(k === chosen)));
