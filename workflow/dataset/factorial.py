@@ -126,7 +126,7 @@ def exact(
     parts of the surface fields where ``regular``; with the curves that the surrogate learns where ``curves``. Without
     what is no number in some cases, which no file would hold.
     """
-    grouped = axes.keys() >= study.products.keys() and not study.factors.keys() >= study.products.keys()
+    grouped = bool(study.groups) and axes.keys() >= study.products.keys() and not axes.keys() >= study.factors.keys()
     over = list(study.products) if grouped else []
     own = similar.factors(study, {name: axes[name] for name in over}) if over else {}
     rest = {name: values for name, values in axes.items() if name not in over}

@@ -103,10 +103,10 @@ class Predicted:
         return {name: slopes[:, self._column(name, model)] for name in names}
 
     def _of(self, names: Sequence[str]) -> GaussianProcess:
-        """The model of these quantities: what follows from curves costs a search each."""
+        """The model of these quantities, of one if there are none: what follows from curves costs a search each."""
         if not isinstance(self._model, CurveGP):
             return self._model
-        asked = tuple(dict.fromkeys(output(name, self._kinds) for name in names))
+        asked = tuple(dict.fromkeys(output(name, self._kinds) for name in names)) or self._model.outputs_[-1:]
         if asked not in self._parts:
             self._parts[asked] = self._model.only(asked)
         return self._parts[asked]

@@ -61,7 +61,7 @@ def product(text: str) -> Product:
     >>> one.name, one.units, dict(one.powers)
     ('load_radius_per_thickness2', 'Pa', {'load': 1, 'radius': 1, 'thickness': -2})
     """
-    for name in re.findall(r"[^\W\d]\w*", text):
+    for name in re.findall(r"[^\W\d]\w*\b(?!\s*\()", text):
         if name not in FACTORS:
             raise ValueError(f"groups: {text!r}: {name!r} is no factor; {nearest(name, list(FACTORS))}")
     try:

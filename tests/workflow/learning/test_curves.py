@@ -1,0 +1,42 @@
+"""Largest stresses of a study by curves over its groups, against the exact search."""
+
+from pathlib import Path
+
+import numpy as np
+
+from surrogate import CurveGP
+from workflow.dataset import factorial
+from workflow.learning import curves, training
+from workflow.study.model import load
+
+STUDY = """\
+title: Two axes stand for four factors
+fixed: {composite: fibrous}
+factors:
+  volume_fraction: {low: 0.4, high: 0.6}
+  friction: {low: 0.1, high: 0.3}
+  radius: {low: 0.01, high: 0.1, scale: log}
+  load: {low: 1e4, high: 1e5, scale: log}
+groups:
+  volume_fraction: {levels: 5}
+  friction: {levels: 6}
+dataset: {peaks: [peak_von_mises, peak_von_mises_depth]}
+surrogate: {outputs: [peak_von_mises, peak_von_mises_depth, peak_pressure]}
+"""
+
+
+def test_over_groups_sizes_carry_the_scale_and_curves_have_none(tmp_path: Path) -> None:
+    path = tmp_path / "grouped.yaml"
+    path.write_text(STUDY, encoding="utf-8")
+    study = load(path)
+    assert study.regions == ["body"]
+    assert "peak_principal_tension" not in study.quantities  # nobody asked for its search
+    data = factorial.exact(study, factorial.axes(study), curves=True)
+    model = training.fit(study, data)
+    assert isinstance(model, CurveGP)
+    assert curves.given(study, data)
+    fresh = factorial.sample(study, 20, (7, 0))
+    table = training.validate(study, data, fresh, model)  # 30 cases, over a decade of loads and one of radii
+    assert (table["max_error"] < [5e-4, 2e-3, 5e-4]).all()
+    assert np.ptp(fresh["peak_von_mises"].values) > 1e8
+    assert (table["baseline_max_error"].sel(output="peak_pressure") < 1e-3).all()
