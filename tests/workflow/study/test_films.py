@@ -6,7 +6,7 @@ import pytest
 
 from solver.names import FILM_QUANTITIES, QUANTITIES
 from workflow.design import budget
-from workflow.study import datum, model
+from workflow.study import datum, solvable
 from workflow.study.model import Study, load, thawed
 from workflow.study.reading import InputError
 
@@ -59,7 +59,7 @@ def test_factors_that_need_tables_come_first_and_make_every_quantity_costly(stud
 
 def test_a_frozen_study_asks_the_solver_nothing(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     frozen = study.frozen()
-    monkeypatch.setattr(model, "solve", None)
+    monkeypatch.setattr(solvable, "solve", None)
     again = thawed(frozen)
     assert again.quantities == study.quantities
     assert again.digest(*Study.model_fields) == study.digest(*Study.model_fields)
