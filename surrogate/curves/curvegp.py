@@ -8,7 +8,7 @@ polynomials (module `panels`). Its derivatives follow from those of the coeffici
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import ClassVar, Self
 
 import numpy as np
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from storage.described import described
 from surrogate.curves.curves import Basis, Curves, Largest
-from surrogate.curves.following import followed, following
+from surrogate.curves.following import Links, followed, following
 from surrogate.curves.landscape import Landscape
 from surrogate.curves.measure import Measure
 from surrogate.data.arrays import Array
@@ -30,29 +30,6 @@ from surrogate.gp.model import GaussianProcess
 # Curves whose largest values are looked for at a time: their fields stay in cache.
 _BLOCK = 128
 _PROBES = 64
-
-
-@dataclass(frozen=True)
-class Links:
-    """Rows of smooth outputs behind the outputs of a `CurveGP`.
-
-    Attributes
-    ----------
-    plain : list of (int, int)
-        Outputs that are smooth themselves, and their rows.
-    scores : list of list of int
-        Of the scores of every element of `curves`.
-    sizes : dict of str to int
-        Of what every output in `largest` scales by; -1: by nothing.
-    witnesses, spreads : list
-        For every output the row whose deviation tells its own, and what that is multiplied by where the size is one.
-    """
-
-    plain: list[tuple[int, int]]
-    scores: list[list[int]]
-    sizes: dict[str, int]
-    witnesses: list[int]
-    spreads: list[float]
 
 
 class CurveGP(GaussianProcess):
@@ -246,7 +223,7 @@ class CurveGP(GaussianProcess):
                 [name for name, one in self.largest.items() if one.measure is measure and one.curves == number],
             )
 
-    def links(self) -> "Links":
+    def links(self) -> Links:
         """Return which smooth outputs stand behind the outputs, for evaluation elsewhere."""
         rows = {name: k for k, name in enumerate(self.smooth_.outputs_)}
         sizes = {name: self._size_of(name) for name in self.largest}

@@ -1,6 +1,7 @@
 """Curves and what follows from them as plain arrays: the part of a file that a `CurveGP` has beside its process."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -14,6 +15,29 @@ from surrogate.curves.panels import Panels
 _MOST = 1_000_000
 
 Arrays = dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]
+
+
+@dataclass(frozen=True)
+class Links:
+    """Rows of smooth outputs behind the outputs of a `CurveGP`.
+
+    Attributes
+    ----------
+    plain : list of (int, int)
+        Outputs that are smooth themselves, and their rows.
+    scores : list of list of int
+        Of the scores of every element of `curves`.
+    sizes : dict of str to int
+        Of what every output in `largest` scales by; -1: by nothing.
+    witnesses, spreads : list
+        For every output the row whose deviation tells its own, and what that is multiplied by where the size is one.
+    """
+
+    plain: list[tuple[int, int]]
+    scores: list[list[int]]
+    sizes: dict[str, int]
+    witnesses: list[int]
+    spreads: list[float]
 
 
 def following(curves: Sequence[Curves], bases: Sequence[Basis], largest: Mapping[str, Largest]) -> Arrays:
