@@ -77,9 +77,13 @@ def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
 
 
 def cases(study: Study, name: str) -> xr.Dataset:
-    """Random exact cases of one of `SAMPLES`, over dimension ``case`` and the categories."""
+    """Random exact cases of one of `SAMPLES`, over dimension ``case`` and the categories.
+
+    Those for calibration have the curves that the surrogate learns, where it can correct them.
+    """
     number, key = SAMPLES[name]
-    return sample(study, getattr(study.validation, key), (study.validation.seed, number))
+    drawn = points(study, getattr(study.validation, key), (study.validation.seed, number))
+    return exact(study, drawn, curves=name == "calibration" and not study.groups)
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
@@ -140,7 +144,8 @@ def exact(
         regular=regular,
     )
     if curves and study.regions:
-        solved = solved.merge(study.solved(solve_curves, factors, study.regions), combine_attrs="override")
+        found = study.solved(solve_curves, factors, study.regions)
+        solved = solved.merge(found, compat="override", join="exact", combine_attrs="override")
     if over:
         along = {name: (name, np.asarray(axes[name]), _axis_attrs(study, name)) for name in over}
         solved = solved.assign_coords(along).transpose(*over, ...)

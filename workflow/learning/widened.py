@@ -9,7 +9,7 @@ from surrogate import GaussianProcess, Input
 from workflow.dataset import factorial
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import written
-from workflow.learning import training
+from workflow.learning import curves, training
 from workflow.study import grouped
 from workflow.study import model as studies
 from workflow.study.model import Study
@@ -80,8 +80,8 @@ def made(study: Study, target: Target, wider: Mapping[str, tuple[float, float]])
 
 def learned(study: Study) -> GaussianProcess:
     """A surrogate of a study that was made here, from exact cases."""
-    model = training.fit(study, factorial.exact(study, factorial.axes(study)))
-    model.calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
+    model = training.fit(study, factorial.exact(study, factorial.axes(study), curves=True))
+    model.calibrate(curves.learned(study, factorial.cases(study, "calibration")))
     return model
 
 

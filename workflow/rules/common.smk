@@ -106,9 +106,16 @@ def captions_of(*figures):
     return [f"workflow/report/captions/{figure}.rst" for figure in figures]
 
 
+def regions_of(wildcards):
+    """A parameter that changes when exact cases are to have other curves."""
+    return study_of(wildcards).regions
+
+
 def curves_of(wildcards):
     """The slabs, where the surrogate learns curves that lie in them."""
     return slabs_of(wildcards, "results/{study}/fields/slab_{slab}.nc") if study_of(wildcards).regions else []
+
+
 def batches_of(wildcards, rounds=None):
     """The slabs of the batches that a cross approximation asks for, of the first rounds or of all."""
     files = []

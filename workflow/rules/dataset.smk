@@ -26,6 +26,7 @@ rule slab:
         mem_mb=partition.MEMORY,
     params:
         study=sections(*PHYSICS, "dataset"),
+        regions=regions_of,
         code=provenance.code("workflow/scripts/slab.py"),
     log:
         "logs/{study}/slab/{slab}.log",

@@ -8,6 +8,7 @@ rule cases:
     priority: 3  # of films they take longest
     params:
         study=sections(*PHYSICS, "dataset", "validation"),
+        regions=regions_of,
         code=provenance.code("workflow/scripts/cases.py"),
     log:
         "logs/{study}/cases.log",

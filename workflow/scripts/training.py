@@ -4,7 +4,6 @@ from pathlib import Path
 
 from storage.netcdf import read_whole
 from surrogate import save
-from workflow.dataset import factorial
 from workflow.learning import curves, training
 from workflow.run import joblog
 from workflow.study import planned
@@ -13,5 +12,5 @@ snakemake = joblog.start(globals())
 config = planned.study(snakemake)
 quantities = read_whole(Path(snakemake.input.quantities))
 model = training.fit(config, curves.joined(config, quantities, snakemake.input.slabs))
-model.calibrate(factorial.learned(config, read_whole(Path(snakemake.input.calibration))))
+model.calibrate(curves.learned(config, read_whole(Path(snakemake.input.calibration))))
 save(model, Path(snakemake.output[0]))

@@ -1,5 +1,6 @@
 """Largest stresses of a study by curves over its groups, against the exact search."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -40,3 +41,21 @@ def test_over_groups_sizes_carry_the_scale_and_curves_have_none(tmp_path: Path) 
     assert (table["max_error"] < [5e-4, 2e-3, 5e-4]).all()
     assert np.ptp(fresh["peak_von_mises"].values) > 1e8
     assert (table["baseline_max_error"].sel(output="peak_pressure") < 1e-3).all()
+
+
+def test_calibration_cases_have_curves_which_correct_the_largest_stresses(tmp_path: Path) -> None:
+    path = tmp_path / "plain.yaml"
+    text = re.sub(r"  (radius|load):.*\n|groups:\n(  .*\n)*", "", STUDY)
+    text = text.replace("composite: fibrous", "radius: 0.05, load: 5e4")
+    text = text.replace("high: 0.6}", "high: 0.8, levels: 7}").replace("high: 0.3}", "high: 0.5, levels: 6}")
+    path.write_text(f"{text}validation: {{cases: 100, calibration: 200, tolerance: 1e-5}}", encoding="utf-8")
+    study = load(path)
+    held, fresh = (factorial.cases(study, sample) for sample in ("calibration", "validation"))
+    assert curves.given(study, held)
+    assert not curves.given(study, fresh)
+    model = training.fit(study, factorial.exact(study, factorial.axes(study), curves=True))
+    points = {name: fresh[name] for name in study.factors}
+    before = model.predict(points, return_std=False)["peak_von_mises"]
+    after = model.calibrate(curves.learned(study, held)).predict(points, return_std=False)["peak_von_mises"]
+    errors = [np.median(np.abs(found - fresh["peak_von_mises"])) for found in (before, after)]
+    assert errors[1] < 0.3 * errors[0]
