@@ -54,9 +54,13 @@ def test_every_make_target_of_the_readme_exists() -> None:
 def test_the_container_is_made_as_make_run_makes_its_environment() -> None:
     steps = (ROOT / "Dockerfile").read_text(encoding="utf-8")
     made = re.findall(r"^RUN make (.*)$", steps, re.MULTILINE)
-    plan = subprocess.run(["make", "-n", "-B", *made], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    plan, run = (
+        subprocess.run(
+            ["make", "-n", "-B", "--no-print-directory", *goals], cwd=ROOT, capture_output=True, text=True, check=True
+        ).stdout
+        for goals in (made, ["run"])
+    )
     assert "pip install -q --require-hashes -r requirements/run.txt" in plan
-    run = subprocess.run(["make", "-n", "-B", "run"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     assert run.startswith(plan)  # and then it runs
     version = re.search(r"^FROM python:(\d\.\d+)-slim$", steps, re.MULTILINE)
     asked = re.search(

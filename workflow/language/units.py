@@ -75,7 +75,7 @@ class Unit:
 
         Examples
         --------
-        >>> str(parse("kC / F m")), str(parse("V m N-1"))
+        >>> str(parse("kC / F / m")), str(parse("V m N-1"))
         ('V m-1', 'V m N-1')
         """
         symbols = _alone(self.exponents) or self.symbols

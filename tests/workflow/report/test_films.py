@@ -50,7 +50,7 @@ def test_times_of_films_hold_their_tables_and_the_panel_knows_no_closed_form(
     assert all(value > 0 for value in times.values())
     # one composition for the thicknesses of the factorial, one for every scattered case, none that has tables already
     assert [one.size for one in asked] == [1, 8, 1]
-    assert np.unique(np.concatenate([*asked, cases["volume_fraction"].values])).size == 10 + 1
+    assert np.unique(np.concatenate([*asked, cases["volume_fraction"].values])).size == 10 + 4
     hangs = hanging(study)
     found = whatif.content(study, model, quantities, [], hangs)
     assert found is not None
