@@ -32,7 +32,7 @@ def test_slurm_and_a_local_run_give_the_same_bytes(copy: Callable[[str], Project
     with cluster(tmp_path / "slurm"):
         remote.run("meecontact", "run", "quickstart", "--profile", "slurm")
         jobs = subprocess.run(["scontrol", "-o", "show", "jobs"], capture_output=True, text=True, check=True).stdout
-    assert jobs.count("JobState=COMPLETED") > 12  # it did go there
+    assert jobs.count("JobState=COMPLETED") > 8  # it did go there
     found = data(remote)
     assert found.keys() == expected.keys()
     assert len(found) > 12
