@@ -26,7 +26,7 @@ from surrogate.data.inputs import unit_coordinates
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal, Tabulated
 from surrogate.use.validation import DECILES, LEVELS, crps, distance, pit, worst_corner
 from workflow.dataset import factorial
-from workflow.learning import training
+from workflow.learning import curves, training
 from workflow.study.model import Study, named
 
 #: Levels of studies that leave them open, as their pilots choose them.
@@ -55,17 +55,17 @@ class Method:
         return np.asarray((ends[0] <= true) & (true <= ends[1]))
 
 
-def measure(
-    studies: tuple[str, ...] = ("quickstart", "precise", "sensor"), calibration: int = 10_000, fresh: int = 20_000
-) -> dict[str, float]:
-    """Coverage by level, least and largest over quantities, and in the worst parts of the box; PIT, CRPS and errors."""
+def measure(studies: tuple[str, ...] = ("quickstart", "precise", "sensor"), fresh: int = 20_000) -> dict[str, float]:
+    """Coverage by level, least and largest over quantities, and in the worst parts of the box; PIT, CRPS and errors.
+
+    Every study is calibrated on the cases of its own run.
+    """
     found: dict[str, float] = {}
     for name in studies:
         study = _closed(named(name), name)
-        model = training.fit(study, factorial.exact(study, factorial.levels(study)))
-        held, new = (
-            factorial.learned(study, factorial.sample(study, *of)) for of in ((calibration, (1, 2)), (fresh, (SEED, 0)))
-        )
+        model = training.fit(study, factorial.exact(study, factorial.levels(study), curves=True))
+        held = curves.learned(study, factorial.cases(study, "calibration"))
+        new = factorial.learned(study, factorial.sample(study, fresh, (SEED, 0)))
         for key, value in compare(model, held, new).items():
             found[f"{name}: {key}"] = value
     return found
