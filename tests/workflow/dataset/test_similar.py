@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workflow.dataset import factorial, similar
+from workflow.dataset import factorial
+from workflow.study import representatives
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
@@ -39,7 +40,7 @@ def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study)
     X = np.array([[case[name] for name in study.factors]])
     axes = dict(zip(study.axes, grouping.coordinates(X)[0][:, None], strict=True))
     stored, true = (factorial.learned(study, factorial.exact(study, one)) for one in (axes, case))
-    at = similar.factors(study, axes)
+    at = representatives.factors(study, axes)
     near = np.array([[np.asarray(at[name]).item() for name in study.factors]])
     assert near[0, 0] == pytest.approx(np.sqrt(2e-4 * 1e-3))
     values = np.array([[stored[name].item()] for name in study.learned])
