@@ -23,6 +23,8 @@ from surrogate.intervals.sharing import sharing
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048
+# Standard deviations below are zero: rounding that keeps logarithms finite, as of an output that is 0 everywhere.
+SMALLEST = float(np.finfo(np.float64).tiny ** 0.25)
 # From the physical coordinates of one point, and whether standard deviations are wanted, to means and them, (p,) each;
 # None for a point outside of the box.
 Single = Callable[[Sequence[float], bool], tuple[Array, Array | None] | None]
@@ -421,11 +423,12 @@ class GaussianProcess(Predictive):
         single = self._single() if len(X) == 1 else None
         found = single(X[0].tolist(), return_std) if single else None
         if found is not None:
-            mean, std = found
-            return mean[:, None], None if std is None else std[:, None]
-        if not extrapolate:
-            require_inside(X, self.inputs_)
-        return self._blocks(X, return_std)
+            mean, std = found[0][:, None], None if found[1] is None else found[1][:, None]
+        else:
+            if not extrapolate:
+                require_inside(X, self.inputs_)
+            mean, std = self._blocks(X, return_std)
+        return mean, None if std is None else np.where(std < SMALLEST, 0.0, std)
 
     def _blocks(self, X: Array, return_std: bool) -> tuple[Array, Array | None]:
         mean = np.empty((len(self.outputs_), len(X)))

@@ -14,7 +14,7 @@ from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.gp.engines import ENGINES, engine
-from surrogate.gp.model import GaussianProcess
+from surrogate.gp.model import SMALLEST, GaussianProcess
 
 FORMAT = "surrogate"
 VERSION = 3
@@ -156,7 +156,7 @@ def _restored(path: str | PathLike[str], stored: xr.Dataset, engines: tuple[str,
     for part, found in zip(("mean", "std", "lower", "upper"), (mean, std, *ends), strict=True):
         name = f"probe_{part}"
         expected = stored[name].transpose("probe", "output").values
-        room = PROBE_TOLERANCE * (np.abs(expected) + np.ptp(stored["probe_mean"].values, axis=0))
+        room = PROBE_TOLERANCE * (np.abs(expected) + np.ptp(stored["probe_mean"].values, axis=0)) + SMALLEST
         if found.shape != expected.shape or not (np.abs(found - expected) <= room).all():
             raise FormatError(path, f"the stored predictions {name} do not come out again")
     return model
