@@ -131,7 +131,7 @@ def test_pvdf_has_the_strain_constants_of_its_source() -> None:
 
 
 def test_sets_agree_with_what_their_sources_measure() -> None:
-    """k_t^2 of AlN films is 6 to 6.5 %; the vendor's set of PIC255 has the d33 and s11 of its data sheet, the fit has not."""
+    """AlN films have a k_t^2 of 6 to 6.5 %; the vendor's set of PIC255 has its data sheet's d33 and s11."""
     nitride = solver.find("AlN")
     stiffened = float(nitride.e33**2 / nitride.eps33)
     assert 0.06 < stiffened / (float(nitride.c33) + stiffened) < 0.065
