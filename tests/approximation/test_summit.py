@@ -35,12 +35,16 @@ def test_the_top_of_one_field_on_a_line_is_found_to_rounding_inside_and_at_an_en
 
 
 def test_the_top_of_a_norm_over_a_square_is_that_of_an_optimiser() -> None:
-    def fields(x: Array | float, y: Array | float) -> Array:
+    def fields(x: Array, y: Array) -> Array:
         return np.array([np.exp(-3 * (x - 0.3) ** 2 - y**2), 0.4 * np.sin(2 * x + y)])
 
     x, y = np.meshgrid(gauss_points(30), gauss_points(24))
     across, down, value = highest(fields(x, y)[None], NORM, 1e-8)
-    best = minimize(lambda p: -np.hypot(*fields(*p)), [0.3, 0.1], tol=1e-14, method="Nelder-Mead")
+
+    def below(place: Array) -> float:
+        return -float(np.linalg.norm(fields(place[0], place[1])))
+
+    best = minimize(below, np.array([0.3, 0.1]), tol=1e-14, method="Nelder-Mead")
     np.testing.assert_allclose(value, -best.fun, rtol=1e-12)
     np.testing.assert_allclose([across[0], down[0]], best.x, rtol=0, atol=1e-6)  # flat: the root of rounding
 
