@@ -2,6 +2,7 @@
 
 import csv
 import io
+from collections.abc import Iterable
 
 import numpy as np
 import xarray as xr
@@ -9,6 +10,7 @@ import xarray as xr
 from storage.described import described
 from workflow.language.factors import FACTORS
 
+_FORMULA = tuple("=+-@\t\r")  # with which a spreadsheet begins to calculate
 _LOCAL = ("map_x", "map_y", "slice", "step", "front", "choice", "position", "x", "y")  # what only pictures need
 
 SOURCE = "meecontact: search on a Gaussian process, polished and judged on the closed-form solution"
@@ -141,7 +143,7 @@ def _missing(answers: list[xr.Dataset]) -> dict[str, object]:
 def table(answers: list[xr.Dataset]) -> str:
     """The designs as CSV: one row a category, then one a factor, one a term, and the status."""
     text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
+    rows = _Cells(text)
     rows.writerow(
         ["target", "kind", "name", "units", "predicted", "predicted_std", "exact", "limit", "margin", "inside"]
     )
@@ -162,3 +164,18 @@ def table(answers: list[xr.Dataset]) -> str:
         for kind in ("status", "flags"):
             rows.writerow([target, kind, str(answer[kind].values), *[""] * 7])
     return text.getvalue()
+
+
+class _Cells:
+    """Rows of CSV whose texts no spreadsheet takes for a formula."""
+
+    def __init__(self, file: io.StringIO) -> None:
+        self._rows = csv.writer(file, lineterminator="\n")
+
+    def writerow(self, cells: Iterable[object]) -> None:
+        self._rows.writerow([plain(one) for one in cells])
+
+
+def plain(cell: object) -> object:
+    """A cell of CSV: a text that a spreadsheet would calculate stands behind an apostrophe."""
+    return f"'{cell}" if isinstance(cell, str) and cell[:1] in _FORMULA else cell

@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from solver import Layer, Material, MaterialError, Stack, aluminium_scandium_nitride, fibrous, find, laminate
+from solver import Layer, Material, MaterialError, Stack, aluminium_scandium_nitride, find
+from solver.film.powerlaw import MIXTURES
 from solver.film.stack import RIGID
 from solver.names import BODY, COMPOSITES
 from workflow.language.factors import FACTORS, OF_A_LAYER, own_kind
@@ -83,8 +84,7 @@ class BodyLayer(Strict):
         elif self.composite == "AlScN":
             material = aluminium_scandium_nitride(at["scandium_fraction"])
         else:
-            mixed = fibrous if self.composite == "fibrous" else laminate
-            material = mixed(found(phases[0]), found(phases[1]), at["volume_fraction"])
+            material = MIXTURES[str(self.composite)](found(phases[0]), found(phases[1]), at["volume_fraction"])
         return Layer(material, at["thickness"], self.below.electric, self.below.magnetic)
 
     def words(self) -> str:
