@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.workflow import plans
-from workflow.run.provenance import ROOT
+from workflow.run.provenance import ROOMS, ROOT
 
 SMALL = """\
 title: A small study
@@ -89,7 +89,7 @@ class Project:
 def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the project's files with their bytecode, which copies of it take along."""
     folder = tmp_path_factory.mktemp("compiled")
-    for part in ("storage", "solver", "surrogate", "workflow", "verification", "meecontact", "config", "examples"):
+    for part in (*ROOMS, "meecontact", "config", "examples"):
         shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "pyproject.toml", folder)
     (folder / "config" / "small.yaml").write_text(SMALL, encoding="utf-8")

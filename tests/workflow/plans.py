@@ -10,14 +10,14 @@ import json
 import sys
 from pathlib import Path
 
-ROOMS = ("meecontact", "storage", "solver", "surrogate", "workflow", "verification")
+from workflow.run.provenance import ROOMS
 
 
 def planned(target: str) -> list[str]:
     """Rules that a dry run would execute for a target."""
     from snakemake.cli import main  # takes a second
 
-    for name in [name for name in sys.modules if name.partition(".")[0] in ROOMS]:
+    for name in [name for name in sys.modules if name.partition(".")[0] in (*ROOMS, "meecontact")]:
         del sys.modules[name]
     told = io.StringIO()
     with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told), contextlib.suppress(SystemExit):
