@@ -1,4 +1,4 @@
-"""The arrays of this room."""
+"""The arrays of all rooms of the surrogate."""
 
 from typing import TypeAlias
 
@@ -9,3 +9,5 @@ from numpy.typing import NDArray
 Array: TypeAlias = NDArray[np.float64]
 #: One flag a place.
 Flags: TypeAlias = NDArray[np.bool_]
+#: Whole numbers: places, degrees, counts.
+Indices: TypeAlias = NDArray[np.intp]

@@ -13,12 +13,10 @@ from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
-from surrogate.data.arrays import Array
+from surrogate.data.arrays import Array, Indices
 
-Indices = NDArray[np.intp]
 #: The steps of an approximation: it yields indices (n, d), is sent their blocks (n, b, p), and returns what it found.
 Steps = Generator[Indices, Array, "Crossed"]
 

@@ -171,7 +171,7 @@ class ChebyshevFactor(Factor):
         mean[rows] -= 2 * self.damping[rows, None] * (S[n] * T[mirror] + T[n] * S[mirror])
         return Features(mean, prior, self.unknown @ (S[n] * T[:n] + T[n] * S[:n]) ** 2)
 
-    def exported(self) -> dict[str, object]:
+    def plain(self) -> dict[str, object]:
         """Return what `features` needs, as plain lists."""
         return {
             "levels": self.levels,

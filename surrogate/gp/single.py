@@ -10,7 +10,6 @@ from itertools import combinations
 from math import log
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import eval_chebyt
 
 from surrogate.data.arrays import Array
@@ -21,7 +20,6 @@ from surrogate.gp.tensortrain import TensorTrain
 from surrogate.intervals.conformal import Calibration
 from surrogate.intervals.guard import SLABS
 
-Indices = NDArray[np.intp]
 # 0 in the lowest slab, 2 in the highest, 1 between: places in the guard of corners.
 _EDGE = np.array([0, *[1] * (SLABS - 2), 2])
 

@@ -12,9 +12,9 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from surrogate.data.arrays import Array
 from surrogate.data.factorial import follows_chebyshev
 from surrogate.data.inputs import Input
+from surrogate.face.model import GaussianProcess
 from surrogate.gp.gridgp import GridGP
-from surrogate.gp.model import GaussianProcess
-from surrogate.scattered.scattergp import KernelName, ScatterGP
+from surrogate.gp.scattergp import KernelName, ScatterGP
 
 Design = Literal["auto", "factorial", "scattered"]
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import Input
-from surrogate.gp.model import GaussianProcess
+from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL
 
 _FIRST = {1: 256, 2: 48, 3: 16}  # cells an input at first, by the number of inputs

@@ -7,12 +7,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from surrogate import CurveGP, GridGP, GroupedGP, Input
-from surrogate.curves.curves import Curves, Largest
-from surrogate.curves.measure import Measure
-from surrogate.curves.panels import Panels
+from surrogate import CurveGP, GridGP, Group, GroupedGP, Grouping, Input, Scaling
 from surrogate.data.inputs import gauss_points
-from surrogate.gp.grouping import Group, Grouping, Scaling
+from surrogate.transforms.curves.basis import Curves, Largest
+from surrogate.transforms.curves.measure import Measure
+from surrogate.transforms.curves.panels import Panels
 
 Array = NDArray[np.float64]
 

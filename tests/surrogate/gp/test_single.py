@@ -47,7 +47,8 @@ def test_a_point_alone_lies_where_its_scale_puts_it(scale: Scale) -> None:
     x = Input("x", 0.05, 0.9, scale)
     model = GridGP(inputs=[x]).fit(xr.Dataset({"f": ("x", np.sin(5 * x.levels(24)))}, {"x": x.levels(24)}))
     for value in (0.05, 0.3, 0.7, 0.9):
-        assert model.predict_array(np.array([[value]])).item() == pytest.approx(np.sin(5 * value), abs=1e-6)  # of 24 levels; another scale is off by 0.2
+        found = model.predict_array(np.array([[value]])).item()
+        assert found == pytest.approx(np.sin(5 * value), abs=1e-6)  # 24 levels; on another scale 0.2
 
 
 @pytest.mark.parametrize("name", ["plain", "calibrated"])

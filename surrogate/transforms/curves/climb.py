@@ -1,0 +1,81 @@
+"""Newton's iteration to the top of a measure of fields on a panel, all of a block of curves at once."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.data.arrays import Array, Indices
+from surrogate.transforms.curves.measure import Bent, Measure
+from surrogate.transforms.curves.panels import jets, rows, spacing
+
+STEPS = 10
+CLOSE = 3e-4  # a step of Newton's iteration, in the half-width of a panel: the next is of its square
+
+
+def climb(fields: Array, measure: Measure, start: tuple[Array, Array]) -> tuple[Array, Array, Array]:
+    """Return coordinates across and down and the measure of the highest points met from starting points; (n,) each.
+
+    Parameters
+    ----------
+    fields : ndarray, shape (n, m, down, across)
+        At the points of a panel.
+    measure : Measure
+        Of the m fields.
+    start : pair of ndarray, shape (n,)
+        Coordinates across and down, in [-1, 1].
+    """
+    counts = fields.shape[3], fields.shape[2]
+    (u, v), active = start, np.arange(len(fields))
+    best = np.stack([u, v, np.full(len(u), -np.inf)])
+    for _ in range(STEPS):
+        jet = jets(fields, rows(counts[0], u), rows(counts[1], v))
+        bent = measure.bent(jet[..., 0, 0])
+        gradient, bends = hill(jet, bent)
+        step = _step(gradient, bends, u, v, counts)
+        here = np.array([u, v])
+        ahead = np.minimum(np.maximum(here + step, -1.0), 1.0)
+        close = np.abs(step).max(axis=0) < CLOSE
+        # what the last step brings is its gain on a parabola, to the third order of it
+        gain = np.where(close, np.maximum((gradient * (ahead - here)).sum(axis=0), 0.0) / 2, 0.0)
+        value = bent.value + gain
+        up = value > best[2, active]
+        best[:2, active[up]] = np.where(close, ahead, here)[:, up]
+        best[2, active[up]] = value[up]
+        u, v = ahead
+        if close.any():
+            if close.all():
+                break
+            going = ~close
+            active, u, v, fields = active[going], u[going], v[going], fields[going]
+    return best[0], best[1], best[2]
+
+
+def hill(jet: Array, bent: Bent) -> tuple[Array, Array]:
+    """Return gradient (2, n) and curvature (3, n), of uu, vv and uv, of a measure by the coordinates of a panel."""
+    slope, steep = bent.slope, jet[..., [0, 1], [1, 0]]  # by u, by v: (n, m, 2)
+    gradient = np.asarray(slope[:, None] @ steep)[:, 0].T
+    quadratic = np.swapaxes(steep, 1, 2) @ bent.bend @ steep
+    seconds = (slope[:, None] @ jet[..., [0, 2, 1], [2, 0, 1]])[:, 0]
+    return gradient, (seconds + quadratic[:, [0, 1, 0], [0, 1, 1]]).T
+
+
+def held(place: Array, slope: Array, count: int | Indices) -> NDArray[np.bool_]:
+    """Whether an end of the panel holds a coordinate, or there is no such coordinate."""
+    return np.asarray(((np.abs(place) >= 1) & (place * slope > 0)) | (np.asarray(count) == 1))
+
+
+def _step(gradient: Array, bends: Array, u: Array, v: Array, counts: tuple[int, int]) -> Array:
+    """Newton's step, (2, n), uphill and no longer than points lie apart; along an end of the panel that holds it."""
+    uu, vv, uv = bends
+    places, sizes = np.array([u, v]), np.array(counts)[:, None]
+    fixed = held(places, gradient, sizes)
+    gradient = np.where(fixed, 0.0, gradient)
+    gu, gv = gradient
+    room = spacing(places, sizes)
+    # not on top of a hill: each coordinate by its own curvature, its sign made that of one
+    alone = gradient / np.maximum(np.abs(bends[:2]), np.abs(gradient) / room + 1e-300)
+    determinant = uu * vv - uv**2
+    whole = (uu < 0) & (determinant > 0) & ~fixed.any(axis=0)
+    if not whole.any():
+        return np.minimum(np.maximum(alone, -room), room)
+    newton = np.array([uv * gv - vv * gu, uv * gu - uu * gv]) / np.where(whole, determinant, 1.0)
+    return np.minimum(np.maximum(np.where(whole, newton, alone), -room), room)

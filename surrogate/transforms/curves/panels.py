@@ -1,0 +1,153 @@
+"""Panels of Chebyshev points side by side, in one or two coordinates; between the points fields are polynomials."""
+
+from dataclasses import dataclass
+from functools import cache, cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.data.arrays import Array, Indices
+from surrogate.data.inputs import gauss_points
+from surrogate.gp.factors import chebyshev
+
+
+@dataclass(frozen=True)
+class Panels:
+    """A net of panels: rows of them along the second coordinate, each with the same ones along the first.
+
+    The points come panel by panel, row by row of panels, and in a panel row by row.
+
+    Attributes
+    ----------
+    across : tuple of int
+        Number of points of every panel along the first coordinate.
+    down : tuple of int
+        Number of points of every row of panels along the second; (1,): there is no such coordinate.
+
+    Raises
+    ------
+    ValueError
+        Numbers of points below one, or one along the first coordinate.
+    """
+
+    across: tuple[int, ...]
+    down: tuple[int, ...] = (1,)
+
+    def __post_init__(self) -> None:
+        if not self.across or not self.down or min(self.across) < 2 or min(self.down) < 1:
+            raise ValueError(f"panels of {self.across} by {self.down} points are none")
+
+    @property
+    def size(self) -> int:
+        """Number of points of all panels."""
+        return sum(self.down) * sum(self.across)
+
+    @cached_property
+    def parts(self) -> tuple[tuple[int, int, slice], ...]:
+        """Number of points down and across of every panel, and its points."""
+        shapes = [(down, across) for down in self.down for across in self.across]
+        ends = np.cumsum([0, *(down * across for down, across in shapes)]).tolist()
+        return tuple((*shape, slice(*pair)) for shape, pair in zip(shapes, pairwise(ends), strict=True))
+
+    @cached_property
+    def scan(self) -> "Scan":
+        """The points at which hills are looked for."""
+        kept = [(_some(down), np.arange(across)) for down, across, _ in self.parts]
+        points = [
+            (part.start + own_rows[:, None] * across + columns).ravel()
+            for (_, across, part), (own_rows, columns) in zip(self.parts, kept, strict=True)
+        ]
+        places = [
+            np.stack(np.meshgrid(gauss_points(across)[columns], gauss_points(down)[own_rows])).reshape(2, -1)
+            for (down, across, _), (own_rows, columns) in zip(self.parts, kept, strict=True)
+        ]
+        shapes = tuple((len(own_rows), len(columns)) for own_rows, columns in kept)
+        panel = np.repeat(np.arange(len(points)), [len(own) for own in points])
+        return Scan(shapes, np.concatenate(points), panel, *np.concatenate(places, axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """Some of the points of panels.
+
+    Attributes
+    ----------
+    shapes : tuple of (int, int)
+        Number of points down and across of every panel.
+    points : ndarray of int
+        Which they are.
+    panel, across, down : ndarray
+        Panel and coordinates of every one.
+    """
+
+    shapes: tuple[tuple[int, int], ...]
+    points: Indices
+    panel: Indices
+    across: Array
+    down: Array
+
+    def hills(self, values: NDArray[np.floating[Any]]) -> NDArray[np.floating[Any]]:
+        """Return values (B, point) with those lower than a neighbour in their row or column put to -inf.
+
+        Neighbours lie in one panel.
+        """
+        out = values.copy()
+        for lower, upper in self._neighbours:
+            first, second = values[:, lower], values[:, upper]
+            out[:, lower] = np.where(first < second, -np.inf, out[:, lower])
+            out[:, upper] = np.where(second < first, -np.inf, out[:, upper])
+        return out
+
+    @cached_property
+    def _neighbours(self) -> list[tuple[Indices, Indices]]:
+        """Pairs of neighbours: along rows, and along columns."""
+        pairs: tuple[list[Indices], list[Indices]] = ([], [])
+        start = 0
+        for down, across in self.shapes:
+            net = start + np.arange(down * across).reshape(down, across)
+            pairs[0].append(np.stack([net[:, :-1].ravel(), net[:, 1:].ravel()]))
+            pairs[1].append(np.stack([net[:-1].ravel(), net[1:].ravel()]))
+            start += down * across
+        found = [np.concatenate(own, axis=1) for own in pairs]
+        return [(own[0], own[1]) for own in found if own.size]
+
+
+def _some(count: int) -> Indices:
+    """Points of a coordinate that are scanned, both ends with them."""
+    return np.union1d(np.arange(0, count, 2), [count - 1])
+
+
+def spacing(place: Array, count: int | Indices) -> Array:
+    """About the distance of Chebyshev points near a place."""
+    angle = np.pi / count
+    return np.asarray(angle * np.sqrt(np.maximum(1 - place**2, 0)) + angle**2 / 2)
+
+
+def rows(count: int, places: Array) -> Array:
+    """Return what takes values at the points of a panel to value and two derivatives at places: (n, 3, point)."""
+    if count == 1:
+        return np.tile([[1.0], [0.0], [0.0]], (len(places), 1, 1))
+    T = np.cos(np.arccos(places)[:, None] * np.arange(count))
+    return (T @ _derived(count)).reshape(len(places), 3, count)
+
+
+@cache
+def _derived(count: int) -> Array:
+    """From values at the points to Chebyshev coefficients of the polynomial and two derivatives; (count, 3 count)."""
+    series = 2 / count * chebyshev(gauss_points(count), count)
+    series[0] /= 2
+    padded = [np.polynomial.chebyshev.chebder(series, m) if count > m else np.zeros((0, count)) for m in (0, 1, 2)]
+    whole = [np.concatenate([one, np.zeros((count - len(one), count))]) for one in padded]
+    return np.ascontiguousarray(np.stack(whole, axis=1).reshape(count, 3 * count))
+
+
+def jets(fields: Array, across: Array, down: Array) -> Array:
+    """Return values and derivatives of fields (n, m, down, across) at a place of each: (n, m, 3, 3).
+
+    The last axes are the orders in the second and the first coordinate; `across`, `down` are those of `rows`.
+    """
+    n, m, height, width = fields.shape
+    along = (fields.reshape(n, m * height, width) @ np.swapaxes(across, 1, 2)).reshape(n, m, height, 3)
+    return np.asarray(down[:, None] @ along)
