@@ -7,10 +7,10 @@ from typing import Literal, get_args
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import expit, logit
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Indices
 
 Scale = Literal["linear", "log", "logit"]
 SCALES: tuple[str, ...] = get_args(Scale)
@@ -171,7 +171,7 @@ def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
 
 
 @cache
-def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, NDArray[np.intp], NDArray[np.intp]]:
+def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, Indices, Indices]:
     """Low ends and widths on the inputs' own scales, (d, 1) each, and which inputs are on a log and a logit scale."""
     low = np.array([[one.low] for one in inputs]).reshape(-1, 1)
     width = [

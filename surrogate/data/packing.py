@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 
 #: Rounding of one entry, as it reaches an output of unit variance: a hundred thousand of them add up to some 1e-10.
 STEP = 1e-12

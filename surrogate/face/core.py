@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Self
 
 import xarray as xr
 
-from surrogate.data.arrays import Array, Indices
+from approximation.arrays import Array, Indices
 from surrogate.data.inputs import Input
 
 #: From the physical coordinates of one point, and whether standard deviations are wanted, to means and them, (p,) each;

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from sklearn.exceptions import NotFittedError
 
-from surrogate.data.arrays import Array, Flags
+from approximation.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.labels import Attrs
 from surrogate.data.points import Points, Queries, named_points, outside, require_inside

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from approximation.arrays import Array
 from storage.described import described
 from storage.netcdf import FAILURES, read_whole, write_whole
 from storage.quarantine import try_to_read
 from storage.sealed import FormatError
-from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input, stored_inputs
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.face.engines import ENGINES, engine, members_of

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.inputs import unit_coordinates
 from surrogate.face.core import Core
 from surrogate.intervals.conformal import Calibration

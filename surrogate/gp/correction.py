@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
-from surrogate.data.arrays import Array, Indices
+from approximation.arrays import Array, Indices
 from surrogate.gp.factors import Features, chebyshev, chebyshev_slopes
 from surrogate.intervals.sharing import places
 from surrogate.intervals.trend import additive, values

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 
-from surrogate.data.arrays import Array, Indices
+from approximation.arrays import Array, Indices
 
 #: The steps of an approximation: it yields indices (n, d), is sent their blocks (n, b, p), and returns what it found.
 Steps = Generator[Indices, Array, "Crossed"]

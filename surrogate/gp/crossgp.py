@@ -6,7 +6,7 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
-from surrogate.data.arrays import Array, Indices
+from approximation.arrays import Array, Indices
 from surrogate.data.factorial import LEVEL_TOLERANCE, output_names, text_attrs
 from surrogate.data.inputs import Input
 from surrogate.gp.cross import Cross, Crossed, run

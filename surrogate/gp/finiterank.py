@@ -17,7 +17,7 @@ from scipy.linalg import eigh
 from scipy.linalg.blas import dsyrk
 from scipy.optimize import minimize_scalar
 
-from surrogate.data.arrays import Array, Indices
+from approximation.arrays import Array, Indices
 from surrogate.gp.factors import chebyshev, chebyshev_slopes
 from surrogate.gp.poisson import Decay, most_likely
 

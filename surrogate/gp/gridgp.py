@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal, Self, get_args
 import numpy as np
 import xarray as xr
 
-from surrogate.data.arrays import Array, Indices
+from approximation.arrays import Array, Indices
 from surrogate.data.factorial import Factorial, check_levels, complete_factorial
 from surrogate.data.inputs import Input
 from surrogate.data.packing import rounded

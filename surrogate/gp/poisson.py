@@ -12,7 +12,7 @@ from scipy.linalg import LinAlgError, cho_solve, cholesky
 from scipy.linalg.lapack import dpotri
 from scipy.optimize import minimize
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 
 # Ranges of the parameters: coefficient of T_1 beside that of the constant, decay, and noise over signal, as variances.
 FIRST, RHO, NOISE = (1e-6, 1e2), (1e-3, 0.97), (1e-10, 1e2)

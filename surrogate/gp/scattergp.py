@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from sklearn.gaussian_process import GaussianProcessRegressor
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.factorial import output_names, text_attrs
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.face.model import GaussianProcess

@@ -12,7 +12,7 @@ from math import log
 import numpy as np
 from scipy.special import eval_chebyt
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.gp.correction import Correction
 from surrogate.gp.factors import ChebyshevFactor

@@ -9,7 +9,7 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Kernel, Matern
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.gp.factors import steepness
 
 LENGTHS = (1e-2, 1e3)

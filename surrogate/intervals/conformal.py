@@ -22,7 +22,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array, Indices
+from approximation.arrays import Array, Indices
 from surrogate.intervals.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
 from surrogate.intervals.guard import SLABS, Guard, fill, unguarded
 from surrogate.intervals.quantile import quantile_regression

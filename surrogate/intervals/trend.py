@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 
-from surrogate.data.arrays import Array, Indices
+from approximation.arrays import Array, Indices
 
 
 def additive(highest: Sequence[int]) -> Indices:

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from surrogate.data.arrays import Array, Indices
+from approximation.arrays import Array, Indices
 from surrogate.data.factorial import output_names
 from surrogate.gp.crossgp import CrossGP
 from surrogate.gp.factors import cosine_basis

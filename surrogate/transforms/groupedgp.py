@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 import xarray as xr
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.inputs import Input, stored_inputs, unit_coordinates
 from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess

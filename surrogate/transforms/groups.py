@@ -11,7 +11,7 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.transforms.inputs import NEAR, Axes, Group, Powers, middle, span
 from surrogate.transforms.outputs import Scales, Scaling

@@ -6,7 +6,7 @@ from math import prod
 
 import numpy as np
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.inputs import Input
 
 Powers = Mapping[str, float]

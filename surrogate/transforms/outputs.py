@@ -11,7 +11,7 @@ from math import log
 
 import numpy as np
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.transforms.inputs import Powers, row_of
 

@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.polynomial.chebyshev import chebvander
 from scipy.fft import dct
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.factorial import complete_factorial
 from surrogate.data.inputs import Input
 from surrogate.data.points import named_points

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_solve
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.measurements import Measurements
 from surrogate.transforms.measured.draws import Draw, mixture, moments

@@ -14,7 +14,7 @@ from scipy.optimize import Bounds, minimize
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal, norm
 
-from surrogate.data.arrays import Array, Flags
+from approximation.arrays import Array, Flags
 from surrogate.transforms.measured.discrepancy import Discrepancy
 from surrogate.transforms.measured.draws import Draw
 

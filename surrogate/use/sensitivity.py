@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.polynomial.legendre import leggauss
 from scipy.stats import qmc
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.inputs import gauss_points
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.factors import cosine_basis

@@ -7,11 +7,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from approximation.measure import Measure
+from approximation.panels import Panels
 from surrogate import CurveGP, GridGP, Group, GroupedGP, Grouping, Input, Scaling
 from surrogate.data.inputs import gauss_points
 from surrogate.transforms.curves.basis import Curves, Largest
-from surrogate.transforms.curves.measure import Measure
-from surrogate.transforms.curves.panels import Panels
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ import numpy as np
 import xarray as xr
 from sklearn.utils.extmath import randomized_svd
 
-from surrogate.data.arrays import Array
-from surrogate.transforms.curves.measure import Measure
-from surrogate.transforms.curves.panels import Panels
+from approximation.arrays import Array
+from approximation.measure import Measure
+from approximation.panels import Panels
 
 # Directions that are looked for first, and twice as many as long as they do not suffice.
 _FIRST = 32

@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 import xarray as xr
 
-from surrogate.data.arrays import Array, Indices
+from approximation.arrays import Array, Indices
 from surrogate.data.inputs import Input
 from surrogate.face.model import GaussianProcess
 from surrogate.face.physical import in_blocks
@@ -67,7 +67,7 @@ class CurveGP(Transformed):
     >>> a, points = Input("a", -1, 1), gauss_points(32)
     >>> grid = xr.Dataset(coords={"a": a.levels(12), "point": np.arange(32)})
     >>> x = xr.DataArray(points, dims="point")
-    >>> from surrogate.transforms.curves.panels import Panels
+    >>> from approximation.panels import Panels
     >>> hills = Curves(("height",), ("",), Panels((32,)), "point")
     >>> highest = Largest(0, Measure(np.ones((1, 1)), np.zeros((1, 1, 1))))
     >>> model = CurveGP(lambda names: GridGP(inputs=[a]), [hills], {"top": highest}, ["top"])

@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array, Indices
+from approximation.arrays import Array, Indices
+from approximation.measure import Measure
+from approximation.panels import Panels, jets, rows
+from approximation.summit import climb, held, hill
 from surrogate.data.inputs import gauss_points
 from surrogate.transforms.curves.basis import Basis
-from surrogate.transforms.curves.climb import climb, held, hill
-from surrogate.transforms.curves.measure import Measure
-from surrogate.transforms.curves.panels import Panels, jets, rows
 
 # Hills that are climbed, and how far below the highest they may lie: between points that are scanned one is higher.
 CLIMBED, RIVAL = 4, 0.1

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
+from approximation.measure import Measure
 from surrogate.data.packing import Rounded
 from surrogate.transforms.curves.basis import Basis, Curves, Largest
-from surrogate.transforms.curves.measure import Measure
 
 # Rounding of fields of curves, in their sizes: what follows from them is still the same to 1e-9.
 STEP = 1e-12

@@ -6,7 +6,7 @@ from typing import ClassVar, NoReturn, Self
 import numpy as np
 import xarray as xr
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.measurements import MOST_ROWS, Measurements
 from surrogate.face.model import GaussianProcess

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 from scipy.spatial.distance import cdist
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.transforms.measured.discrepancy import Discrepancy
 
 

@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 from xarray import ufuncs
 
+from approximation.arrays import Array
 from surrogate import GridGP, Input
-from surrogate.data.arrays import Array
 from surrogate.use.export import exported
 
 

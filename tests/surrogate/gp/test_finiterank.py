@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
+from approximation.arrays import Indices
 from storage.netcdf import read_whole, write_whole
 from storage.sealed import FormatError
 from surrogate import FactorialRegressor, Input, ScatterGP, load, save
@@ -39,7 +40,7 @@ def cases(count: int, seed: int, noise: float = NOISE) -> xr.Dataset:
     return xr.Dataset({**columns, "f": ("case", values[:, 0], {"units": "K"}), "g": ("case", values[:, 1])})
 
 
-def features(indices: NDArray[np.intp], t: Array) -> Array:
+def features(indices: Indices, t: Array) -> Array:
     """prod_j T_{a_j}(t_j), by numpy's polynomials: (r, B)."""
     tables = [chebvander(x, int(indices.max())) for x in t]
     return np.stack([np.prod([T[:, a] for T, a in zip(tables, index, strict=True)], axis=0) for index in indices])

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 import surrogate
+from approximation.measure import Measure
+from approximation.panels import Panels
 from surrogate import CurveGP, GridGP
 from surrogate.data.inputs import gauss_points
 from surrogate.face.engines import ENGINES
 from surrogate.face.persistence import nested, restored
 from surrogate.transforms.curves.basis import Basis
 from surrogate.transforms.curves.landscape import Landscape
-from surrogate.transforms.curves.measure import Measure
-from surrogate.transforms.curves.panels import Panels
 from surrogate.transforms.outputs import Scaling
 from surrogate.use import validation
 from surrogate.use.sensitivity import sobol

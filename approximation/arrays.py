@@ -1,4 +1,4 @@
-"""The arrays of all rooms of the surrogate."""
+"""The array types of the house."""
 
 from typing import TypeAlias
 
@@ -9,5 +9,5 @@ from numpy.typing import NDArray
 Array: TypeAlias = NDArray[np.float64]
 #: One flag a place.
 Flags: TypeAlias = NDArray[np.bool_]
-#: Whole numbers: places, degrees, counts.
+#: Whole numbers that say which.
 Indices: TypeAlias = NDArray[np.intp]
