@@ -1,4 +1,4 @@
-"""Held-out cases that share some inputs: cheaper to solve, they tell less than as many apart."""
+"""Groups of held-out cases that share some inputs: the cases of a group count as one place of these inputs."""
 
 import numpy as np
 
