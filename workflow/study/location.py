@@ -82,9 +82,7 @@ def check_owner(name: str, folder: Path) -> None:
     """Refuse, by InputError, a folder of results that were made from another study of the same name."""
     other = _recorded(folder.absolute())
     if other and not other.samefile(location(name)):
-        raise InputError(
-            f"{folder}: holds the results of {other}; rename {location(name)}, or remove that folder"
-        )
+        raise InputError(f"{folder}: holds the results of {other}; rename {location(name)}, or remove that folder")
 
 
 def _recorded(folder: Path) -> Path | None:

@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate import Input
-from surrogate.gp.grouping import middle
+from surrogate.transforms.inputs import middle
 from workflow.study import grouped
 from workflow.study.contents import Contents
 

@@ -63,6 +63,7 @@ def test_a_composite_without_a_law_is_no_laminate() -> None:
         layer.made({}, lambda name: None, ("BaTiO3", "CoFe2O4"))  # type: ignore[arg-type,return-value]
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("folder", ["müller", "a'b", 'a"b', "a b", "a: b #c", "100%25", "a\\b"])
 def test_snakemake_hands_on_the_path_of_a_study_whatever_it_holds(
     folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -100,6 +101,7 @@ def test_no_cell_of_the_designs_is_a_formula() -> None:
     ]
 
 
+@pytest.mark.process
 def test_the_panel_s_csv_quotes_commas_and_formulas() -> None:
     script = (ROOT / "workflow/report/templates/share.js").read_text(encoding="utf-8")
     texts = '["PZT, soft", "=A1", "-x", "say \\\\"so\\\\"", "plain"]'.replace("\\\\", "\\")
