@@ -72,7 +72,7 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> x
         "objective": str(target.objectives[0]),
         "statistic": str(target.statistic),
         "polish": best.polish,
-        "source": answers.SOURCE_OF_FILMS if study.on_film else answers.SOURCE,
+        "source": answers.SOURCE_OF_FILMS if study.kind.tabled else answers.SOURCE,
     }
     return out.assign_coords(target=name)
 
@@ -137,7 +137,7 @@ def _search(asked: list[Candidate]) -> list[Candidate]:
 def _scan(question: Question) -> int:
     """Points of a scan: a power of two, fewer where each stands for many scenarios."""
     size = sum(chosen.count for chosen in question.searched.values())
-    most = _SCANNED_FILMS if question.study.on_film else _SCANNED
+    most = _SCANNED_FILMS if question.study.kind.tabled else _SCANNED
     return 1 << int(np.clip(np.log2(most / size), 7, 12))
 
 
