@@ -124,9 +124,15 @@ FACTORS: dict[str, Factor] = {
     ),
 }
 
+#: The factor that says what each composite is made of; the laws are those of ``solver/material/laws.py``.
+COMPOSITES = {"fibrous": "volume_fraction", "laminate": "volume_fraction", "AlScN": "scandium_fraction"}
+
+#: Those that are made of the two phases.
+MIXTURES = tuple(name for name, factor in COMPOSITES.items() if factor == "volume_fraction")
+
 #: Factors that take one of a few names; the first is the default.
 CHOICES: dict[str, tuple[str, ...]] = {
-    "composite": ("fibrous", "laminate", "AlScN"),
+    "composite": tuple(COMPOSITES),
     "profile": ("cylinder", "flat", "wedge", "half_cylinder"),
     "corner": ("leading", "trailing"),
     "electric": ("conducting", "insulating"),
@@ -134,9 +140,6 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "interface_electric": ("grounded", "bonded"),
     "interface_magnetic": ("grounded", "bonded", "insulated"),
 }
-
-#: The factor that says what each composite is made of.
-COMPOSITES = {"fibrous": "volume_fraction", "laminate": "volume_fraction", "AlScN": "scandium_fraction"}
 
 #: Factors that name materials.
 MATERIALS = ("material", "base")
