@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOMS = ("storage", "solver", "surrogate", "workflow", "verification")
+ROOMS = ("approximation", "storage", "solver", "surrogate", "workflow", "verification")
 
 _DATA = (".toml", ".j2", ".js")
 
