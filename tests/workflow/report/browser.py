@@ -10,8 +10,10 @@ from typing import Any
 
 import pytest
 
+from tests.patience import PATIENCE
+
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium: the browser tests are left out")
+needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium (Debian: chromium)")
 
 #: Collects whatever a script complains about.
 ERRORS = """
@@ -46,7 +48,11 @@ def _probed(page: str, folder: Path, *flags: str) -> Any:
     quiet = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
     quiet += ["--disable-quic", "--disable-component-update", "--disable-sync", f"--user-data-dir={folder / 'profile'}"]
     done = subprocess.run(
-        [BROWSER, *quiet, *flags, "--dump-dom", file.as_uri()], capture_output=True, text=True, timeout=120, check=True
+        [BROWSER, *quiet, *flags, "--dump-dom", file.as_uri()],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=True,
     )
     found = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
     assert found, done.stdout[:2000]
