@@ -5,9 +5,10 @@ run of a pipeline: `--dist loadgroup` would say so in marks, but pytest-xdist 3.
 node ids cannot be written to.
 """
 
+import contextlib
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from typing import Any
 
 import pytest
@@ -19,10 +20,11 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from hypothesis import settings
 from xdist.scheduler import LoadScopeScheduling
 
+from tests import layers
 from tests.closing import closing
-from tests.workflow.conftest import Project, copy
+from tests.workflow.conftest import Project, compiled, copy
 
-__all__ = ["copy"]
+__all__ = ["compiled", "copy"]
 
 # an example takes as long as a busy machine needs
 settings.register_profile("patient", deadline=None)
@@ -84,10 +86,14 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     return scheduler
 
 
+@pytest.hookimpl(tryfirst=True)  # before marks select
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Bring the longest groups to the front; refuse a test that would make a run once more, in another group."""
+    """Say each test's layer; bring the longest groups to the front; refuse a run made once more, in another group."""
+    layers.leave_to_soak(items)
     for item in items:
-        for run in FILES.keys() & set(getattr(item, "fixturenames", ())):
+        fixtures = set(getattr(item, "fixturenames", ()))
+        item.add_marker(layers.layer(item.location[0], [mark.name for mark in item.iter_markers()], fixtures))
+        for run in FILES.keys() & fixtures:
             if group(item.location[0]) != run:
                 raise pytest.UsageError(f"{item.location[0]} uses {run!r} and is not among its FILES in {__file__}")
     items.sort(key=lambda item: _rank(group(item.location[0])))
@@ -101,6 +107,13 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """End with one line on what was not run, and on how to get it."""
     reports = terminalreporter.stats.get("skipped", [])
     terminalreporter.write_line(closing([report.longrepr[2] for report in reports]))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, Any, Any]:
+    """A test of the layer ``unit`` starts no program."""
+    with layers.without_programs() if item.get_closest_marker("unit") else contextlib.nullcontext():
+        return (yield)
 
 
 @pytest.fixture(autouse=True)

@@ -6,6 +6,7 @@ import sys
 from types import SimpleNamespace
 from typing import Any, cast
 
+import pytest
 from hypothesis import settings
 
 from tests import conftest, kernels
@@ -26,12 +27,14 @@ def test_the_last_line_says_what_was_not_run_and_how_to_get_it() -> None:
     assert said == ["not run: 1 test: no x (Debian: x); 2 tests: no y"]
 
 
+@pytest.mark.process
 def test_kernels_that_differ_are_run_and_the_others_told() -> None:
     run, left = kernels.distinct()
     assert "Nehalem" in run  # of every processor
     assert len(run) + len(left) == len(kernels.KERNELS)
 
 
+@pytest.mark.process
 def test_the_command_takes_one_thread_and_so_does_every_job() -> None:
     """A job by Snakemake, which gives a script as many as its rule says: none does, which is one."""
     code = (
