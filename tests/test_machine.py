@@ -36,7 +36,7 @@ def test_kernels_that_differ_are_run_and_the_others_told() -> None:
 
 @pytest.mark.process
 def test_the_command_takes_one_thread_and_so_does_every_job() -> None:
-    """A job by Snakemake, which gives a script as many as its rule says: none does, which is one."""
+    """A job by Snakemake, which gives a script as many as its rule says: one, but for a check that is timed alone."""
     code = (
         "import workflow.cli, numpy; from threadpoolctl import threadpool_info; "
         "print(max(one['num_threads'] for one in threadpool_info()))"
@@ -44,5 +44,5 @@ def test_the_command_takes_one_thread_and_so_does_every_job() -> None:
     plain = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
     done = subprocess.run([sys.executable, "-c", code], env=plain, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "1"
-    for file in (ROOT / "workflow/rules").glob("*.smk"):
-        assert "threads:" not in file.read_text(encoding="utf-8")
+    saying = [file.name for file in (ROOT / "workflow/rules").glob("*.smk") if "threads:" in file.read_text("utf-8")]
+    assert saying == ["verification.smk"]
