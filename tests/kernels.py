@@ -15,7 +15,7 @@ THREADS = (1, 2)
 QUICK = (
     "tests/workflow/design/test_polish.py",
     "tests/workflow/study/test_categories.py",
-    "tests/surrogate/scattered/test_finiterank.py",
+    "tests/surrogate/gp/test_finiterank.py",
     "tests/surrogate/search/test_optimise.py",
     "tests/test_examples.py",
 )
