@@ -63,9 +63,9 @@ def borne(name: str, given: Mapping[str, Any], materials: Mapping[str, Material]
     if "material" in given:
         return _least(limit, [find(str(given["material"]), materials)], "")
     kind = str(given.get("composite", CHOICES["composite"][0]))
-    one, two = (find(phase, materials) for phase in phases)
     if kind not in MIXTURES:
-        return _least(limit, [made(kind, (one, two), 0.0)], "")
+        return _least(limit, [made(kind, (), 0.0)], "")
+    one, two = (find(phase, materials) for phase in phases)
     fraction = given.get("volume_fraction")
     parts = [one] if fraction == 1 else [two] if fraction == 0 else [one, two]
     return _least(limit, parts, kind)
