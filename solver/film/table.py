@@ -8,8 +8,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder, chebvander
 from numpy.typing import NDArray
 
+from approximation.chebyshev import coefficients, gauss_points
 from solver.arrays import Array
 from solver.film import outputs
 from solver.film.assembly import Assembly
@@ -18,6 +20,7 @@ from solver.film.kernel import kernel
 from solver.film.stack import Stack
 from solver.film.system import System
 from solver.halfplane.pressing import ContactError
+from solver.halfplane.punch import RIGID_PUNCH, Punch
 from solver.halfplane.sliding import Sliding
 
 #: Half-lengths over the thickness of the top layer that a table may hold.
@@ -62,8 +65,7 @@ class Table:
     @cached_property
     def half_lengths(self) -> Array:
         """Chebyshev points of log h [m], rising; (node,)."""
-        angle = np.pi * (np.arange(self.nodes, 0, -1) - 0.5) / self.nodes
-        return np.exp(self._middle + self._half * np.cos(angle))
+        return np.exp(self._middle + self._half * gauss_points(self.nodes))
 
     @property
     def _middle(self) -> float:
@@ -81,19 +83,12 @@ class Table:
     @cached_property
     def series(self) -> Array:
         """Chebyshev coefficients of the outputs in log h; (node, output, cause)."""
-        return self.in_series(self.at_nodes)
-
-    def in_series(self, values: Array) -> Array:
-        """Chebyshev coefficients in log h of values at the half-lengths; (node, ...)."""
-        local = (np.log(self.half_lengths) - self._middle) / self._half
-        to_series = 2 / self.nodes * self._polynomials(local).T
-        to_series[0] /= 2
-        return np.asarray(np.tensordot(to_series, values, 1))
+        return coefficients(self.at_nodes)
 
     @cached_property
     def rates(self) -> Array:
         """Chebyshev coefficients of the derivatives in log h; (node, output, cause)."""
-        derived = np.polynomial.chebyshev.chebder(self.series) / self._half
+        derived = chebder(self.series) / self._half
         return np.concatenate([derived, np.zeros((1, *derived.shape[1:]))])
 
     @property
@@ -105,11 +100,8 @@ class Table:
 
     def polynomials(self, log_half: Array) -> Array:
         """Chebyshev polynomials at log h; (case, node): times ``series`` they are the outputs."""
-        return self._polynomials((log_half - self._middle) / self._half)
-
-    def _polynomials(self, local: Array) -> Array:
-        values = np.polynomial.chebyshev.chebvander(np.clip(local, -1.0, 1.0), self.nodes - 1)
-        return np.asarray(values, dtype=np.float64)
+        local = np.clip((log_half - self._middle) / self._half, -1.0, 1.0)
+        return np.asarray(chebvander(local, self.nodes - 1), dtype=np.float64)
 
     def narrowed(self, half_length: float, ratio: float = 1.2, nodes: int = 10) -> "Table":
         """A table of the same system about one half-length: as exact as the system itself.
@@ -169,6 +161,7 @@ def table(
     most: float = 3.0,
     nodes: int | None = None,
     accuracy: float = 1.0,
+    punch: Punch = RIGID_PUNCH,
 ) -> Table:
     """Table of a stack over half-lengths from ``least`` to ``most`` thicknesses of its top layer.
 
@@ -190,6 +183,8 @@ def table(
         Number of half-lengths; by default 15 a decade and 10 more.
     accuracy
         Factor on the number of terms of the tractions.
+    punch
+        Its elasticity.
 
     Raises
     ------
@@ -201,7 +196,7 @@ def table(
     if not LEAST <= least < most <= MOST:
         raise RangeError(f"contact: range {least:g} to {most:g} of hc/h1 is not within {LEAST:g} to {MOST:g}")
     top = stack.top.thickness
-    sliding = Sliding(stack.media[0].halfplane, np.array(friction), np.array(conducts))
+    sliding = Sliding(stack.media[0].halfplane, np.array(friction), np.array(conducts), punch)
     system = System(kernel(stack, 2 * most * top), sliding, smooth, degree, accuracy)
     count = nodes or 10 + int(np.ceil(_PER_DECADE * np.log10(most / least)))
     return Table(system, least * top, most * top, count)
