@@ -19,6 +19,8 @@ from solver.point.table import PointKind, Window, window
 _STEPS = 60
 _CLOSE = 1e-8  # step in log a: the one after it would be of its square
 _SLACK = 1e-6
+_AROUND = 2  # windows searched for other radii of charged contacts
+_SEVERAL = "contact: contacts of several radii carry the force (charges too large for it)"
 
 
 class LengthsError(ContactError):
@@ -175,11 +177,25 @@ class Film:
                     found[asked[here[inside]]] = search.part(np.flatnonzero(inside)).radius()
             asked, beside = asked[beside != 0], beside[beside != 0]
             if not asked.size:
+                self._require_one(loading, found)
                 return found
             numbers[asked] += beside
             if np.any((numbers < FIRST) | (numbers > LAST)):
                 raise RangeError(_beyond(bool(np.any(numbers < FIRST))))
         raise LengthsError("contact: no contact of one radius carries the force (charges too large for it)")
+
+    def _require_one(self, loading: Loading, radius: Array) -> None:
+        """Refuse contacts of other radii that carry the force: charges can make some."""
+        charged = np.flatnonzero(np.any(loading.given != 0, -1))
+        numbers = number_of(radius / self.thickness)
+        for number in np.unique(numbers[charged]).tolist():
+            places = charged[numbers[charged] == number]
+            for other in range(max(number - _AROUND, FIRST), min(number + _AROUND, LAST) + 1):
+                search = Search(window(self.kind, other), self.thickness[places], loading.part(places))
+                low, high = search.window.ends
+                at = np.log(radius[places] / self.thickness[places])
+                if np.any(search.beside != np.where(at <= low, -1, np.where(at > high, 1, 0))):
+                    raise LengthsError(_SEVERAL)
 
     def _guess(self, loading: Loading) -> Array:
         """The half-space's radius; that of a wide contact on a base that hardly yields is nearer to its root."""
@@ -227,7 +243,7 @@ class Search:
         enough = self._enough
         changes = np.count_nonzero(enough[:, 1:] != enough[:, :-1], axis=-1)
         if np.any((changes > 1) | (enough[:, 0] & ~enough[:, -1])):
-            raise LengthsError("contact: contacts of several radii carry the force (charges too large for it)")
+            raise LengthsError(_SEVERAL)
         return np.where(enough[:, 0], -1, np.where(enough[:, -1], 0, 1))
 
     def forces(self, log_ratio: Array) -> tuple[Array, Array]:

@@ -1,8 +1,8 @@
 """The half-space in closed form, as every contact of revolution is described here (points, 3).
 
 A contact of the radius a has the loads ``a loads . (u0, g)`` and the edge strengths ``edges . (u0, g) / a``: columns of
-u0 = (-depth, V, Psi) and of the profile g = (r/a)^exponent. Next to the edge a traction is its strength over the root of
-1 - r^2/a^2.
+u0 = (-depth, V, Psi) and of the profile g = (r/a)^exponent. Near the edge a traction is its strength over
+sqrt(1 - r^2/a^2).
 """
 
 from dataclasses import dataclass

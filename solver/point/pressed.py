@@ -153,13 +153,13 @@ class Contact:
                 log_ratio = np.log(self.radius[some] / film.thickness[some])
                 low, high = SAMPLES[np.maximum(best[some] - 1, 0)], SAMPLES[best[some] + 1]
                 found[some] = self._climbed(of, log_ratio, causes[some], of_one[some], (low, high))
-        return found
+        return np.asarray(found)
 
     def _climbed(self, of: Window, at: Array, causes: Array, of_one: Array, between: tuple[Array, Array]) -> Array:
-        coefficients = of.coefficients(at, causes)[:, 0]
+        coefficients = of.tractions(at, causes)[:, 0]
 
         def pressure(x: Array) -> Array:
-            added: Array = np.einsum("cn,cn->c", coefficients, added_forms(x, coefficients.shape[1]))
+            added = np.sum(coefficients * added_forms(x, coefficients.shape[1]), -1)
             return np.asarray(of_one * halfspace_form(of.kind.shape, x) - added)
 
         return climbed(pressure, *between)

@@ -1,4 +1,4 @@
-"""Punches of revolution with the profile g = coefficient r^exponent, and what their own elasticity adds (points, 1, 3).
+"""Punches of revolution with the profile g = coefficient r^exponent (points, 3).
 
 A disc is the exponent 0: the end is flat, its edge sharp.
 """
@@ -52,14 +52,3 @@ class Shape:
         # 1 / Gamma(1/2 - n) is Gamma(n + 1/2) (-1)^n / pi; over abs(P_2n(0)) = Gamma(n + 1/2) / (sqrt(pi) n!)
         value = np.exp(log - gammaln(inner) + gammaln(n + 1)) * gammasgn(inner) * (-1.0) ** n / 2
         return np.asarray(np.where(whole & (below <= 0), 0.0, value))
-
-
-def modulus_compliance(young: Array, poisson: Array) -> tuple[Array, Array]:
-    """N_p = 2 (1 - nu^2)/E and k_p = -(1 + nu)(1 - 2 nu)/E [1/Pa] of an elastic, isotropic punch.
-
-    Parameters
-    ----------
-    young, poisson
-        Young's modulus [Pa], infinite for a rigid punch, and Poisson's ratio.
-    """
-    return np.asarray(2 * (1 - poisson**2) / young), np.asarray(-(1 + poisson) * (1 - 2 * poisson) / young)

@@ -10,6 +10,7 @@ from itertools import product
 
 import numpy as np
 
+from approximation.chebyshev import coefficients, mapped_points
 from solver.arrays import Array
 from solver.film.table import LEAST, MOST
 from solver.film.windows import Kind
@@ -98,7 +99,7 @@ class Window:
     @cached_property
     def nodes(self) -> Array:
         """log a of the radii that are solved, rising; (node,)."""
-        return nodes_between(*self.ends)
+        return mapped_points(_NODES, *self.ends)
 
     @cached_property
     def added(self) -> Array:
@@ -114,7 +115,7 @@ class Window:
         edges = np.einsum("aind,n->aid", added, (-1.0) ** np.arange(count))
         pressures = -np.einsum("and,sn->asd", added[:, 0], added_forms(SAMPLES, count))
         flat = np.concatenate([part.reshape(len(added), -1) for part in (loads, edges, pressures)], -1)
-        return to_series(flat)
+        return coefficients(flat)
 
     @cached_property
     def _read(self) -> Array:
@@ -151,7 +152,7 @@ class Window:
         for electric, magnetic in product((False, True), repeat=2):
             held = electric, magnetic
             state = State(stiffness, self.kind.shape, np.zeros((self.nodes.size, 2)), held)
-            series = to_series(np.log(state.loads[..., 0]))
+            series = coefficients(np.log(state.loads[..., 0]))
             found[held] = series, self._derived(series)
         return found
 
@@ -166,9 +167,9 @@ class Window:
         read = (self.polynomials(log_radius) @ self._series[:, 24:]).reshape(-1, SAMPLES.size, 4)
         return np.asarray(np.einsum("csd,cd->cs", read, causes))
 
-    def coefficients(self, log_radius: Array, causes: Array) -> Array:
+    def tractions(self, log_radius: Array, causes: Array) -> Array:
         """Coefficients that the layers add to the tractions, times a; (case, 3, n)."""
-        read = np.tensordot(self.polynomials(log_radius), to_series(self.added), 1)
+        read = np.tensordot(self.polynomials(log_radius), coefficients(self.added), 1)
         return np.asarray(np.einsum("cind,cd->cin", read, causes))
 
     def polynomials(self, log_radius: Array) -> Array:
@@ -205,7 +206,7 @@ def kernel(film: Kind, number: int, smooth: bool) -> Array:
         Whether the profile is smooth at its apex: a kink takes more functions.
     """
     stack = film.stack()
-    radii = np.exp(nodes_between(*ends(number)))
+    radii = np.exp(mapped_points(_NODES, *ends(number)))
     reach = float(np.max(radii)) / min(float(stack.media[0].slowest), 1.0)
     count = _FIRST + int((_SMOOTH if smooth else _KINKED) * np.sqrt(reach))
     return interactions(stack, radii, count)
@@ -215,16 +216,3 @@ def _masked(interactions_of_all: Array, kind: PointKind) -> Array:
     """Interactions without what couples fields that the punch does not conduct."""
     ahead = np.moveaxis(interactions_of_all, (1, 2), (-2, -1))
     return np.moveaxis(conducted(ahead, np.array(kind.conducts)), (-2, -1), (1, 2))
-
-
-def nodes_between(low: float, high: float) -> Array:
-    """Chebyshev points, rising; (node,)."""
-    return (low + high) / 2 - (high - low) / 2 * np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
-
-
-def to_series(values: Array) -> Array:
-    """Chebyshev coefficients of values at the nodes, along the first axis."""
-    local = -np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
-    matrix = 2 / _NODES * np.polynomial.chebyshev.chebvander(local, _NODES - 1).T
-    matrix[0] /= 2
-    return np.asarray(np.tensordot(matrix, values, 1))

@@ -1,6 +1,7 @@
 """A punch of revolution on a half-space in many digits (mpmath): the classical formulas and differences of them.
 
-Hertz's problem with the compliance lambda under the punch for every power of r (Sneddon 1965), charges by what the conducted fields answer, tangents by differences at 1e-30.
+Hertz's problem with the compliance lambda under the punch for every power of r (Sneddon 1965), charges by what the
+conducted fields answer, tangents by differences at 1e-30.
 """
 
 from collections.abc import Mapping

@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike
 
 import solver
 from solver.arrays import Array
-from solver.film.windows import Coat, Kind, constants_of
+from solver.film.powerlaw import constants_of
+from solver.film.windows import Coat, Kind
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
 from solver.point.body import Film, HalfSpace
