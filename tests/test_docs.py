@@ -97,6 +97,7 @@ def test_there_are_commands_and_python_to_run() -> None:
     assert other <= {"sh", "python", "yaml"}
 
 
+@pytest.mark.process
 def test_the_picture_of_the_pipeline_is_the_code_s() -> None:
     assert (ROOT / "docs/pipeline.svg").read_text(encoding="utf-8") == picture.draw(picture.arrows(picture.rulegraph()))
 
@@ -112,7 +113,7 @@ def test_the_picture_of_the_rooms_is_that_of_the_imports() -> None:
     assert (ROOT / "docs/rooms.svg").read_text(encoding="utf-8") == rooms.draw(pairs), "make docs draws it anew"
     row = {name: row for name, (_, row) in rooms.places(pairs).items()}
     assert all(row[above] > row[below] for above, below in pairs)
-    assert {("workflow.report", "solver.names"), ("surrogate.gp", "storage")} <= pairs
+    assert {("workflow.report", "solver.names"), ("surrogate.face", "storage")} <= pairs
     assert not {below for above, below in pairs if above.startswith("solver")} & {"storage", "workflow", "surrogate"}
 
 
