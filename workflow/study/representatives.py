@@ -47,7 +47,7 @@ def factors(study: Contents, axes: Mapping[str, Array | xr.DataArray]) -> dict[s
     found |= {name: value for name, value in study.numbers.items() if name not in study.factors}
     waiting = list(study.products)
     while waiting:
-        ready = [name for name in waiting if _others(study, leads, name) <= found.keys()]
+        ready = [name for name in waiting if all(other in found for other in _others(study, leads, name))]
         if not ready:
             raise ValueError(f"groups: {', '.join(waiting)}: each needs a factor that another varies")
         for name in ready:
@@ -71,8 +71,9 @@ def ends(study: Contents) -> dict[str, Any]:
     )
 
 
-def _others(study: Contents, leads: Mapping[str, str], axis: str) -> set[str]:
-    return set(study.products[axis].powers) - {leads[axis]}
+def _others(study: Contents, leads: Mapping[str, str], axis: str) -> list[str]:
+    """The factors of a product but its first, in its order: divided by one after the other, the order decides bits."""
+    return [name for name in study.products[axis].powers if name != leads[axis]]
 
 
 def _over(name: str, values: Array | xr.DataArray) -> xr.DataArray:

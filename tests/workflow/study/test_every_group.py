@@ -85,8 +85,9 @@ def test_groups_that_the_check_accepts_run(seed: int, tmp_path: Path) -> None:
     [
         (["volume_fraction", "load * radius", "charge^2 / load^2"], "the sign of charge is in no group"),
         (["volume_fraction", "charge * radius", "load / charge * volume_fraction"], "divides by 'charge'"),
-        (["charge * volume_fraction", "load * radius", "radius * load * volume_fraction"], "each needs a factor that"),
-        (["charge / load", "volume_fraction", "radius * charge"], "charge = 0 is in the box, where charge / load"),
+        (["charge / load", "load * radius", "radius * load * volume_fraction"], "each needs a factor that"),
+        (["charge / load", "volume_fraction", "radius * charge"], "radius = -0.05.* in a corner"),
+        (["charge / load", "volume_fraction * charge / load", "load * radius"], "charge = 0 is in the box, where"),
         (
             ["volume_fraction * load * radius", "load * radius", "charge / load"],
             "volume_fraction = 2.4 .* must be a finite",
