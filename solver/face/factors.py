@@ -125,7 +125,7 @@ def _check_contacts(arrays: Mapping[str, xr.DataArray], contacts: set[Contact], 
             continue
         rights = CONTACTS[next(iter(contacts))]
         for name, right in zip((loads.force, *loads.charges), (rights.force, *rights.charges), strict=True):
-            if name in arrays:
+            if name in arrays and np.any(arrays[name].values):  # no charge is none of either kind
                 raise FactorError(f"{name}: the profile {profiles} has none; give {right} [{FACTORS[right].units}]")
     if "line" not in contacts:
         for name in OF_A_LINE:
