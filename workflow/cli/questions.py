@@ -13,8 +13,9 @@ from solver.names import CHOICES
 from surrogate import GaussianProcess, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
 from workflow.dataset import factorial
-from workflow.design import answers, search, spread
-from workflow.design.spoken import verdict
+from workflow.design.search import targets
+from workflow.design.told.words import verdict
+from workflow.design.verdict import answers, spread
 from workflow.language.factors import FACTORS
 from workflow.learning import widened
 from workflow.study import location
@@ -196,7 +197,7 @@ def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> xr.Dataset:
         model = widened.learned(_checked(study, asked))
     else:
         _checked(study, asked)
-    answer = search.answer(study, "question", asked, model)
+    answer = targets.answer(study, "question", asked, model)
     answer["flags"] = "; ".join([*filter(None, [answer["flags"].item()]), *notes])
     if not bool(answer["feasible"]):
         at = ", ".join(f"{name} = {float(answer['value'].sel(factor=name)):.6g}" for name in answer["factor"].values)

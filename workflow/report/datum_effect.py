@@ -8,7 +8,7 @@ import xarray as xr
 
 from solver.names import ALL_QUANTITIES
 from workflow.dataset import factorial
-from workflow.design import answers
+from workflow.design.verdict import answers
 from workflow.language.expressions import Expression
 from workflow.study.categories import output
 from workflow.study.datum import HANGING, hanging, inner, length

@@ -8,8 +8,8 @@ from markupsafe import Markup
 
 from solver.names import CHOICES
 from workflow.dataset import factorial
-from workflow.design import answers, spread, tolerances
-from workflow.design.spoken import UNREACHABLE, Verdict, verdict
+from workflow.design.told.words import UNREACHABLE, Verdict, toleranced, verdict
+from workflow.design.verdict import answers, spread
 from workflow.language import titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
@@ -206,12 +206,12 @@ def limit(told: Verdict) -> str:
 
 def cost(found: xr.Dataset) -> str:
     """What the tolerances cost, and an error of 1 % in every other variable that matters."""
-    parts = tolerances.in_words(found)
+    parts = toleranced(found)
     for name in found["factor"].values:
         one = found.sel(factor=name)
         share = float(one["cost"])
-        toleranced = bool(str(one["tolerance"].values))
-        if str(one["role"].values) == "variable" and bool(one["matters"]) and share > 0 and not toleranced:
+        within = bool(str(one["tolerance"].values))
+        if str(one["role"].values) == "variable" and bool(one["matters"]) and share > 0 and not within:
             parts.append(f"1 % of {titles.title(str(name))} costs {_share(share)}")
     return f"{titles.capital('; '.join(parts))}." if parts else ""
 

@@ -10,7 +10,7 @@ import xarray as xr
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from workflow.dataset.slabs import CARD
-from workflow.design import answers, assessment, spread
+from workflow.design.verdict import answers, assessment, spread
 from workflow.language import statements, titles
 from workflow.language.factors import FACTORS
 from workflow.report import sentences

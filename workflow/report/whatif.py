@@ -13,8 +13,9 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.use.export import exported
 from workflow.dataset import factorial
-from workflow.design import answers, assessment, scenarios
-from workflow.design.sources import Predicted
+from workflow.design.asking import scenarios
+from workflow.design.asking.sources import Predicted
+from workflow.design.verdict import answers, assessment
 from workflow.language import titles
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS

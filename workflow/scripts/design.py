@@ -4,7 +4,7 @@ from pathlib import Path
 
 from storage.files import write_text
 from storage.netcdf import read_whole, write_whole
-from workflow.design import answers
+from workflow.design.verdict import answers
 from workflow.run import joblog
 
 snakemake = joblog.start(globals())

@@ -11,7 +11,9 @@ import yaml
 
 from solver import find, solve
 from workflow.dataset import factorial
-from workflow.design import assessment, search, spoken
+from workflow.design.search import targets
+from workflow.design.told import words
+from workflow.design.verdict import assessment
 from workflow.learning import training
 from workflow.report.figures.design_plots import figures_of
 from workflow.study import model as studies
@@ -39,7 +41,7 @@ def ask(tmp_path: Path) -> Ask:
         (tmp_path / "one.yaml").write_text(yaml.safe_dump(text), encoding="utf-8")
         study = studies.load(tmp_path / "one.yaml")
         model = training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
-        return search.answer(study, "mine", Target.model_validate(target), model)
+        return targets.answer(study, "mine", Target.model_validate(target), model)
 
     return answer
 
@@ -128,7 +130,7 @@ def test_what_the_material_bears_is_a_limit_and_its_linear_range_is_told(ask: As
     assert float(one["limit"]) == pytest.approx(1.2 * 35e6, rel=1e-12)
     assert one["bound"].item() == "tensile strength of BaTiO3"
     assert one["source"].item() == find("BaTiO3").limits["tensile_strength"].source
-    told = spoken.verdict(answer)
+    told = words.verdict(answer)
     assert told.kind.startswith("beyond linear theory; otherwise ")
     case = {
         "composite": "fibrous",
@@ -157,9 +159,9 @@ def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: 
     # the same box, of which the question asks for a part
     answer = ask(SQUARE, {"load": 1e4}, over={"volume_fraction": {"high": 0.7}, "radius": {}}, **target)
     assert "volume_fraction at the upper end of the range asked for" in answer["status"].item()
-    words = spoken.verdict(answer)
-    assert words.stops == "volume fraction at its upper end as asked for (0.7) stops it."
-    assert words.idle.startswith("Radius does not matter to the goal: the least is taken at which every limit has 1 % ")
+    says = words.verdict(answer)
+    assert says.stops == "volume fraction at its upper end as asked for (0.7) stops it."
+    assert says.idle.startswith("Radius does not matter to the goal: the least is taken at which every limit has 1 % ")
     # which is the least radius that leaves 1 % to the limit, by the exact solver
     at = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "volume_fraction": 0.7}
     radius = float(answer["value"].sel(factor="radius"))
@@ -169,9 +171,9 @@ def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: 
     # what a little more would bring, from the exact solver
     at = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "radius": 0.1}
     strokes = np.log(np.abs(solve({**at, "volume_fraction": 0.7 * np.array([0.9999, 1.0001])})["stroke_per_volt"]))
-    weight = spoken.multipliers(answer, [], {"volume_fraction": "upper end"})["volume_fraction"]
+    weight = words.multipliers(answer, [], {"volume_fraction": "upper end"})["volume_fraction"]
     assert weight == pytest.approx(float(strokes[1] - strokes[0]) / 2e-4, rel=1e-4)
-    assert words.advice.startswith("By the gradient, volume fraction of 0.77 would likely bring ")
+    assert says.advice.startswith("By the gradient, volume fraction of 0.77 would likely bring ")
 
 
 def test_next_to_zero_an_error_costs_units_and_no_share(ask: Ask) -> None:

@@ -20,10 +20,11 @@ from verification.oracles import interior
 from verification.oracles.half_plane import CONSTANTS
 from workflow.cli import questions
 from workflow.dataset import factorial
-from workflow.design import budget, search
-from workflow.design.designs import Designs
-from workflow.design.question import Question
-from workflow.design.sources import Exact, Factors, Predicted, shape
+from workflow.design.asking import budget
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question
+from workflow.design.asking.sources import Exact, Factors, Predicted, shape
+from workflow.design.search import targets
 from workflow.learning import training
 from workflow.study.model import Study
 from workflow.study.target import Target
@@ -80,7 +81,7 @@ def dense() -> xr.Dataset:
 @pytest.fixture(scope="module")
 def sensor(model: GaussianProcess) -> Callable[[str], xr.Dataset]:
     """The best sensor under a limit at every friction of the range: searched for once a limit."""
-    return cache(lambda limit: search.answer(STUDY, "sensor", target(worst_case=RANGE, subject_to=[limit]), model))
+    return cache(lambda limit: targets.answer(STUDY, "sensor", target(worst_case=RANGE, subject_to=[limit]), model))
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +131,7 @@ def test_the_tension_of_a_design_is_that_of_an_independent_solution(sensor: Call
 
 def test_a_chance_a_mean_and_a_front(model: GaussianProcess, dense: xr.Dataset) -> None:
     chance = target(uncertain=DRAWN, subject_to=[f"{CRACK} with probability 0.99"], robust="mean - 2 std")
-    answer = search.answer(STUDY, "sensor", chance, model)
+    answer = targets.answer(STUDY, "sensor", chance, model)
     friction = DRAWN["friction"]["triangular"][2] - np.sqrt(0.01 * 0.3 * 0.2)  # of probability 0.99
     at = {key: float(answer["value"].sel(factor=key)) for key in ("volume_fraction", "radius")}
     exact = solve({"composite": "fibrous", "load": 5e4, **at, "friction": friction}, peaks=True)
@@ -140,7 +141,7 @@ def test_a_chance_a_mean_and_a_front(model: GaussianProcess, dense: xr.Dataset) 
     asked = target(
         minimise="peak_von_mises", uncertain=DRAWN, robust="mean", subject_to=["abs(voltage_sensitivity) >= 0.048"]
     )
-    least = search.answer(STUDY, "mises", asked, model)
+    least = targets.answer(STUDY, "mises", asked, model)
     at = {key: float(least["value"].sel(factor=key)) for key in ("volume_fraction", "radius")}
     share = (np.arange(400) + 0.5) / 400
     friction = target(uncertain=DRAWN).uncertain["friction"].quantile(share)
@@ -148,7 +149,7 @@ def test_a_chance_a_mean_and_a_front(model: GaussianProcess, dense: xr.Dataset) 
     assert float(least["exact"][0]) == pytest.approx(float(exact["peak_von_mises"].mean()), rel=1e-5)
 
     both = target(minimise="peak_principal_tension", maximise="abs(voltage_sensitivity)", worst_case=RANGE)
-    front = search.answer(STUDY, "front", both, model)["front_exact"].values * [1, -1]
+    front = targets.answer(STUDY, "front", both, model)["front_exact"].values * [1, -1]
     ends = abs(dense["voltage_sensitivity"]).min("friction"), -dense["peak_principal_tension"].max("friction")
     everything = np.stack([one.values.ravel() for one in ends], -1)
     reference = front.min(0)
@@ -188,7 +189,7 @@ def test_a_limit_at_a_kink_is_met(kinked: tuple[Study, GaussianProcess], bound: 
         {"maximise": "friction", "over": ["friction"], "at": {"volume_fraction": 0.9},
          "subject_to": [f"peak_von_mises <= {bound} MPa"]}
     )  # fmt: skip
-    answer = search.answer(kinked[0], "most", most, kinked[1])
+    answer = targets.answer(kinked[0], "most", most, kinked[1])
 
     def excess(friction: float) -> float:
         return float(across(friction)["peak_von_mises"]) / (1e6 * bound) - 1
@@ -202,7 +203,7 @@ def test_a_goal_that_is_best_at_a_kink(kinked: tuple[Study, GaussianProcess]) ->
     """Twice as steep beyond the kink as before it; what is searched for is led by the surrogate, which rounds it."""
     goal = "friction - 1.06 * peak_von_mises / peak_pressure"
     best = Target.model_validate({"maximise": goal, "over": ["friction"], "at": {"volume_fraction": 0.9}})
-    answer = search.answer(kinked[0], "best", best, kinked[1])
+    answer = targets.answer(kinked[0], "best", best, kinked[1])
     exact = across(np.linspace(0.35, 0.45, 201))
     dense = exact["friction"] - 1.06 * exact["peak_von_mises"] / exact["peak_pressure"]
     assert 10 < int(dense.argmax("friction")) < 190
@@ -212,7 +213,7 @@ def test_a_goal_that_is_best_at_a_kink(kinked: tuple[Study, GaussianProcess]) ->
 @pytest.mark.parametrize("wrong", ["low", "high"])
 def test_a_surrogate_that_errs_does_not_break_a_limit(wrong: str, request: pytest.FixtureRequest) -> None:
     asked = target(worst_case=RANGE, subject_to=[CRACK], allow_outside_interval=True)
-    answer = search.answer(STUDY, "sensor", asked, request.getfixturevalue(wrong))
+    answer = targets.answer(STUDY, "sensor", asked, request.getfixturevalue(wrong))
     assert bool(answer["feasible"])
     assert 0 <= float(answer["margin"].sel(term=CRACK)) <= 1e-6
 
@@ -222,13 +223,13 @@ def test_what_cannot_be_afforded_is_said_and_judged_exactly(
 ) -> None:
     monkeypatch.setattr(budget, "AFFORDABLE", 20)
     asked = target(worst_case=RANGE, subject_to=[CRACK], allow_outside_interval=True)
-    answer = search.answer(STUDY, "sensor", asked, model)
+    answer = targets.answer(STUDY, "sensor", asked, model)
     assert answer.attrs["polish"].startswith("none; as far from the limits as the interval of the surrogate asks for")
     assert bool(answer["feasible"])
     margin, predicted = float(answer["margin"].sel(term=CRACK)), answer.sel(term=CRACK)
     assert margin >= 0
     assert float(predicted["predicted"]) + 1.95 * float(predicted["predicted_std"]) <= 60e6 * (1 + 1e-6)
-    broken = search.answer(STUDY, "sensor", asked, low)
+    broken = targets.answer(STUDY, "sensor", asked, low)
     assert not bool(broken["feasible"])
     assert "infeasible: peak_principal_tension <= 60 MPa binds" in str(broken["status"].values)
 
@@ -291,7 +292,7 @@ def test_the_best_choice_that_holds_exactly_is_taken(low: GaussianProcess) -> No
     case = {"composite": "fibrous", "load": 5e4, "volume_fraction": 0.664, "friction": 0.4}
     holds = [solve({**case, "radius": one}, peaks=True)["peak_principal_tension"].item() <= 60e6 for one in radii]
     assert holds == [False, True, True]
-    answer = search.answer(STUDY, "sensor", asked, low)
+    answer = targets.answer(STUDY, "sensor", asked, low)
     assert float(answer["value"].sel(factor="radius")) == 0.0505
     assert bool(answer["feasible"])
 

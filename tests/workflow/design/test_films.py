@@ -7,7 +7,8 @@ import pytest
 
 import solver
 from workflow.dataset import factorial
-from workflow.design import budget, search, sources
+from workflow.design.asking import budget, sources
+from workflow.design.search import targets
 from workflow.learning import training
 from workflow.study.model import load
 
@@ -45,7 +46,7 @@ def test_a_thickness_is_found_with_few_exact_cases(tmp_path: Path, monkeypatch: 
         return exact(self, factors, names)
 
     monkeypatch.setattr(sources.Exact, "values", counted)
-    answer = search.solve_target(study, "thick", model)
+    answer = targets.solve_target(study, "thick", model)
     # the verdict of a half-plane would solve 201 scenarios at once, and every step of the polish some more
     assert max(asked) <= 14  # loads up to the first limit, of one table
     assert sum(asked) <= budget.AFFORDABLE_FILMS

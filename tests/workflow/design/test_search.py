@@ -11,8 +11,8 @@ from surrogate import GaussianProcess
 from tests.surrogate.hypervolume import hypervolume
 from tests.test_notebooks import table
 from workflow.dataset import factorial
-from workflow.design import search
-from workflow.design.chosen import Design
+from workflow.design.search import targets
+from workflow.design.search.design import Design
 from workflow.learning import training
 from workflow.study.model import Study, load
 from workflow.study.target import Target
@@ -48,7 +48,7 @@ def test_designs_have_no_regret_and_break_no_limit(
     quickstart: Study, model: GaussianProcess, dense: xr.Dataset
 ) -> None:
     for name, quantity in (("sensor", "voltage_sensitivity"), ("actuator", "stroke_per_volt")):
-        answer = search.solve_target(quickstart, name, model)
+        answer = targets.solve_target(quickstart, name, model)
         best, fraction = best_of(dense, quantity)
         objective = float(answer["exact"].sel(term=f"abs({quantity})"))
         assert objective >= best * (1 - 1e-9)  # 40,000 designs, and none is better
@@ -79,7 +79,7 @@ def test_the_front_has_the_hypervolume_of_a_dense_exact_one(
         at={"load": 1e4, "charge": 0.0}, worst_case={"friction": [0.1, 0.4]},
         subject_to=["trailing_tension <= 120 MPa"],
     )  # fmt: skip
-    answer = search.answer(quickstart, "front", target, model)
+    answer = targets.answer(quickstart, "front", target, model)
     found = answer["front_exact"].values * [1, -1]
     worst = [abs(dense["voltage_sensitivity"]).min("friction"), -dense["trailing_tension"].max("friction")]
     every = np.stack([one.values.ravel() for one in worst], -1)

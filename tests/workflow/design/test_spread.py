@@ -7,7 +7,8 @@ import numpy as np
 
 from solver import find, solve
 from workflow.dataset import factorial
-from workflow.design import search, spread
+from workflow.design.search import targets
+from workflow.design.verdict import spread
 from workflow.learning import training
 from workflow.study.model import load
 from workflow.study.uncertainty import FAMILIES, uncertain
@@ -35,7 +36,7 @@ def test_the_spread_of_a_design_is_that_of_materials_moved_by_hand(tmp_path: Pat
     path.write_text(STUDY, encoding="utf-8")
     study = load(path)
     model = training.fit(study, factorial.exact(study, factorial.axes(study)))
-    found = search.solve_target(study, "sensor", model)
+    found = targets.solve_target(study, "sensor", model)
     constants = uncertain(study)
     assert found["constant"].values.tolist() == [one.name for one in constants]
     own, squares = find("BaTiO3"), np.zeros(2)
@@ -67,6 +68,6 @@ def test_what_has_no_uncertain_constant_has_no_spread(tmp_path: Path) -> None:
     path.write_text(alloy, encoding="utf-8")
     study = load(path)
     model = training.fit(study, factorial.exact(study, factorial.axes(study)))
-    found = search.solve_target(study, "sensor", model)
+    found = targets.solve_target(study, "sensor", model)
     assert "spread" not in found
     assert spread.in_words(found) == ""

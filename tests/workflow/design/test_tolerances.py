@@ -10,7 +10,9 @@ from scipy import stats
 from solver import solve
 from surrogate import GaussianProcess
 from workflow.dataset import factorial
-from workflow.design import scenarios, search, spoken
+from workflow.design.asking import scenarios
+from workflow.design.search import targets
+from workflow.design.told import words
 from workflow.learning import training
 from workflow.study.asked import check_target
 from workflow.study.model import Study, load
@@ -46,7 +48,7 @@ def answer(fitted: tuple[Study, GaussianProcess], **changed: Any) -> xr.Dataset:
     }  # fmt: skip
     target = Target.model_validate(asked | changed)
     check_target(fitted[0], "mine", target)
-    return search.answer(fitted[0], "mine", target, fitted[1])
+    return targets.answer(fitted[0], "mine", target, fitted[1])
 
 
 def test_the_worst_of_the_tolerances_keeps_the_limit_and_costs_what_a_dense_search_says(
@@ -84,7 +86,7 @@ def test_the_worst_of_the_tolerances_keeps_the_limit_and_costs_what_a_dense_sear
         "radius": at["radius"] * np.linspace(0.95, 1.05, 9), "friction": np.linspace(0.1, 0.4, 9),
     }  # fmt: skip
     assert float(solve({**box, "composite": "fibrous", "load": 1e4})["trailing_tension"].max()) <= LIMIT * (1 + 1e-9)
-    told = spoken.verdict(found).tolerance
+    told = words.verdict(found).tolerance
     assert told.startswith("Within 0.02 of volume fraction and 5 % of radius every limit is kept as it is asked for. ")
     assert "5 % of radius costs 0.54 % (half of it would gain 0.27 %)" in told
 
@@ -111,7 +113,7 @@ def test_a_deviation_is_from_the_mean_of_its_distribution(fitted: tuple[Study, G
         minimise="deviation(charge_sensitivity over friction)", over=["radius"], at={"volume_fraction": 0.6},
         worst_case={"friction": [0.0, 0.5]}, subject_to=["deviation(trailing_tension) <= 500 %"],
     )  # fmt: skip
-    found = search.answer(fitted[0], "mine", target, fitted[1])
+    found = targets.answer(fitted[0], "mine", target, fitted[1])
     at = {"radius": float(found["value"].sel(factor="radius")), "volume_fraction": 0.6, "composite": "fibrous"}
     dense = solve({**at, "load": 1e4, "friction": np.linspace(0, 0.5, 2001)})
     for k, name in enumerate(("charge_sensitivity", "trailing_tension")):

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from tests.workflow.conftest import Project
-from workflow.design.spoken import verdict
+from workflow.design.told.words import verdict
 from workflow.report import device, firstscreen, sentences
 from workflow.report.device import Device
 from workflow.report.firstscreen import Case

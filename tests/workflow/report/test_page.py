@@ -19,7 +19,8 @@ from tests.workflow.conftest import Project
 from tests.workflow.report.browser import needs_browser, opened
 from workflow.cli import predictions
 from workflow.dataset.slabs import open_results
-from workflow.design import assessment, scenarios
+from workflow.design.asking import scenarios
+from workflow.design.verdict import assessment
 from workflow.report import whatif
 from workflow.study.model import load
 from workflow.study.target import Target

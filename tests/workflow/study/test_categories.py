@@ -12,7 +12,8 @@ from surrogate import GaussianProcess
 from tests.surrogate.hypervolume import hypervolume
 from workflow.cli import questions
 from workflow.dataset import factorial
-from workflow.design import answers, search
+from workflow.design.search import targets
+from workflow.design.verdict import answers
 from workflow.learning import readout_trial, training
 from workflow.study.categories import output
 from workflow.study.model import Study, load
@@ -60,7 +61,7 @@ def test_every_combination_is_learned(study: Study, model: GaussianProcess) -> N
 
 
 def test_the_chosen_combination_is_the_best_of_all(study: Study, model: GaussianProcess) -> None:
-    answer = search.solve_target(study, "voltage", model)
+    answer = targets.solve_target(study, "voltage", model)
     best = {}
     for kinds in product(MATERIALS, PROFILES):
         sensitivity, tension = dense(*kinds)
@@ -80,7 +81,7 @@ def test_the_chosen_combination_is_the_best_of_all(study: Study, model: Gaussian
 
 
 def test_choices_of_numbers_and_names_together(study: Study, model: GaussianProcess) -> None:
-    answer = search.solve_target(study, "charge", model)
+    answer = targets.solve_target(study, "charge", model)
     assert answers.kinds(answer) == [("material", "PZT-5H", "variable"), ("profile", "cylinder", "given")]
     assert answer.sizes["choice"] == 20
     assert float(answer["value"].sel(factor="radius")) in (0.02, 0.05, 0.1, 0.15, 0.2)
@@ -90,7 +91,7 @@ def test_choices_of_numbers_and_names_together(study: Study, model: GaussianProc
 
 
 def test_the_front_is_that_of_all_combinations(study: Study, model: GaussianProcess) -> None:
-    answer = search.solve_target(study, "front", model)
+    answer = targets.solve_target(study, "front", model)
     found = answer["front_exact"].values * [1, -1]
     everything = np.concatenate([np.stack(dense(*kinds), -1) for kinds in product(MATERIALS, PROFILES)]) * [1, -1]
     everything = everything[everything[:, 1] >= -150e6]

@@ -11,8 +11,8 @@ from solver.names import FIELDS
 from storage.netcdf import read_whole
 from workflow.dataset import datacard, factorial
 from workflow.dataset import slabs as dataset
-from workflow.design import search
-from workflow.design.contact_fields import fields
+from workflow.design.search import targets
+from workflow.design.search.contact_fields import fields
 from workflow.learning import training
 from workflow.report import firstscreen, page
 from workflow.study.datum import hanging
@@ -108,7 +108,7 @@ def test_a_body_of_one_layer_is_the_film_of_the_same_factors(tmp_path: Path) -> 
 def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
     model = training.fit(study, factorial.exact(study, factorial.axes(study)))
     model.calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
-    answer = search.solve_target(study, "thin", model)
+    answer = targets.solve_target(study, "thin", model)
     design = {name: float(answer["value"].sel(factor=name)) for name in study.factors}
     assert design["copper_thickness"] <= 55e-6 * (1 + 1e-9)
     base = str(answer["kind"].sel(category="base").item())

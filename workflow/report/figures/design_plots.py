@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from workflow.design.contact_fields import SURFACE
+from workflow.design.search.contact_fields import SURFACE
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import label, number, prefixed
 from workflow.language.titles import objective

@@ -9,9 +9,9 @@ import pandas as pd
 import xarray as xr
 
 from surrogate import GaussianProcess
-from workflow.design import answers
-from workflow.design.search import solve_target
-from workflow.design.spoken import Verdict, verdict
+from workflow.design.search.targets import solve_target
+from workflow.design.told.words import Verdict, verdict
+from workflow.design.verdict import answers
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.study.model import Study
@@ -26,7 +26,7 @@ class Design:
     target
         Name of the target.
     answer
-        All that is known of it: what `workflow.design.search.solve_target` gives.
+        All that is known of it: what `workflow.design.search.targets.solve_target` gives.
     """
 
     target: str
@@ -39,7 +39,7 @@ class Design:
         Raises
         ------
         InputError
-            As `workflow.design.search.solve_target`.
+            As `workflow.design.search.targets.solve_target`.
         """
         return cls(target, solve_target(study, target, model))
 

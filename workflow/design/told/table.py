@@ -5,8 +5,8 @@ from pathlib import Path
 import xarray as xr
 
 from storage.netcdf import read_whole
-from workflow.design import answers
-from workflow.design.spoken import verdict
+from workflow.design.told.words import verdict
+from workflow.design.verdict import answers
 from workflow.language import titles
 from workflow.language.numbers import shown
 

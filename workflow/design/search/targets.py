@@ -12,11 +12,13 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem, maximise
 from surrogate.search.pareto import Front
-from workflow.design import answers, assessment, budget, contact_fields, front, landscape, polish, tolerances
-from workflow.design.candidate import Candidate
-from workflow.design.designs import Designs
-from workflow.design.question import Question, ask
-from workflow.design.sources import Exact, Predicted
+from workflow.design.asking import budget
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question, ask
+from workflow.design.asking.sources import Exact, Predicted
+from workflow.design.search import contact_fields, front, landscape, polish, tolerances
+from workflow.design.search.candidate import Candidate
+from workflow.design.verdict import answers, assessment
 from workflow.study.categories import output
 from workflow.study.model import Study
 from workflow.study.reading import InputError

@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.face.refusal import FactorError
-from workflow.design.designs import Designs
+from workflow.design.asking.designs import Designs
 from workflow.language import grammar, titles
 from workflow.language.constants import CONSTANTS, FIGURES
 from workflow.language.expressions import Expression

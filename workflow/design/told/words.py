@@ -8,9 +8,9 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from workflow.design import figures, tolerances
-from workflow.design.assessment import ROOM, ROUNDING
-from workflow.design.terms import BINDS
+from workflow.design.asking.terms import BINDS
+from workflow.design.verdict import figures
+from workflow.design.verdict.assessment import ROOM, ROUNDING
 from workflow.language import sizes, statements, titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
@@ -73,7 +73,7 @@ def verdict(answer: xr.Dataset) -> Verdict:
     Parameters
     ----------
     answer
-        As :func:`workflow.design.search.answer` gives it, with its attributes.
+        As :func:`workflow.design.search.targets.answer` gives it, with its attributes.
     """
     told, beyond = _verdict(answer), answer["beyond"].item()
     told = replace(told, sources=_sources(answer), tolerance=_tolerated(answer), device=_device(answer))
@@ -108,7 +108,7 @@ def _tolerated(answer: xr.Dataset) -> str:
     share = number(100 * abs(exact - best) / abs(best), 2) if best else "–"
     return (
         f"Within {listed(bands)} every limit is kept as it is asked for. "
-        f"{capital('; '.join(tolerances.in_words(answer)))}. "
+        f"{capital('; '.join(toleranced(answer)))}. "
         f"Nominal optimum: {shown(best, str(answer['units'].values[0]), 4)} at {listed(at)}, "
         f"from which all tolerances together take {share} %."
     )
@@ -330,3 +330,19 @@ def unread(name: str, told: float) -> str:
     if told < _UNREAD:
         return ""
     return f"{titles.title(name)} cannot be told from these measurements: what is left of its range is {_percent(told)}"
+
+
+def toleranced(answer: xr.Dataset) -> list[str]:
+    """What each tolerance of a design costs, in words."""
+    parts = []
+    for name in answer["factor"].values if "tolerance_cost" in answer else []:
+        one = answer.sel(factor=name)
+        if not str(one["tolerance"].item()):
+            continue
+        words = f"{sizes.told(str(name), one['tolerance'].item())} of {titles.title(str(name))}"
+        cost, gain = float(one["tolerance_cost"]), float(one["tolerance_gain"])
+        if not np.isfinite(cost):
+            continue
+        text = f"{words} costs {number(100 * cost, 2)} %" if cost > 0 else f"{words} costs nothing"
+        parts.append(f"{text} (half of it would gain {number(100 * gain, 2)} %)" if gain > 0 else text)
+    return parts

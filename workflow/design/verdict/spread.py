@@ -7,10 +7,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.names import ALL_PEAKS
-from workflow.design.designs import Designs
-from workflow.design.risk import WorstCase
-from workflow.design.sources import Exact
-from workflow.design.terms import BINDS, Term
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.risk import WorstCase
+from workflow.design.asking.sources import Exact
+from workflow.design.asking.terms import BINDS, Term
 from workflow.language import statements, titles
 from workflow.language.numbers import number
 from workflow.study import uncertainty

@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from workflow.design import assessment, budget
-from workflow.design.candidate import Candidate
-from workflow.design.designs import Designs
-from workflow.design.sources import Source
+from workflow.design.asking import budget
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.sources import Source
+from workflow.design.search.candidate import Candidate
+from workflow.design.verdict import assessment
 
 Array = NDArray[np.float64]
 

@@ -6,10 +6,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from workflow.design import budget
-from workflow.design.designs import Designs
-from workflow.design.question import Question
-from workflow.design.sources import Exact, Source
+from workflow.design.asking import budget
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question
+from workflow.design.asking.sources import Exact, Source
 from workflow.language.factors import FACTORS
 
 Array = NDArray[np.float64]

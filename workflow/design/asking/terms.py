@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from workflow.design import risk
+from workflow.design.asking import risk
 from workflow.language.expressions import Expression
 from workflow.language.statements import Limit, Objective
 

@@ -8,12 +8,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate.search.optimise import improve
-from workflow.design import assessment, program
-from workflow.design.candidate import Candidate
-from workflow.design.question import Question
-from workflow.language import sizes, titles
+from workflow.design.asking import program
+from workflow.design.asking.question import Question
+from workflow.design.search.candidate import Candidate
+from workflow.design.verdict import assessment
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import number
 from workflow.study.target import Target
 
 Array = NDArray[np.float64]
@@ -92,19 +91,3 @@ def _reached(best: Candidate, question: Question) -> float:
 
 def _share(other: float, whole: float) -> float:
     return max((other - whole) / abs(whole), 0.0) if np.isfinite(other) else np.nan
-
-
-def in_words(answer: xr.Dataset) -> list[str]:
-    """What each tolerance of a design costs, in words."""
-    parts = []
-    for name in answer["factor"].values if "tolerance_cost" in answer else []:
-        one = answer.sel(factor=name)
-        if not str(one["tolerance"].item()):
-            continue
-        words = f"{sizes.told(str(name), one['tolerance'].item())} of {titles.title(str(name))}"
-        cost, gain = float(one["tolerance_cost"]), float(one["tolerance_gain"])
-        if not np.isfinite(cost):
-            continue
-        text = f"{words} costs {number(100 * cost, 2)} %" if cost > 0 else f"{words} costs nothing"
-        parts.append(f"{text} (half of it would gain {number(100 * gain, 2)} %)" if gain > 0 else text)
-    return parts

@@ -10,12 +10,13 @@ from scipy.stats import qmc
 
 from solver.names import ALL_QUANTITIES, CHOICES, PROFILES
 from workflow.dataset import factorial
-from workflow.design import budget, figures, linearity, perturbation, spread
-from workflow.design.designs import Designs
-from workflow.design.question import Question
-from workflow.design.scenarios import Scenarios
-from workflow.design.sources import Predicted, Source, shape
-from workflow.design.terms import BINDS, Key, Term
+from workflow.design.asking import budget
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question
+from workflow.design.asking.scenarios import Scenarios
+from workflow.design.asking.sources import Predicted, Source, shape
+from workflow.design.asking.terms import BINDS, Key, Term
+from workflow.design.verdict import figures, linearity, perturbation, spread
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import written
 from workflow.study.model import Study
@@ -116,8 +117,8 @@ def judge(design: Designs) -> xr.Dataset:
         ``predicted``, ``predicted_std``, ``half`` (reach of the 95 % interval, tolerance included), ``exact``,
         ``inside``, ``limit``, ``margin``, ``units``, and of a limit that names what a material bears ``bound`` (whose)
         and ``source``. Over both: ``elasticity`` and ``worst`` (the scenario that
-        decides). What :mod:`~workflow.design.figures` says of a
-        device, and :mod:`~workflow.design.spread` of constants. Over ``quantity``: its exact range over the
+        decides). What :mod:`~workflow.design.verdict.figures` says of a
+        device, and :mod:`~workflow.design.verdict.spread` of constants. Over ``quantity``: its exact range over the
         scenarios. Scalars: ``feasible``, ``status``, ``beyond`` (where the material is beyond what linear theory holds
         for), ``flags`` (that, and what else is to be known).
     """
