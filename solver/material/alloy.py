@@ -49,8 +49,9 @@ def aluminium_scandium_nitride(scandium_fraction: ArrayLike) -> Material:
     M.A. Caro, S. Zhang, T. Riekkinen et al., J. Phys.: Condens. Matter 27 (2015) 245901: quadratic fits to density
     functional theory, which a measured e33 supports. The fits and the permittivity (one for both directions) are as
     coded in a public module that cites the paper, not read in print; that module's density, 3512 kg/m3 of AlN, is 8 %
-    above the handbooks' and is not taken. They give d33 = 5.0 pC/N at x = 0 and 33.9 at x = 0.43, where films were
-    measured to have 5.5 and 27.6.
+    above the handbooks' and is not taken. A film on its substrate is clamped: it has e33/c33 = 3.8 pC/N at x = 0 and
+    15.8 at x = 0.43 by these fits, where films were measured to have 5.5 and 27.6, between that and the free d33 of the
+    fits, 5.0 and 33.9.
 
     Examples
     --------

@@ -128,3 +128,22 @@ def test_pvdf_has_the_strain_constants_of_its_source() -> None:
     assert [float(along.e31), float(across.e31), float(along.e33)] == pytest.approx(e * 1e-3, rel=1e-9)
     assert float(along.e15) == pytest.approx(0.59e9 * -27e-12, rel=1e-9)
     assert float(across.e15) == pytest.approx(0.55e9 * -23e-12, rel=1e-9)
+
+
+def test_sets_agree_with_what_their_sources_measure() -> None:
+    """AlN films have a k_t^2 of 6 to 6.5 %; the vendor's set of PIC255 has its data sheet's d33 and s11."""
+    nitride = solver.find("AlN")
+    stiffened = float(nitride.e33**2 / nitride.eps33)
+    assert 0.06 < stiffened / (float(nitride.c33) + stiffened) < 0.065
+    fit, vendor = (_compliance(solver.find(name)) for name in ("PIC255", "PIC255 (alternative 1)"))
+    np.testing.assert_allclose(vendor[0], [15.9, 21.0], rtol=5e-3)  # pm2/N, as the data sheet prints them
+    np.testing.assert_allclose(vendor[1], [393, -174], rtol=5e-3)  # pC/N
+    assert fit[0][0] / vendor[0][0] == pytest.approx(1.27, abs=0.01)
+
+
+def _compliance(m: solver.Material) -> tuple[list[float], list[float]]:
+    """s11, s33 [pm2/N] and d33, d31 [pC/N]."""
+    c = np.array([[m.c11, m.c12, m.c13], [m.c12, m.c11, m.c13], [m.c13, m.c13, m.c33]], dtype=float)
+    s = np.linalg.inv(c)
+    d = s @ np.array([m.e31, m.e31, m.e33], dtype=float)
+    return [s[0, 0] * 1e12, s[2, 2] * 1e12], [d[2] * 1e12, d[0] * 1e12]
