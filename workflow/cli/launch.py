@@ -64,7 +64,7 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
         _check_origin(study, folder / "provenance.json")
         from workflow.design.told import table  # scikit-learn stands behind it, for which the start should not wait
 
-        for line in [*table.table(folder, list(study.design)), *unreached.lines(folder / "design.nc")]:
+        for line in [*table.outcome(folder, list(study.design)), *unreached.lines(folder / "design.nc")]:
             print(line)
         print(f"report: {report}")
     return status

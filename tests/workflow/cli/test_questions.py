@@ -70,7 +70,7 @@ def test_uncertain_factors_choices_and_defaults(ran: Project) -> None:
     )  # fmt: skip
     assert target.variables["radius"].choices == [0.05, 0.1]
     answer = targets.answer(study, "mine", target, model)
-    assert float(answer["value"].sel(factor="radius")) in (0.05, 0.1)
+    assert answer.variable("radius").value in (0.05, 0.1)
     plain = questions.target(
         study, {"maximise": ["peak_pressure"], "over": ["radius"], "at": ["load=1e4,volume_fraction=0.5"]}
     )

@@ -165,15 +165,14 @@ def test_a_chance_constraint_binds_at_its_probability(study: Study, model: GridG
     )  # fmt: skip
     loose = study.model_copy(update={"validation": study.validation.model_copy(update={"tolerance": 1e-2})})
     answer = targets.answer(loose, "mine", target, model)
-    value = answer["value"].to_series()
-    held = {name: float(value[name]) for name in ("volume_fraction", "radius", "load", "charge")}
+    held = {name: answer.variable(name).value for name in ("volume_fraction", "radius", "load", "charge")}
     shares = (np.arange(4000) + 0.5) / 4000
     friction = stats.triang.ppf(shares, 0.25, 0.1, 0.4)
     exact = factorial.exact(study, {**held, "friction": xr.DataArray(friction, dims="draw")})
     kept = exact["trailing_tension"].values <= 50e6
     assert kept.mean() == pytest.approx(0.9, abs=2e-3)  # binding: certainty would cost
     mean = float(abs(exact["voltage"] / held["load"]).mean())
-    assert float(answer["exact"][0]) == pytest.approx(mean, rel=1e-4)
+    assert answer.terms[0].exact == pytest.approx(mean, rel=1e-4)
 
 
 def test_choices_are_searched_one_by_one(study: Study, model: GridGP) -> None:
@@ -184,16 +183,16 @@ def test_choices_are_searched_one_by_one(study: Study, model: GridGP) -> None:
     )  # fmt: skip
     loose = study.model_copy(update={"validation": study.validation.model_copy(update={"tolerance": 1.0})})
     best = targets.answer(loose, "mine", target, model)
-    value = best["value"].to_series()
-    assert value["radius"] in (0.01, 0.05, 0.1)
+    radius = best.variable("radius").value
+    assert radius in (0.01, 0.05, 0.1)
     grid = factorial.exact(
         study,
         {"volume_fraction": np.linspace(0.2, 0.8, 400), "radius": [0.01, 0.05, 0.1], "load": 1e4, "charge": 0.0,
          "friction": np.linspace(0.1, 0.4, 13)},
     )  # fmt: skip
     dense = (abs(grid["voltage"]) / grid["depth"]).min("friction").max("volume_fraction")
-    assert float(best["exact"][0]) >= float(dense.max()) * (1 - 1e-9)
-    assert value["radius"] == pytest.approx(float(dense["radius"][int(dense.values.argmax())]))
+    assert best.terms[0].exact >= float(dense.max()) * (1 - 1e-9)
+    assert radius == pytest.approx(float(dense["radius"][int(dense.values.argmax())]))
 
 
 def test_an_exact_value_outside_its_interval_fails_unless_allowed(
@@ -211,7 +210,7 @@ def test_an_exact_value_outside_its_interval_fails_unless_allowed(
     with pytest.raises(InputError, match=r"design: mine: .* is outside .* allow_outside_interval: true"):
         targets.answer(study, "mine", target, model)
     allowed = targets.answer(study, "mine", target.model_copy(update={"allow_outside_interval": True}), model)
-    assert not allowed["inside"].all()
+    assert not all(term.inside for term in allowed.terms)
 
 
 def test_inputs_may_be_narrower_than_the_factor(study: Study) -> None:

@@ -39,17 +39,17 @@ def test_the_optimum_in_thickness_comes_out_by_itself(tmp_path: Path, fraction: 
     exact = solve({**study.fixed, "thickness": DENSE})
     found = targets.solve_target(study, "charge", model)
     best = float(abs(exact["charge_sensitivity"]).max())
-    assert float(found["exact"][0]) >= best * (1 - 1e-3)
-    thickness = float(found["value"].sel(factor="thickness"))
+    assert found.terms[0].exact >= best * (1 - 1e-3)
+    thickness = found.variable("thickness").value
     assert (2.1e-5 < thickness < 0.95e-3) == interior
     assert (words.AT_EDGE in words.verdict(found).kind) != interior
 
     voltage = targets.solve_target(study, "voltage", model)
     circuit = exact["capacitance"] * 0.01 + 110e-12
     signal = abs(exact["charge_sensitivity"] * 1e4 * 0.01 / circuit).where(circuit * 1e12 >= 100)
-    assert float(voltage["exact"][0]) >= float(signal.max()) * (1 - 1e-3)
-    figures = voltage["figure_low"].to_series()
+    assert voltage.terms[0].exact >= float(signal.max()) * (1 - 1e-3)
+    figures = {one.figure: one.figure_low for one in voltage.figures}
     assert figures["force"] == pytest.approx(100.0)
-    assert abs(figures["signal_voltage"]) == pytest.approx(float(voltage["exact"][0]), rel=1e-9)
+    assert abs(figures["signal_voltage"]) == pytest.approx(voltage.terms[0].exact, rel=1e-9)
     assert figures["smallest_force"] * abs(figures["signal_charge"]) / figures["force"] == pytest.approx(1e-15)
     assert "time constant" in words.verdict(voltage).device

@@ -22,7 +22,7 @@ def test_a_run_ends_with_it_also_where_nothing_is_to_be_done(ran: Project, tmp_p
     assert done.stdout.splitlines()[-2:] == [LINE, "report: results/small/report.html"]
     assert done.stdout.count(LINE) == 1
     lines = done.stdout.splitlines()[:-2]
-    assert lines == table.table(ran.folder / "results/small", ["sensor", "impossible"])
+    assert lines == table.outcome(ran.folder / "results/small", ["sensor", "impossible"])
     assert lines[0].split() == ["target", "verdict", "goal", "design"]
     assert re.match(
         r"sensor +beyond linear theory; otherwise recommended +voltage per load 4[\d.]+ mV·m/N "
@@ -33,7 +33,7 @@ def test_a_run_ends_with_it_also_where_nothing_is_to_be_done(ran: Project, tmp_p
     assert re.match("impossible +not reachable +stroke per volt", lines[3])
     assert "9075 % beyond" in lines[4]
     assert "writing the page" not in done.stderr  # nothing was to be done
-    assert table.table(tmp_path, []) == []
+    assert table.outcome(tmp_path, []) == []
 
 
 def test_plain_snakemake_tells_it_of_the_designs_that_it_makes(ran: Project, tmp_path: Path) -> None:

@@ -61,8 +61,8 @@ def test_a_wider_question_is_answered_exactly(study: Study) -> None:
     over = {"volume_fraction": np.linspace(0.5, 0.8, 301), "radius": np.geomspace(0.05, 0.2, 301)}
     exact = solve({**over, "composite": "fibrous", "load": 1e4, "friction": 0.2})
     dense = abs(exact["voltage_sensitivity"]).where(exact["trailing_tension"] <= 40e6).max()
-    assert float(found["exact"][0]) >= float(dense) * (1 - 1e-6)
-    assert bool(found["feasible"])
+    assert found.terms[0].exact >= float(dense) * (1 - 1e-6)
+    assert found.feasible
 
 
 def test_what_cannot_be_wider_is_one_line(study: Study) -> None:
@@ -102,8 +102,8 @@ def test_groups_widen_with_their_factors(tmp_path: Path) -> None:
     over = {"volume_fraction": np.linspace(0.5, 0.8, 101), "radius": np.geomspace(0.05, 0.4, 101)}
     exact = solve({**over, "friction": np.linspace(0.1, 0.3, 5), "composite": "fibrous", "load": 1e4})
     goal, tension = abs(exact["voltage_sensitivity"]).min("friction"), exact["trailing_tension"].max("friction")
-    assert float(found["exact"][0]) >= float(goal.where(tension <= 40e6).max()) * (1 - 1e-6)
-    assert bool(found["feasible"])
+    assert found.terms[0].exact >= float(goal.where(tension <= 40e6).max()) * (1 - 1e-6)
+    assert found.feasible
     beyond_one = {"over": {"volume_fraction": {"high": 1.0}, "radius": {}}}
     for changed, words in (
         (beyond_one, "volume_fraction: scale: logit needs a range between 0"),

@@ -20,6 +20,7 @@ from workflow.design.asking.terms import Deviation, Key, Term, limited, wanted
 from workflow.language.constants import CONSTANTS
 from workflow.language.expressions import Call, Expression, Operation, Power
 from workflow.language.statements import Limit, Objective
+from workflow.language.statistics import Worst
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
@@ -76,9 +77,9 @@ class Question:
     def terms(self) -> list[Term]:
         """Objectives first, then the limits in the study's order."""
         target = self.target
-        deviations = target.statistic.deviations if target.random else None
+        statistic = target.statistic if target.random else Worst()
         drawn = bool(target.random)
-        return [wanted(one, deviations, self._deviation(one)) for one in target.objectives] + [
+        return [wanted(one, statistic, self._deviation(one)) for one in target.objectives] + [
             limited(
                 one,
                 self.scales.get(str(one), 1.0),

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate.search.optimise import improve
@@ -12,6 +11,7 @@ from workflow.design.asking import program
 from workflow.design.asking.question import Question
 from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
+from workflow.design.verdict.answer import Tolerated
 from workflow.language.factors import FACTORS
 from workflow.study.target import Target
 
@@ -28,7 +28,7 @@ def nominal(target: Target) -> Target:
     return target.model_copy(update={"tolerance": {}})
 
 
-def costs(best: Candidate, without: Candidate, asked: Asked, factors: list[str]) -> xr.Dataset:
+def costs(best: Candidate, without: Candidate, asked: Asked) -> Tolerated:
     """What tolerances cost.
 
     Parameters
@@ -37,19 +37,15 @@ def costs(best: Candidate, without: Candidate, asked: Asked, factors: list[str])
         The design with all tolerances, and the nominal optimum: the design without any.
     asked
         Makes the question of the design's own choice for a target with other tolerances.
-    factors
-        Of the data set.
 
     Returns
     -------
-    xarray.Dataset
-        Over ``factor``: ``tolerance_cost`` (share of the goal that is gained without this one tolerance),
-        ``tolerance_gain`` (the share gained by half of it), both on the surrogate, and ``nominal_value``. Scalars:
-        ``nominal_exact``, the goal of the nominal optimum on the exact solver, and ``nominal_choice``, its categories.
+    Tolerated
+        Costs and gains on the surrogate, the goal of the nominal optimum on the exact solver.
     """
     target, design = best.question.target, without.design
     whole = _reached(best, asked(target))
-    cost, gain = dict.fromkeys(factors, np.nan), dict.fromkeys(factors, np.nan)
+    cost, gain = dict[str, float](), dict[str, float]()
     for name in target.tolerance:
         rest = {key: one for key, one in target.tolerance.items() if key != name}
         cost[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": rest}))), whole)
@@ -57,16 +53,8 @@ def costs(best: Candidate, without: Candidate, asked: Asked, factors: list[str])
         gain[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": tighter}))), whole)
     values = {name: float(one[0]) for name, one in design.variables.items()} | without.question.held
     exact, _ = assessment.exactly(design, design.question.terms[:1])
-    return xr.Dataset(
-        {
-            "tolerance_cost": ("factor", list(cost.values())),
-            "tolerance_gain": ("factor", list(gain.values())),
-            "nominal_value": ("factor", [values.get(name, np.nan) for name in factors]),
-            "nominal_exact": float(exact[0]),
-            "nominal_choice": ", ".join(one for one in without.choice.values() if isinstance(one, str)),
-        },
-        coords={"factor": factors},
-    )
+    kinds = ", ".join(kind for kind in without.choice.values() if isinstance(kind, str))
+    return Tolerated(cost, gain, values, float(exact[0]), kinds)
 
 
 def _tightened(target: Target, name: str) -> str:
