@@ -24,8 +24,6 @@ from solver.halfplane.profile import Profile
 from surrogate import GridGP, Input
 from surrogate.curves.curvegp import CurveGP
 from surrogate.curves.curves import Curves, Largest
-from surrogate.curves.measure import Measure
-from surrogate.curves.panels import Panels
 
 Array = NDArray[np.float64]
 
@@ -117,16 +115,14 @@ def fresh(base: str, region: str, places: int, together: int, seed: int) -> xr.D
 def model(base: str, region: str, error: float) -> CurveGP:
     """The model of a region, not fitted."""
     here = REGIONS[region]
-    measures: dict[object, Measure] = {}
     largest: dict[str, Largest] = {}
     for name in _OUTPUTS[region]:
         peak = FOLLOWS[name]
-        own = Measure(np.array(peak.measure.linear), np.array(peak.measure.root))
         place = here.fields.index(peak.place) if peak.place else -1
-        largest[name] = Largest(0, measures.setdefault(peak.measure, own), place)
+        largest[name] = Largest(0, peak.measure, place)
     # over P/h the stresses of the interface have no size of their own
     sizes = tuple("" if size == "load_over_thickness" else size for size in here.sizes)
-    curves = Curves(tuple(described(region)), sizes, Panels(here.across, here.down), f"{region}_point")
+    curves = Curves(tuple(described(region)), sizes, here.panels, f"{region}_point")
     return CurveGP(
         lambda names: GridGP(inputs=inputs(base), compression=1e-2 * error),
         [curves],

@@ -27,14 +27,15 @@ Frame = tuple[float, float, float, float]
 COLUMNS = {
     "surrogate": (3, "#f3eefb", "#6a51a3"),
     "storage": (1, "#f2f2f2", "#666"),
+    "approximation": (1, "#f2f2f2", "#666"),
     "workflow": (2, "#eef4fb", "#2166ac"),
     "solver": (2, "#eaf6ee", "#1b7837"),
     "verification": (1, "#fdf1e8", "#b35806"),
 }
 #: The same from the top down, in which the list goes.
-COLUMNS_DOWN = ("workflow", "solver", "surrogate", "storage", "verification")
+COLUMNS_DOWN = ("workflow", "solver", "surrogate", "approximation", "storage", "verification")
 #: Rooms that are one in the picture, whatever is within.
-_WHOLE = ("storage", "verification")
+_WHOLE = ("approximation", "storage", "verification")
 
 
 def imports() -> Arrows:

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import Array
+from approximation.arrays import Array
+from approximation.measure import Measure
+from approximation.panels import Panels, line
 from solver.names import Described
 
 
@@ -40,9 +42,9 @@ class Region:
     size: str = "mean_pressure"
 
     @property
-    def points(self) -> int:
-        """Number of points."""
-        return sum(self.down) * sum(self.across)
+    def panels(self) -> Panels:
+        """The panels without their places."""
+        return Panels(self.across, self.down)
 
     @property
     def sizes(self) -> tuple[str, ...]:
@@ -50,39 +52,9 @@ class Region:
         own = {"position": "", "depth": "half_length"}
         return tuple(own.get(field, self.size) for field in self.fields)
 
-    def by_panel(self, values: Array) -> Array:
-        """Values at all points across and down, (..., down, across), in the order of the points; (..., point)."""
-        rows, columns = np.cumsum(self.down)[:-1], np.cumsum(self.across)[:-1]
-        panels = [part for row in np.split(values, rows, -2) for part in np.split(row, columns, -1)]
-        return np.concatenate([part.reshape(*part.shape[:-2], -1) for part in panels], -1)
-
     def lines(self) -> tuple[Array, Array]:
         """Coordinates of all points across and down; (across,) and (down,)."""
-        return _line(self.across, self.across_at), _line(self.down, self.down_at)
-
-
-@dataclass(frozen=True)
-class Measure:
-    """A measure of fields s: the largest over branches of ``linear . s + |root s|``, which no kink of s leaves.
-
-    Attributes
-    ----------
-    linear
-        One row a branch, (branch, field).
-    root
-        One matrix a branch, (branch, row, field).
-    """
-
-    linear: tuple[tuple[float, ...], ...]
-    root: tuple[tuple[tuple[float, ...], ...], ...]
-
-    def of(self, fields: Array) -> Array:
-        """The measure of fields (..., field)."""
-        branches = [
-            fields @ np.array(linear) + np.linalg.norm(fields @ np.array(root).T, axis=-1)
-            for linear, root in zip(self.linear, self.root, strict=True)
-        ]
-        return np.asarray(np.max(branches, axis=0))
+        return line(self.across, self.across_at), line(self.down, self.down_at)
 
 
 @dataclass(frozen=True)
@@ -106,21 +78,22 @@ class Peak:
 
 _STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
 _HALF = 0.5**0.5
-_NONE = ((0.0, 0.0, 0.0, 0.0),)
 
 #: Von Mises stress of (sigma_xx, sigma_yy, sigma_xy, sigma_zz) in plane strain.
 VON_MISES = Measure(
-    _NONE,
-    (((_HALF, -_HALF, 0.0, 0.0), (0.0, _HALF, 0.0, -_HALF), (-_HALF, 0.0, 0.0, _HALF), (0.0, 0.0, 3.0**0.5, 0.0)),),
+    np.zeros((1, 4)),
+    np.array([[[_HALF, -_HALF, 0, 0], [0, _HALF, 0, -_HALF], [-_HALF, 0, 0, _HALF], [0, 0, 3.0**0.5, 0]]]),
 )
 #: Largest principal stress of these, 0 where none is tensile.
 TENSION = Measure(
-    ((0.5, 0.5, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 0.0)),
-    (((0.5, -0.5, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)), _NONE * 2, _NONE * 2),
+    np.array([[0.5, 0.5, 0, 0], [0, 0, 0, 1], [0, 0, 0, 0]]),
+    np.array([[[0.5, -0.5, 0, 0], [0, 0, 1, 0]], np.zeros((2, 4)), np.zeros((2, 4))]),
 )
+#: The same, negative where none is tensile.
+PRINCIPAL = Measure(TENSION.linear[:2], TENSION.root[:2])
 #: Of (sigma_xy, sigma_yy): the size of the shear stress, and the tension, 0 where there is none.
-SHEAR = Measure(((0.0, 0.0),), (((1.0, 0.0),),))
-PULL = Measure(((0.0, 1.0), (0.0, 0.0)), (((0.0, 0.0),), ((0.0, 0.0),)))
+SHEAR = Measure(np.zeros((1, 2)), np.array([[[1.0, 0.0]]]))
+PULL = Measure(np.array([[0.0, 1.0], [0.0, 0.0]]), np.zeros((2, 1, 2)))
 
 _BODY = (-2.0, -1.5, -1.2, -1.0, -0.8, -0.5, 0.5, 0.8, 1.0, 1.2, 1.5, 2.0)
 # narrow beside the edges: a tenth of the contact below these, tension is as narrow
@@ -166,17 +139,6 @@ SIZES: dict[str, Described] = {
     "half_length": Described("m", "half the width of the contact, h"),
     "load_over_thickness": Described("Pa", "load over the thickness of the film"),
 }
-
-
-def nodes(count: int) -> Array:
-    """Chebyshev points on [-1, 1], rising: those of a panel."""
-    return np.asarray(-np.cos(np.pi * (np.arange(count) + 0.5) / count))
-
-
-def _line(counts: tuple[int, ...], ends: tuple[float, ...]) -> Array:
-    return np.concatenate(
-        [(a + b) / 2 + (b - a) / 2 * nodes(n) for n, a, b in zip(counts, ends[:-1], ends[1:], strict=True)]
-    )
 
 
 def described(region: str) -> dict[str, Described]:

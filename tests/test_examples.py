@@ -16,7 +16,7 @@ from workflow.run.provenance import ROOT
 
 SHOWING = [
     ".".join(file.relative_to(ROOT).with_suffix("").parts)
-    for room in ("meecontact", "storage", "solver", "surrogate", "workflow", "verification")
+    for room in ("meecontact", "approximation", "storage", "solver", "surrogate", "workflow", "verification")
     for file in sorted((ROOT / room).rglob("*.py"))
     if ">>> " in file.read_text(encoding="utf-8")
 ]

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebint, chebvander
 
+from approximation.chebyshev import coefficients, gauss_points
 from solver.arrays import Array, ComplexArray
 from solver.film.basis import CANCELS, RULES, Basis, ellipse, gauss_jacobi, jacobi
 from solver.halfplane.potentials import LINE, LINE_WEIGHTS
@@ -96,21 +98,18 @@ class Antiderivatives:
 
     def _polynomial(self, z: ComplexArray, terms: Array) -> ComplexArray:
         series, constants = self._series
-        values = np.polynomial.chebyshev.chebvander(z, len(series) - 1)
+        values = chebvander(z, len(series) - 1)
         return np.asarray(values @ (series @ terms) + constants @ terms)
 
     @cached_property
     def _series(self) -> tuple[Array, Array]:
         """Minus the integrals of the polynomial parts, j >= 1, and their constants, from a point off the contact."""
         size, count = self.basis.terms + 2, self.basis.pressures - 1
-        nodes = np.cos(np.pi * (np.arange(size) + 0.5) / size)
-        to_series = 2 / size * np.polynomial.chebyshev.chebvander(nodes, size - 1).T
-        to_series[0] /= 2
-        series = -np.polynomial.chebyshev.chebint(to_series @ self.basis.local(nodes)[:, 1:])
+        series = -chebint(coefficients(self.basis.local(gauss_points(size))[:, 1:]))
         A, B = self.basis.exponents
         z = 1j * np.sinh(np.array([CANCELS / (2 * self.basis.terms)]))
         share = np.eye(count) / (2 * np.arange(1, count + 1))
         S, weights = gauss_jacobi(int(np.ceil(RULES[0][0] * self.basis.terms)), A + 1, B + 1)
         exact = (-1 / (S - z[:, None])) @ (weights[:, None] * (jacobi(count, A + 1, B + 1, S) @ share) / np.pi)
-        known = self._near(z, share) + np.polynomial.chebyshev.chebvander(z, len(series) - 1) @ series
+        known = self._near(z, share) + chebvander(z, len(series) - 1) @ series
         return np.asarray(series), np.asarray((exact - known)[0].real)

@@ -1,6 +1,7 @@
 """Largest pressure of contacts between smooth edges, from the polynomial that the pressure has beside its weight."""
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 from scipy.fft import dct
 
 from solver.arrays import Array
@@ -36,7 +37,7 @@ def _largest(series: Array, exponent: float) -> Array:
     A, B = exponent, 1 - exponent
     count = series.shape[1]
     grid = np.cos(np.pi * (np.arange(_SCAN * count) + 0.5) / (_SCAN * count))
-    values = (1 - grid) ** A * (1 + grid) ** B * (series @ np.polynomial.chebyshev.chebvander(grid, count - 1).T)
+    values = (1 - grid) ** A * (1 + grid) ** B * (series @ chebvander(grid, count - 1).T)
     angle = np.arccos(grid[np.argmax(values, 1)])
     reach = np.pi / (_SCAN * count)
     low, high = np.maximum(angle - reach, 0.0), np.minimum(angle + reach, np.pi)

@@ -5,10 +5,11 @@ They are those of the tables in which the peaks are searched (module `peaks`), a
 
 import numpy as np
 
-from solver.arrays import Array
-from solver.curves import REGIONS, nodes
+from approximation.arrays import Array
+from approximation.chebyshev import gauss_points, interpolation
+from solver.curves import REGIONS
 from solver.film.contact import FilmContact
-from solver.film.peaks import ACROSS, DOWN, PeakTable, to_series
+from solver.film.peaks import ACROSS, DOWN, PeakTable
 
 
 def region_curves(of: PeakTable, contact: FilmContact, region: str) -> dict[str, Array]:
@@ -25,7 +26,7 @@ def region_curves(of: PeakTable, contact: FilmContact, region: str) -> dict[str,
         here = REGIONS[region]
         across, down = here.lines()
         found = of.read(contact, of.film_series if region == "film" else of.base_series)
-        stresses = here.by_panel(_between(DOWN, down) @ found @ _along(across).T)
+        stresses = here.panels.by_panel(interpolation(DOWN, down) @ found @ _along(across).T)
     out = {f"{region}_{name}": stresses[:, k] for k, name in enumerate(REGIONS[region].fields[: stresses.shape[1]])}
     return out | ({"interface_position": _positions(of, contact)} if region == "interface" else {})
 
@@ -36,7 +37,8 @@ def _positions(of: PeakTable, contact: FilmContact) -> Array:
     ends = np.array([of.spans(one) for one in h.tolist()]) / h[:, None, None]
     middle, half = ends.mean(2), (ends[..., 1] - ends[..., 0]) / 2
     panels = [
-        middle[:, k, None] + half[:, k, None] * nodes(count) for k, count in enumerate(REGIONS["interface"].across)
+        middle[:, k, None] + half[:, k, None] * gauss_points(count)
+        for k, count in enumerate(REGIONS["interface"].across)
     ]
     return np.concatenate(panels, axis=1)
 
@@ -49,10 +51,5 @@ def _along(places: Array) -> Array:
     for number, count in enumerate(ACROSS):
         own = np.flatnonzero(panel == number)
         local = places[own] + len(ACROSS) - 1 - 2 * number
-        whole[own, ends[number] : ends[number + 1]] = _between(count, local)
+        whole[own, ends[number] : ends[number + 1]] = interpolation(count, local)
     return whole
-
-
-def _between(count: int, places: Array) -> Array:
-    """From values at the Chebyshev points of a panel to those at places in it; (place, count)."""
-    return np.asarray(np.polynomial.chebyshev.chebvander(places, count - 1) @ to_series(count))

@@ -14,8 +14,11 @@ from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder, chebval, chebvander
 from scipy.special import gammainc
 
+from approximation.chebyshev import coefficients, gauss_points
+from approximation.panels import line
 from solver.arrays import Array
 from solver.film.fourier import FLIP, Medium, falling
 from solver.film.reflection import body_below
@@ -98,25 +101,16 @@ class GradedMedium:
     @cached_property
     def _samples(self) -> tuple[Array, Medium]:
         """Depths [m] and the media there."""
-        share = (1 - np.cos(np.pi * (np.arange(_DEPTHS) + 0.5) / _DEPTHS)) / 2
+        share = (1 + gauss_points(_DEPTHS)) / 2
         material = self.layer.profile(share)
         material.check()
         return share * self.layer.thickness, Medium(material, self.scale, self.speed)
-
-    def _series(self, values: Array) -> Array:
-        """Chebyshev coefficients over the depth, of values at the samples."""
-        matrix = 2 / _DEPTHS * np.polynomial.chebyshev.chebvander(self._local(self._samples[0]), _DEPTHS - 1).T
-        matrix[0] /= 2
-        return np.asarray(np.tensordot(matrix, values, 1))
-
-    def _local(self, depth: Array) -> Array:
-        return np.asarray(2 * depth / self.layer.thickness - 1)
 
     @cached_property
     def _constants(self) -> Array:
         """Coefficients of Y0 and G; (coefficient, 2, 4, 4)."""
         _, medium = self._samples
-        series = self._series(np.stack(np.broadcast_arrays(medium.compliance, medium.decay), 1))
+        series = coefficients(np.stack(np.broadcast_arrays(medium.compliance, medium.decay), 1))
         tail, size = (np.max(np.abs(part), axis=(0, 2, 3)) for part in (series[-2:], series))
         if np.any(tail > _SMOOTH * size):
             raise StackError("profile: the material is not a smooth function of depth")
@@ -124,7 +118,7 @@ class GradedMedium:
 
     def at(self, depth: Array) -> tuple[Array, Array]:
         """Y0 and G at depths [m]; (..., 4, 4) each."""
-        polynomials = np.polynomial.chebyshev.chebvander(self._local(depth), _DEPTHS - 1)
+        polynomials = chebvander(2 * depth / self.layer.thickness - 1, _DEPTHS - 1)
         both = np.tensordot(polynomials, self._constants, 1)
         return both[..., 0, :, :], both[..., 1, :, :]
 
@@ -143,12 +137,12 @@ class GradedMedium:
         Y2 = solved(-self._upward(Y1) - Y1 @ Q @ Y1)
         Y3 = solved(-self._upward(Y2) - Y1 @ Q @ Y2 - Y2 @ Q @ Y1)
         surface = (-1.0) ** np.arange(_DEPTHS)  # T_n(-1)
-        return np.array([np.tensordot(surface, self._series(Y), 1) for Y in (Y1, Y2, Y3)])
+        return np.array([np.tensordot(surface, coefficients(Y), 1) for Y in (Y1, Y2, Y3)])
 
     def _upward(self, values: Array) -> Array:
         """d/dy at the samples."""
-        derived = np.polynomial.chebyshev.chebder(self._series(values)) * (-2 / self.layer.thickness)
-        return np.asarray(np.moveaxis(np.polynomial.chebyshev.chebval(self._local(self._samples[0]), derived), -1, 0))
+        derived = chebder(coefficients(values)) * (-2 / self.layer.thickness)
+        return np.asarray(np.moveaxis(chebval(gauss_points(_DEPTHS), derived), -1, 0))
 
     def difference(self, k: Array, below: Array) -> Array:
         """Y_top - Y0 of the surface at wavenumbers, on bodies of response ``below`` (k, 4, 4); (k, 4, 4)."""
@@ -204,12 +198,9 @@ class GradedResponse:
     @cached_property
     def _series(self) -> Array:
         """Chebyshev coefficients in every panel; (panel, coefficient, 4, 4)."""
-        nodes = np.cos(np.pi * (np.arange(_PANEL) + 0.5) / _PANEL)
-        k = (self.ends[1:] + self.ends[:-1])[:, None] / 2 + (self.ends[1:] - self.ends[:-1])[:, None] / 2 * nodes
-        values = self._medium.difference(k.ravel(), body_below(self.stack, k.ravel()))
-        matrix = 2 / _PANEL * np.polynomial.chebyshev.chebvander(nodes, _PANEL - 1).T
-        matrix[0] /= 2
-        return np.asarray(np.einsum("cn,pnij->pcij", matrix, values.reshape(*k.shape, 4, 4)))
+        k = line([_PANEL] * (self.ends.size - 1), self.ends.tolist())
+        values = self._medium.difference(k, body_below(self.stack, k))
+        return coefficients(values.reshape(-1, _PANEL, 4, 4), axis=1)
 
     def difference(self, k: Array) -> Array:
         """Delta at wavenumbers; beyond the panels by its tails; (k, 4, 4)."""
@@ -218,7 +209,7 @@ class GradedResponse:
         for p, series in enumerate(self._series):
             inside = np.flatnonzero(panel == p)
             local = (2 * k[inside] - self.ends[p] - self.ends[p + 1]) / (self.ends[p + 1] - self.ends[p])
-            out[inside] = np.tensordot(np.polynomial.chebyshev.chebvander(local, _PANEL - 1), series, 1)
+            out[inside] = np.tensordot(chebvander(local, _PANEL - 1), series, 1)
         return out
 
     def decayed(self, k: Array, width: float) -> Array:

@@ -14,7 +14,10 @@ from functools import cache, lru_cache
 from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 
+from approximation.chebyshev import coefficients
+from approximation.panels import line
 from solver.arrays import Array
 from solver.film.grading import GradedResponse, smooth_tails
 from solver.film.reflection import low, sideways, waves
@@ -111,7 +114,7 @@ class Kernel:
                 inside = np.flatnonzero(panel == p + sign * count)
                 if inside.size:
                     middle, half = (self.edges[p + 1] + self.edges[p]) / 2, (self.edges[p + 1] - self.edges[p]) / 2
-                    out[inside] = _chebyshev((distance[inside] - middle) / half) @ mixed[p]
+                    out[inside] = chebvander((distance[inside] - middle) / half, _DEGREE) @ mixed[p]
         return out.reshape(*x.shape, -1)
 
 
@@ -133,24 +136,20 @@ def kernel(stack: Stack, reach: float) -> Kernel:
         edges.append(1.35 * edges[-1] + width / 2)
     edges[-1] = max(reach, (edges[-2] + edges[-1]) / 2)
     ends = np.array(edges)
-    nodes = np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
-    x = (ends[:-1, None] + ends[1:, None] + (ends[1:] - ends[:-1])[:, None] * nodes) / 2
+    x = line([_DEGREE + 1] * (ends.size - 1), ends.tolist())
     graded = _response(stack) if stack.top.graded else None
-    flat = x.ravel()
-    values = (_transforms(stack, width, flat) if graded is None else _graded(graded, width, flat)).reshape(*x.shape, 19)
-    to_series = 2 / (_DEGREE + 1) * _chebyshev(nodes).T
-    to_series[0] /= 2
-    coefficients = to_series @ values
-    size = np.max(np.abs(coefficients), axis=(0, 1))
-    tail = np.max(np.abs(coefficients[:, -2:]), axis=(0, 1))
-    if not np.all(np.isfinite(coefficients)) or np.any(
+    values = _transforms(stack, width, x) if graded is None else _graded(graded, width, x)
+    series = coefficients(values.reshape(-1, _DEGREE + 1, 19), axis=1)
+    size = np.max(np.abs(series), axis=(0, 1))
+    tail = np.max(np.abs(series[:, -2:]), axis=(0, 1))
+    if not np.all(np.isfinite(series)) or np.any(
         tail > (_TAIL if graded is None else _GRADED_TAIL) * np.max(size[:10])
     ):
         raise StackError(
             "kernel: its table does not resolve this stack: layers too different in thickness or stiffness "
             "(or a speed next to the critical one)"
         )
-    return Kernel(stack, width, ends, coefficients, graded)
+    return Kernel(stack, width, ends, series, graded)
 
 
 @lru_cache(_RESPONSES)
@@ -243,8 +242,3 @@ def _graded(response: GradedResponse, width: float, x: Array) -> Array:
         out[some, np.flatnonzero(~odd)] = np.cos(phase) @ rows[:, ~odd]
     out[:, :10] += np.where(odd, sines.T @ tails, cosines.T @ tails)
     return -out / np.pi
-
-
-def _chebyshev(x: Array) -> Array:
-    """T_0 .. T_degree at points; (point, degree + 1)."""
-    return np.asarray(np.polynomial.chebyshev.chebvander(x, _DEGREE), dtype=np.float64)

@@ -13,8 +13,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebint, chebvander
 from scipy.special import betainc
 
+from approximation.chebyshev import coefficients, gauss_points
 from solver.arrays import Array
 from solver.film.basis import Basis, jacobi
 
@@ -99,15 +101,12 @@ class Rough:
         """The polynomial part of the logarithmic integrals, with its constants from X = 1; (X, count)."""
         A, B = self.basis.exponents
         size = count + 2
-        nodes = np.cos(np.pi * (np.arange(size) + 0.5) / size)
-        dual = jacobi(count + 1, -A, -B, nodes)
+        dual = jacobi(count + 1, -A, -B, gauss_points(size))
         order = self.basis.order
         local = dual[:, order : order + count] if order >= 0 else np.concatenate([0 * dual[:, :1], dual], 1)[:, :count]
-        to_series = 2 / size * np.polynomial.chebyshev.chebvander(nodes, size - 1).T
-        to_series[0] /= 2
-        series = np.polynomial.chebyshev.chebint(np.pi * self.basis.gain * to_series @ local)
-        values = np.polynomial.chebyshev.chebvander(X, size) @ series
-        at_one = np.polynomial.chebyshev.chebvander(np.ones(1), size) @ series
+        series = chebint(np.pi * self.basis.gain * coefficients(local))
+        values = chebvander(X, size) @ series
+        at_one = np.sum(series, 0)  # T_n(1) = 1
         S, one, other, weights = self._rule
         exact = (weights * one**A * other**B * np.log(one)) @ jacobi(count, A, B, S)
         moments = np.zeros(count)

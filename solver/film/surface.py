@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.chebyshev import coefficients
 from solver.arrays import Array
 from solver.film.assembly import Assembly
 from solver.film.contact import FilmContact
@@ -64,7 +65,7 @@ class SurfaceTable:
         for basis, members in batches(wide, h, self.positions.size):
             assembly = Assembly(wide, basis, h[members], self.positions)
             found[members] = np.einsum("hfpu,huc->hfpc", local_fields(assembly), assembly.unknowns)
-        return self.table.in_series(found)
+        return coefficients(found)
 
     def fields(self, contact: FilmContact) -> FilmFields:
         """Fields of contacts that were read from the same table."""

@@ -8,8 +8,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder, chebvander
 from numpy.typing import NDArray
 
+from approximation.chebyshev import coefficients, gauss_points
 from solver.arrays import Array
 from solver.film import outputs
 from solver.film.assembly import Assembly
@@ -62,8 +64,7 @@ class Table:
     @cached_property
     def half_lengths(self) -> Array:
         """Chebyshev points of log h [m], rising; (node,)."""
-        angle = np.pi * (np.arange(self.nodes, 0, -1) - 0.5) / self.nodes
-        return np.exp(self._middle + self._half * np.cos(angle))
+        return np.exp(self._middle + self._half * gauss_points(self.nodes))
 
     @property
     def _middle(self) -> float:
@@ -81,19 +82,12 @@ class Table:
     @cached_property
     def series(self) -> Array:
         """Chebyshev coefficients of the outputs in log h; (node, output, cause)."""
-        return self.in_series(self.at_nodes)
-
-    def in_series(self, values: Array) -> Array:
-        """Chebyshev coefficients in log h of values at the half-lengths; (node, ...)."""
-        local = (np.log(self.half_lengths) - self._middle) / self._half
-        to_series = 2 / self.nodes * self._polynomials(local).T
-        to_series[0] /= 2
-        return np.asarray(np.tensordot(to_series, values, 1))
+        return coefficients(self.at_nodes)
 
     @cached_property
     def rates(self) -> Array:
         """Chebyshev coefficients of the derivatives in log h; (node, output, cause)."""
-        derived = np.polynomial.chebyshev.chebder(self.series) / self._half
+        derived = chebder(self.series) / self._half
         return np.concatenate([derived, np.zeros((1, *derived.shape[1:]))])
 
     @property
@@ -105,11 +99,8 @@ class Table:
 
     def polynomials(self, log_half: Array) -> Array:
         """Chebyshev polynomials at log h; (case, node): times ``series`` they are the outputs."""
-        return self._polynomials((log_half - self._middle) / self._half)
-
-    def _polynomials(self, local: Array) -> Array:
-        values = np.polynomial.chebyshev.chebvander(np.clip(local, -1.0, 1.0), self.nodes - 1)
-        return np.asarray(values, dtype=np.float64)
+        local = np.clip((log_half - self._middle) / self._half, -1.0, 1.0)
+        return np.asarray(chebvander(local, self.nodes - 1), dtype=np.float64)
 
     def narrowed(self, half_length: float, ratio: float = 1.2, nodes: int = 10) -> "Table":
         """A table of the same system about one half-length: as exact as the system itself.

@@ -7,6 +7,7 @@ from typing import Self
 
 import numpy as np
 
+from approximation.chebyshev import coefficients
 from solver.arrays import Array, ComplexArray
 from solver.film.antiderivatives import Antiderivatives
 from solver.film.assembly import Assembly
@@ -157,7 +158,7 @@ class TractionTable:
 
     @cached_property
     def _series(self) -> tuple[Array, Array]:
-        return self.table.in_series(self._nodes.pressures), self.table.in_series(self._nodes.charges)
+        return coefficients(self._nodes.pressures), coefficients(self._nodes.charges)
 
     def read(self, contact: FilmContact) -> Tractions:
         """Tractions under contacts that were read from the same table, one column."""

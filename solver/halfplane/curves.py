@@ -33,4 +33,4 @@ def _points() -> tuple[Array, Array]:
     X = np.where(size < 1, across, np.sign(across) * (1 + (size - 1) / (2 - size)))
     depth = DEPTH * (_DEEPEST / DEPTH) ** down
     whole = np.meshgrid(X, depth)
-    return _REGION.by_panel(whole[0]), _REGION.by_panel(whole[1])
+    return _REGION.panels.by_panel(whole[0]), _REGION.panels.by_panel(whole[1])

@@ -15,11 +15,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from approximation.measure import Measure
 from storage.described import described
 from surrogate.curves.curves import Basis, Curves, Largest
 from surrogate.curves.following import Links, followed, following
 from surrogate.curves.landscape import Landscape
-from surrogate.curves.measure import Measure
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.data.meanings import MEANINGS
@@ -67,7 +67,7 @@ class CurveGP(GaussianProcess):
     >>> a, points = Input("a", -1, 1), gauss_points(32)
     >>> grid = xr.Dataset(coords={"a": a.levels(12), "point": np.arange(32)})
     >>> x = xr.DataArray(points, dims="point")
-    >>> from surrogate.curves.panels import Panels
+    >>> from approximation.panels import Panels
     >>> hills = Curves(("height",), ("",), Panels((32,)), "point")
     >>> highest = Largest(0, Measure(np.ones((1, 1)), np.zeros((1, 1, 1))))
     >>> model = CurveGP(lambda names: GridGP(inputs=[a]), [hills], {"top": highest}, ["top"])

@@ -7,8 +7,8 @@ import numpy as np
 import xarray as xr
 from sklearn.utils.extmath import randomized_svd
 
-from surrogate.curves.measure import Measure
-from surrogate.curves.panels import Panels
+from approximation.measure import Measure
+from approximation.panels import Panels
 from surrogate.data.arrays import Array
 
 # Directions that are looked for first, and twice as many as long as they do not suffice.

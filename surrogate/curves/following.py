@@ -7,9 +7,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from approximation.measure import Measure
+from approximation.panels import Panels
 from surrogate.curves.curves import Basis, Curves, Largest
-from surrogate.curves.measure import Measure
-from surrogate.curves.panels import Panels
 
 # Most points of the panels of one file's curves.
 _MOST = 1_000_000

@@ -9,10 +9,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from surrogate.curves.climb import climb, held, hill
+from approximation.arrays import Indices
+from approximation.measure import Measure
+from approximation.panels import Panels, jets, rows
+from approximation.summit import climb, held, hill
 from surrogate.curves.curves import Basis
-from surrogate.curves.measure import Measure
-from surrogate.curves.panels import Indices, Panels, jets, rows
 from surrogate.data.arrays import Array
 from surrogate.data.inputs import gauss_points
 

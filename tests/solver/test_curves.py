@@ -35,7 +35,7 @@ def test_curves_are_the_fields_inside_at_their_points() -> None:
     assert y[[-1, 0]] == pytest.approx([-2.0, -0.1], abs=0.03)
     inside = solver.solve_interior(case, X, y, fields=REGIONS["body"].fields[:4])
     for name in REGIONS["body"].fields[:4]:
-        whole = REGIONS["body"].by_panel(inside[name].transpose("y", "x").values)
+        whole = REGIONS["body"].panels.by_panel(inside[name].transpose("y", "x").values)
         assert curves[f"body_{name}"].values == pytest.approx(whole, rel=1e-9, abs=1e-9 * np.abs(whole).max())
 
 

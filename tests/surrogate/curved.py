@@ -7,10 +7,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from approximation.measure import Measure
+from approximation.panels import Panels
 from surrogate import CurveGP, GridGP, GroupedGP, Input
 from surrogate.curves.curves import Curves, Largest
-from surrogate.curves.measure import Measure
-from surrogate.curves.panels import Panels
 from surrogate.data.inputs import gauss_points
 from surrogate.gp.grouping import Group, Grouping, Scaling
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from workflow.run.provenance import ROOT
+from workflow.run.provenance import ROOMS, ROOT
 
 SMALL = """\
 title: A small study
@@ -82,7 +82,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Project]:
 
     def make(name: str) -> Project:
         folder = tmp_path_factory.mktemp(name)
-        for part in ("storage", "solver", "surrogate", "workflow", "verification", "meecontact", "config", "examples"):
+        for part in (*ROOMS, "meecontact", "config", "examples"):
             shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
         shutil.copy(ROOT / "pyproject.toml", folder)
         (folder / "config" / "small.yaml").write_text(SMALL, encoding="utf-8")

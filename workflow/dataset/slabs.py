@@ -52,7 +52,7 @@ def write_slab(study: Study, index: int, path: Path) -> None:
     first = next(iter(axes))
     axes[first] = np.array_split(axes[first], partition.count(study))[index]
     positions = study.dataset.positions.values()
-    points = max([positions.size, *(REGIONS[name].points for name in study.regions)])
+    points = max([positions.size, *(REGIONS[name].panels.size for name in study.regions)])
     lengths, block = [levels.size for levels in axes.values()], max(1, _BLOCK // points)
     chunk = tiling.chunk_lengths(lengths, min(block, _CHUNK_CASES))
     regions = list(tiling.regions(lengths, chunk, block))

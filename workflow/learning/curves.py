@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
 from solver.curves import FOLLOWS, REGIONS, described
@@ -12,8 +11,6 @@ from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from surrogate.curves.curvegp import CurveGP
 from surrogate.curves.curves import Curves, Largest
-from surrogate.curves.measure import Measure
-from surrogate.curves.panels import Panels
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.groupedgp import GroupedGP
 from surrogate.gp.grouping import Grouping, Scaling
@@ -43,18 +40,17 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
     curves: list[Curves] = []
     largest: dict[str, Largest] = {}
     attrs: dict[str, dict[str, str]] = {}
-    measures = {peak.measure: _measure(name) for name, peak in FOLLOWS.items()}
     for kinds in study.combinations:
         for name in study.regions:
             region = REGIONS[name]
             fields = tuple(output(f"{name}_{field}", kinds) for field in region.fields)
             sizes = tuple(output(size, kinds) if size else "" for size in region.sizes)
-            curves.append(Curves(fields, sizes, Panels(region.across, region.down), f"{name}_point"))
+            curves.append(Curves(fields, sizes, region.panels, f"{name}_point"))
             for quantity, peak in FOLLOWS.items():
                 if peak.region == name and quantity in study.outputs:
                     place = region.fields.index(peak.place) if peak.place else -1
                     learnt = output(quantity, kinds)
-                    largest[learnt] = Largest(len(curves) - 1, measures[peak.measure], place)
+                    largest[learnt] = Largest(len(curves) - 1, peak.measure, place)
                     one = ALL_QUANTITIES[quantity]
                     words = f"{one.long_name}, {categories.named(kinds)}" if kinds else one.long_name
                     attrs[learnt] = {"units": one.units, "long_name": words}
@@ -71,11 +67,6 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
 
     error = _SHARE * study.validation.tolerance
     return CurveGP(smooth, curves, largest, study.learned, attrs, logarithms=by is None, error=error)
-
-
-def _measure(name: str) -> Measure:
-    measure = FOLLOWS[name].measure
-    return Measure(np.array(measure.linear), np.array(measure.root))
 
 
 def joined(study: Study, quantities: xr.Dataset, slabs: Sequence[str]) -> xr.Dataset:

@@ -15,7 +15,7 @@ from storage.sealed import sha256
 from workflow.run import crate
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOMS = ("storage", "solver", "surrogate", "workflow", "verification")
+ROOMS = ("approximation", "storage", "solver", "surrogate", "workflow", "verification")
 PACKAGES = ("meecontact", "numpy", "scipy", "xarray", "netCDF4", "scikit-learn", "snakemake", "pydantic", "matplotlib")
 
 

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 import surrogate
+from approximation.measure import Measure
+from approximation.panels import Panels
 from surrogate import CurveGP, GridGP
 from surrogate.curves.curves import Basis
 from surrogate.curves.landscape import Landscape
-from surrogate.curves.measure import Measure
-from surrogate.curves.panels import Panels
 from surrogate.data.inputs import gauss_points
 from surrogate.gp.grouping import Scaling
 from surrogate.use import validation

@@ -1,18 +1,17 @@
 """Panels of Chebyshev points side by side, in one or two coordinates; between the points fields are polynomials."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder
 from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array
-from surrogate.data.inputs import gauss_points
-from surrogate.gp.factors import chebyshev
-
-Indices = NDArray[np.intp]
+from approximation.arrays import Array, Indices
+from approximation.chebyshev import coefficients, gauss_points, mapped_points
 
 
 @dataclass(frozen=True)
@@ -52,6 +51,12 @@ class Panels:
         shapes = [(down, across) for down in self.down for across in self.across]
         ends = np.cumsum([0, *(down * across for down, across in shapes)]).tolist()
         return tuple((*shape, slice(*pair)) for shape, pair in zip(shapes, pairwise(ends), strict=True))
+
+    def by_panel(self, values: Array) -> Array:
+        """Return values on a net of the points down and across, (..., down, across), in the points' order."""
+        rows, columns = np.cumsum(self.down)[:-1], np.cumsum(self.across)[:-1]
+        panels = [part for row in np.split(values, rows, -2) for part in np.split(row, columns, -1)]
+        return np.concatenate([part.reshape(*part.shape[:-2], -1) for part in panels], -1)
 
     @cached_property
     def scan(self) -> "Scan":
@@ -116,6 +121,19 @@ class Scan:
         return [(own[0], own[1]) for own in found if own.size]
 
 
+def line(counts: Sequence[int], ends: Sequence[float]) -> Array:
+    """Return the coordinates of the points of panels side by side, (point,).
+
+    Parameters
+    ----------
+    counts : sequence of int
+        Number of points of every panel.
+    ends : sequence of float
+        Ends of the panels, one more.
+    """
+    return np.concatenate([mapped_points(n, *pair) for n, pair in zip(counts, pairwise(ends), strict=True)])
+
+
 def _some(count: int) -> Indices:
     """Points of a coordinate that are scanned, both ends with them."""
     return np.union1d(np.arange(0, count, 2), [count - 1])
@@ -138,10 +156,9 @@ def rows(count: int, places: Array) -> Array:
 @cache
 def _derived(count: int) -> Array:
     """From values at the points to Chebyshev coefficients of the polynomial and two derivatives; (count, 3 count)."""
-    series = 2 / count * chebyshev(gauss_points(count), count)
-    series[0] /= 2
-    padded = [np.polynomial.chebyshev.chebder(series, m) if count > m else np.zeros((0, count)) for m in (0, 1, 2)]
-    whole = [np.concatenate([one, np.zeros((count - len(one), count))]) for one in padded]
+    series = coefficients(np.eye(count))
+    derivatives = [chebder(series, m) if count > m else np.zeros((0, count)) for m in (0, 1, 2)]
+    whole = [np.concatenate([own, np.zeros((count - len(own), count))]) for own in derivatives]
     return np.ascontiguousarray(np.stack(whole, axis=1).reshape(count, 3 * count))
 
 

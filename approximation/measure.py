@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 
 Floats = NDArray[np.floating[Any]]  # of any precision
 _TINY = np.finfo(float).tiny
@@ -55,6 +55,14 @@ class Measure:
         """Number m of fields that it takes."""
         return int(self.linear.shape[1])
 
+    def of(self, fields: Array) -> Array:
+        """Return the measure of fields, (..., m): (...)."""
+        branches = [
+            fields @ linear + np.linalg.norm(fields @ root.T, axis=-1)
+            for linear, root in zip(self.linear, self.root, strict=True)
+        ]
+        return np.asarray(np.max(branches, axis=0))
+
     def values(self, s: Floats) -> Floats:
         """Return the measure of fields s, (B, >= m, n): (B, n)."""
         found: Floats | None = None
@@ -80,3 +88,7 @@ class Measure:
 def _product(row: Array, s: Floats) -> Floats:
     """A combination of fields, (B, n); terms that are zero cost nothing."""
     return np.asarray(sum(weight * s[:, k] for k, weight in enumerate(row.tolist()) if weight))
+
+
+#: One field as it is.
+ITSELF = Measure(np.ones((1, 1)), np.zeros((1, 1, 1)))

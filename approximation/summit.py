@@ -1,17 +1,32 @@
 """Newton's iteration to the top of a measure of fields on a panel, all of a block of curves at once."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from surrogate.curves.measure import Bent, Measure
-from surrogate.curves.panels import Indices, jets, rows, spacing
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Flags, Indices
+from approximation.chebyshev import gauss_points
+from approximation.measure import Bent, Measure
+from approximation.panels import jets, rows, spacing
 
 STEPS = 10
 CLOSE = 3e-4  # a step of Newton's iteration, in the half-width of a panel: the next is of its square
 
 
-def climb(fields: Array, measure: Measure, start: tuple[Array, Array]) -> tuple[Array, Array, Array]:
+def highest(fields: Array, measure: Measure, close: float = CLOSE) -> tuple[Array, Array, Array]:
+    """Return coordinates across and down and the measure of the highest points met from the best point of a panel.
+
+    Parameters
+    ----------
+    fields, measure, close
+        As of `climb`.
+    """
+    row, column = np.divmod(measure.values(fields.reshape(*fields.shape[:2], -1)).argmax(1), fields.shape[3])
+    start = gauss_points(fields.shape[3])[column], gauss_points(fields.shape[2])[row]
+    return climb(fields, measure, start, close)
+
+
+def climb(
+    fields: Array, measure: Measure, start: tuple[Array, Array], close: float = CLOSE
+) -> tuple[Array, Array, Array]:
     """Return coordinates across and down and the measure of the highest points met from starting points; (n,) each.
 
     Parameters
@@ -22,6 +37,8 @@ def climb(fields: Array, measure: Measure, start: tuple[Array, Array]) -> tuple[
         Of the m fields.
     start : pair of ndarray, shape (n,)
         Coordinates across and down, in [-1, 1].
+    close : float
+        Step, in the half-width of a panel, at which the iteration ends; the place is as good as its square.
     """
     counts = fields.shape[3], fields.shape[2]
     (u, v), active = start, np.arange(len(fields))
@@ -33,18 +50,18 @@ def climb(fields: Array, measure: Measure, start: tuple[Array, Array]) -> tuple[
         step = _step(gradient, bends, u, v, counts)
         here = np.array([u, v])
         ahead = np.minimum(np.maximum(here + step, -1.0), 1.0)
-        close = np.abs(step).max(axis=0) < CLOSE
+        last = np.abs(step).max(axis=0) < close
         # what the last step brings is its gain on a parabola, to the third order of it
-        gain = np.where(close, np.maximum((gradient * (ahead - here)).sum(axis=0), 0.0) / 2, 0.0)
+        gain = np.where(last, np.maximum((gradient * (ahead - here)).sum(axis=0), 0.0) / 2, 0.0)
         value = bent.value + gain
         up = value > best[2, active]
-        best[:2, active[up]] = np.where(close, ahead, here)[:, up]
+        best[:2, active[up]] = np.where(last, ahead, here)[:, up]
         best[2, active[up]] = value[up]
         u, v = ahead
-        if close.any():
-            if close.all():
+        if last.any():
+            if last.all():
                 break
-            going = ~close
+            going = ~last
             active, u, v, fields = active[going], u[going], v[going], fields[going]
     return best[0], best[1], best[2]
 
@@ -58,7 +75,7 @@ def hill(jet: Array, bent: Bent) -> tuple[Array, Array]:
     return gradient, (seconds + quadratic[:, [0, 1, 0], [0, 1, 1]]).T
 
 
-def held(place: Array, slope: Array, count: int | Indices) -> NDArray[np.bool_]:
+def held(place: Array, slope: Array, count: int | Indices) -> Flags:
     """Whether an end of the panel holds a coordinate, or there is no such coordinate."""
     return np.asarray(((np.abs(place) >= 1) & (place * slope > 0)) | (np.asarray(count) == 1))
 

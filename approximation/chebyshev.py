@@ -1,0 +1,93 @@
+"""Chebyshev points of the first kind, and the polynomials through values at them.
+
+Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013), chapters 2 to 4.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebpts1, chebvander
+from scipy.fft import dct
+from scipy.special import eval_chebyt
+
+from approximation.arrays import Array
+
+_FEW = 32  # points below which one compiled recurrence a polynomial beats a step in Python for all points
+
+
+def gauss_points(count: int) -> Array:
+    """Return the zeros of the Chebyshev polynomial T_count, ascending and antisymmetric, shape (count,).
+
+    Raises
+    ------
+    ValueError
+        A count that is no whole number >= 1.
+    """
+    if count != int(count) or count < 1:
+        raise ValueError(f"a number of Chebyshev points must be a whole number >= 1, got {count!r}")
+    return np.asarray(chebpts1(int(count)))
+
+
+def mapped_points(count: int, start: float, end: float) -> Array:
+    """Return the points of `gauss_points` on another interval, from `start` on; (count,)."""
+    return np.asarray((start + end) / 2 + (end - start) / 2 * gauss_points(count))
+
+
+def coefficients(values: Array, axis: int = 0) -> Array:
+    """Return the coefficients of the polynomial through values at `gauss_points`, by a discrete cosine transform.
+
+    Parameters
+    ----------
+    values : ndarray, shape (..., n, ...)
+        Values at the n points along an axis.
+    axis : int
+        That axis.
+
+    Returns
+    -------
+    ndarray
+        Of the shape of `values`: the m-th entry along the axis multiplies T_m.
+    """
+    # the transform counts points from the right end
+    found = dct(np.flip(values, axis), type=2, axis=axis) / values.shape[axis]
+    first: list[Any] = [slice(None)] * values.ndim
+    first[axis] = 0
+    found[tuple(first)] /= 2
+    return np.asarray(found)
+
+
+def interpolation(count: int, places: Array) -> Array:
+    """Return what takes values at `gauss_points` to the polynomial through them at places; (place, count)."""
+    return np.asarray(chebvander(places, count - 1) @ coefficients(np.eye(count)))
+
+
+def polynomials(t: Array, count: int) -> Array:
+    """Return T_0 .. T_{count-1} at t, (B,), by their recurrence: (count, B); valid outside [-1, 1] too.
+
+    Parameters
+    ----------
+    t : ndarray, shape (B,)
+        Points.
+    count : int
+        Number of polynomials.
+    """
+    if len(t) < _FEW:
+        return np.asarray(eval_chebyt(np.arange(count)[:, None], t))
+    T = np.empty((count, len(t)))
+    T[0] = 1
+    if count > 1:
+        T[1] = t
+    double = 2 * t
+    for m in range(2, count):
+        np.multiply(double, T[m - 1], out=T[m])
+        T[m] -= T[m - 2]
+    return T
+
+
+def slopes(t: Array, T: Array) -> Array:
+    """Return the derivatives of the polynomials T, (count, B), at t, (B,): (count, B)."""
+    S = np.zeros_like(T)
+    S[1] = 1
+    for m in range(2, len(T)):
+        S[m] = 2 * (T[m - 1] + t * S[m - 1]) - S[m - 2]
+    return S

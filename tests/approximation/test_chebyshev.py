@@ -1,0 +1,49 @@
+"""Points, series and interpolation against closed forms and numpy's own fits."""
+
+import numpy as np
+import pytest
+from numpy.polynomial import chebyshev as theirs
+
+from approximation.chebyshev import coefficients, gauss_points, interpolation, mapped_points, polynomials, slopes
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 8, 41])
+def test_points_are_the_zeros_of_the_polynomial_and_antisymmetric(count: int) -> None:
+    points = gauss_points(count)
+    np.testing.assert_allclose(points, np.sort(theirs.chebgauss(count)[0]), rtol=0, atol=2e-15)
+    np.testing.assert_array_equal(points, -points[::-1])
+    np.testing.assert_allclose(mapped_points(count, 2.0, 6.0), 4 + 2 * points, rtol=1e-15)
+
+
+@pytest.mark.parametrize("count", [0, -1, 2.5])
+def test_a_bad_number_of_points_is_refused(count: float) -> None:
+    with pytest.raises(ValueError, match="whole number >= 1"):
+        gauss_points(count)  # type: ignore[arg-type]  # bad on purpose
+
+
+@pytest.mark.parametrize("axis", [0, 1, -1])
+def test_coefficients_are_those_of_a_fit_through_all_values(axis: int) -> None:
+    values = np.random.default_rng(3).normal(size=(7, 4, 5))
+    along = np.moveaxis(values, axis, 0)
+    size = len(along)
+    fitted = theirs.chebfit(gauss_points(size), along.reshape(size, -1), size - 1).reshape(along.shape)
+    np.testing.assert_allclose(np.moveaxis(coefficients(values, axis), axis, 0), fitted, rtol=0, atol=1e-13)
+
+
+def test_interpolation_gives_polynomials_back_and_a_smooth_function_to_rounding() -> None:
+    places = np.linspace(-1, 1, 37)
+    np.testing.assert_allclose(interpolation(6, places) @ gauss_points(6) ** 5, places**5, rtol=0, atol=1e-14)
+    # e^x/(x - 2): coefficients fall as (2 + sqrt 3)^-n, below 1e-16 of the largest at n = 30
+    smooth = np.exp(gauss_points(30)) / (gauss_points(30) - 2)
+    np.testing.assert_allclose(interpolation(30, places) @ smooth, np.exp(places) / (places - 2), rtol=1e-13)
+
+
+@pytest.mark.parametrize("size", [5, 300])  # both ways of the recurrence
+def test_polynomials_and_slopes_are_cosines_of_multiples(size: int) -> None:
+    angle = np.linspace(0.05, np.pi - 0.05, size)
+    orders = np.arange(12)[:, None]
+    T = polynomials(np.cos(angle), 12)
+    np.testing.assert_allclose(T, np.cos(orders * angle), rtol=0, atol=1e-13)
+    exact = orders * np.sin(orders * angle) / np.sin(angle)
+    np.testing.assert_allclose(slopes(np.cos(angle), T), exact, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(polynomials(np.array([2.0]), 4)[:, 0], [1, 2, 7, 26], rtol=1e-15)

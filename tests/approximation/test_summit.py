@@ -1,0 +1,59 @@
+"""Largest measures of fields on panels against closed forms, eigenvalues and a dense scan."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from approximation.chebyshev import gauss_points
+from approximation.measure import ITSELF, Measure
+from approximation.panels import Panels, line
+from approximation.summit import highest
+
+Array = NDArray[np.float64]
+NORM = Measure(np.zeros((1, 2)), np.eye(2)[None])
+TOP = Measure(np.array([[0.5, 0.5, 0.0]]), np.array([[[0.5, -0.5, 0.0], [0.0, 0.0, 1.0]]]))
+
+
+def test_a_measure_is_the_largest_eigenvalue_it_is_written_as() -> None:
+    fields = np.random.default_rng(5).normal(size=(40, 3))
+    matrices = np.array([[[xx, xy], [xy, yy]] for xx, yy, xy in fields])
+    largest = np.linalg.eigvalsh(matrices)[:, -1]
+    np.testing.assert_allclose(TOP.of(fields), largest, rtol=1e-13)
+    np.testing.assert_allclose(TOP.values(fields.T[None])[0], largest, rtol=1e-13)
+    np.testing.assert_allclose(TOP.bent(fields).value, largest, rtol=1e-13)
+
+
+@pytest.mark.parametrize("top", [-0.37, 0.0, 0.81, 1.6])
+def test_the_top_of_one_field_on_a_line_is_found_to_rounding_inside_and_at_an_end(top: float) -> None:
+    values = np.exp(-((gauss_points(40) - top) ** 2))[None, None, None]
+    across, down, value = highest(values, ITSELF, 1e-8)
+    place = min(top, 1.0)
+    np.testing.assert_allclose(across, place, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(value, np.exp(-((place - top) ** 2)), rtol=1e-13)
+    assert down == 0
+
+
+def test_the_top_of_a_norm_over_a_square_is_that_of_an_optimiser() -> None:
+    def fields(x: Array, y: Array) -> Array:
+        return np.array([np.exp(-3 * (x - 0.3) ** 2 - y**2), 0.4 * np.sin(2 * x + y)])
+
+    x, y = np.meshgrid(gauss_points(30), gauss_points(24))
+    across, down, value = highest(fields(x, y)[None], NORM, 1e-8)
+
+    def below(place: Array) -> float:
+        return -float(np.linalg.norm(fields(place[0], place[1])))
+
+    best = minimize(below, np.array([0.3, 0.1]), tol=1e-14, method="Nelder-Mead")
+    np.testing.assert_allclose(value, -best.fun, rtol=1e-12)
+    np.testing.assert_allclose([across[0], down[0]], best.x, rtol=0, atol=1e-6)  # flat: the root of rounding
+
+
+def test_points_of_panels_come_panel_by_panel() -> None:
+    panels = Panels((2, 3), (2, 1))
+    net = np.arange(15.0).reshape(3, 5)
+    ordered = panels.by_panel(net)
+    for down, across, part in panels.parts:
+        assert ordered[part].reshape(down, across).shape == (down, across)
+    np.testing.assert_array_equal(ordered, [0, 1, 5, 6, 2, 3, 4, 7, 8, 9, 10, 11, 12, 13, 14])
+    np.testing.assert_allclose(line((1, 1), (0.0, 2.0, 6.0)), [1.0, 4.0], rtol=1e-15)

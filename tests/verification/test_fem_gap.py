@@ -1,0 +1,68 @@
+"""The finite elements with air and an elastic punch: against those without, closed forms, and figures of others."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+import solver
+from verification.cases import constants
+from verification.oracles.fem_film import ELECTRIC, MAGNETIC, FilmContact, Layer, Punch
+from verification.oracles.fem_gap import GapContact
+from verification.oracles.sample_materials import BARIUM_TITANATE, isotropic
+from verification.oracles.surface_response import surface_response
+
+FILM, PUNCH, HALF = Layer(BARIUM_TITANATE, 0.5e-3), Punch(0.05, 0.3, 1e-5), 2.1e-4
+solved = partial(GapContact, half_length=HALF, order=4)
+
+
+def test_without_air_and_rigid_it_is_the_other_oracle() -> None:
+    bare, found = FilmContact([FILM], None, PUNCH, HALF, order=4), solved([FILM], None, PUNCH, permittivity=0.0)
+    expected = [bare.load, bare.centre, bare.depth, bare.voltage]
+    np.testing.assert_allclose([found.load, found.centre, found.depth, found.potential(ELECTRIC)], expected, rtol=1e-9)
+
+
+def test_little_air_changes_little() -> None:
+    bare, little = (solved([FILM], None, PUNCH, permittivity=e) for e in (0.0, 1e-6))
+    assert little.potential(ELECTRIC) == pytest.approx(bare.potential(ELECTRIC), rel=1e-5)
+    assert little.load == pytest.approx(bare.load, rel=1e-7)
+
+
+def test_air_has_the_figures_of_boundary_elements() -> None:
+    """Fibrous 0.8, 0.3 mm on a rigid grounded base, R = 100 mm, 5 kN/m: charge per force 74.4 -> 85.9 pC/N."""
+    mix = constants(solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.8))
+    rate = {}
+    for charge in (0.0, 4e-7):
+        contact = GapContact([Layer(mix, 3e-4)], None, Punch(0.1, charge=charge), 6.48e-5, order=6)
+        rate[charge] = contact.potential(ELECTRIC) / contact.load, charge / contact.load
+    (idle, none), (charged, given) = rate.values()
+    assert none - idle * (given - none) / (charged - idle) == pytest.approx(85.9e-12, rel=5e-3)
+    assert 1e6 < contact.gap_field < 1e9
+
+
+def test_on_a_half_plane_without_potentials_air_changes_nothing() -> None:
+    """The surface has the punch's potential everywhere, and the charge is -r_1 P."""
+    layer, N = Layer(BARIUM_TITANATE, 0.5e-3, ()), surface_response(BARIUM_TITANATE).normal_compliance
+    screening = N[0, 1] / N[1, 1]
+    bare = solved([layer], BARIUM_TITANATE, Punch(0.05), permittivity=0.0)
+    airy = solved([layer], BARIUM_TITANATE, Punch(0.05, charge=-screening * bare.load), permittivity=1.0)
+    assert airy.load == pytest.approx(bare.load, rel=1e-5)
+    assert abs(airy.gap_field) < 1e-3 * abs(bare.potential(ELECTRIC)) / HALF
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_a_punch_of_the_body_s_own_material_is_twice_as_compliant(friction: float) -> None:
+    """Two equal isotropic half-planes: the centre stays, alpha = 1/2 at any friction, a^2 = 8 P R (1 - nu^2)/(pi E)."""
+    young, poisson = 200e9, 0.3
+    steel = isotropic(young, poisson)
+    layers, punch = [Layer(steel, 3e-4, ())], Punch(0.05, friction, conducted=())
+    found = solved(layers, steel, punch, permittivity=0.0, elastic=steel)
+    expected = np.pi * young * HALF**2 / (8 * punch.radius * (1 - poisson**2))
+    assert found.load == pytest.approx(expected, rel=1e-4)
+    assert abs(found.centre) < 1e-4 * HALF
+
+
+def test_a_field_that_a_film_s_magnets_make_meets_the_gap_too() -> None:
+    mix = constants(solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5))
+    bare, airy = (solved([Layer(mix, 3e-4)], None, Punch(0.05), permittivity=e) for e in (0.0, 1.0))
+    assert np.abs(airy.potential(MAGNETIC)) < 0.9 * np.abs(bare.potential(MAGNETIC))
