@@ -10,7 +10,8 @@ from solver.names import CHOICES
 from workflow.dataset import factorial
 from workflow.design.told import asides
 from workflow.design.told.words import UNREACHABLE, Verdict, verdict
-from workflow.design.verdict.answer import Answer, Term
+from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.term import Term
 from workflow.language import titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number

@@ -13,7 +13,8 @@ from workflow.dataset import factorial
 from workflow.design.search import targets
 from workflow.design.told import words
 from workflow.design.verdict import multipliers
-from workflow.design.verdict.answer import ROUNDING, Answer
+from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.term import ROUNDING
 from workflow.learning import training
 from workflow.report.figures.design_plots import figures_of
 from workflow.study import model as studies

@@ -7,7 +7,9 @@ import pytest
 
 from workflow.design.told import words
 from workflow.design.verdict import multipliers
-from workflow.design.verdict.answer import Answer, End, Role, Sensitivity, Term, Variable
+from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.term import Term
+from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
 from workflow.language import statements
 
 

@@ -10,7 +10,8 @@ from workflow.design.asking.designs import Designs
 from workflow.design.asking.sources import Source
 from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
-from workflow.design.verdict.answer import ROOM, ROUNDING
+from workflow.design.verdict.answer import ROOM
+from workflow.design.verdict.term import ROUNDING
 
 Array = NDArray[np.float64]
 

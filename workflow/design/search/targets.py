@@ -19,8 +19,9 @@ from workflow.design.asking.sources import Exact, Predicted
 from workflow.design.search import contact_fields, front, landscape, polish, tolerances
 from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
-from workflow.design.verdict.answer import Answer, Category, Choice, Role, Tolerated
+from workflow.design.verdict.answer import Answer, Category, Choice, Tolerated
 from workflow.design.verdict.netcdf import SOURCE, SOURCE_OF_FILMS
+from workflow.design.verdict.variable import Role
 from workflow.study.categories import output
 from workflow.study.model import Study
 from workflow.study.reading import InputError

@@ -12,7 +12,8 @@ import numpy as np
 from workflow.design.told import asides
 from workflow.design.told.words import verdict
 from workflow.design.verdict import netcdf
-from workflow.design.verdict.answer import Answer, Term
+from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.term import Term
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.statements import Limit

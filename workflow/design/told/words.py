@@ -6,7 +6,9 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 
 from workflow.design.told import asides
 from workflow.design.verdict import multipliers
-from workflow.design.verdict.answer import ROOM, Answer, Term, Variable
+from workflow.design.verdict.answer import ROOM, Answer
+from workflow.design.verdict.term import Term
+from workflow.design.verdict.variable import Variable
 from workflow.language import titles
 from workflow.language.numbers import number
 from workflow.language.titles import capital, listed

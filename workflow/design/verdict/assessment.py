@@ -15,8 +15,11 @@ from workflow.design.asking.question import Question
 from workflow.design.asking.scenarios import Scenarios
 from workflow.design.asking.sources import Predicted, Source, shape
 from workflow.design.asking.terms import Key, Term
-from workflow.design.verdict import answer, figures, linearity, perturbation, spread
-from workflow.design.verdict.answer import Answer, End, Range, Role, Scenario, Sensitivity, Variable
+from workflow.design.verdict import figures, linearity, perturbation, spread
+from workflow.design.verdict.answer import Answer, Range
+from workflow.design.verdict.term import Scenario
+from workflow.design.verdict.term import Term as JudgedTerm
+from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import written
 from workflow.language.statements import Limit, Objective
@@ -124,7 +127,7 @@ def judge(design: Designs) -> Answer:
 
 def _terms(
     design: Designs, guessed: Prediction, exact: Array, worst: Sequence[Scenario], spreads: spread.Spread
-) -> tuple[answer.Term, ...]:
+) -> tuple[JudgedTerm, ...]:
     """What every term comes to."""
     question, terms = design.question, design.question.terms
     stated: list[Objective | Limit] = [*question.target.objectives, *question.target.limits]
@@ -133,7 +136,7 @@ def _terms(
     margins = [term.sign * (term.bound - value) / term.scale for term, value in zip(terms, exact, strict=True)]
     bounds = [linearity.bound(question.study, one) if isinstance(one, Limit) else ("", "") for one in stated]
     return tuple(
-        answer.Term(
+        JudgedTerm(
             statement=stated[k],
             predicted=float(guessed.values[k]),
             predicted_std=float(guessed.stds[k]),

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from solver.face.refusal import FactorError
 from workflow.design.asking.designs import Designs
-from workflow.design.verdict.answer import Figure, Overload, Scenario
+from workflow.design.verdict.answer import Figure, Overload
+from workflow.design.verdict.term import Scenario
 from workflow.language import grammar
 from workflow.language.constants import CONSTANTS, FIGURES
 from workflow.language.expressions import Expression

@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from workflow.design.verdict.answer import Answer, Term, Variable
+from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.term import Term
+from workflow.design.verdict.variable import Variable
 from workflow.language.factors import FACTORS
 
 Array = NDArray[np.float64]

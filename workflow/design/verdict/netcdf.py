@@ -11,21 +11,9 @@ import xarray as xr
 
 from storage.described import described
 from storage.netcdf import read_whole
-from workflow.design.verdict.answer import (
-    Answer,
-    Category,
-    Choice,
-    Constant,
-    End,
-    Figure,
-    Overload,
-    Range,
-    Role,
-    Sensitivity,
-    Term,
-    Tolerated,
-    Variable,
-)
+from workflow.design.verdict.answer import Answer, Category, Choice, Constant, Figure, Overload, Range, Tolerated
+from workflow.design.verdict.term import Term
+from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
 from workflow.language import statements
 
 _LOCAL = ("map_x", "map_y", "slice", "step", "front", "choice", "position", "x", "y")  # what only pictures need

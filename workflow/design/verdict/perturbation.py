@@ -7,7 +7,7 @@ from workflow.design.asking import budget
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.question import Question
 from workflow.design.asking.sources import Exact, Source
-from workflow.design.verdict.answer import Sensitivity
+from workflow.design.verdict.variable import Sensitivity
 from workflow.language.factors import FACTORS
 
 Array = NDArray[np.float64]

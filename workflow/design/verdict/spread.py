@@ -12,6 +12,7 @@ from workflow.design.asking.risk import WorstCase
 from workflow.design.asking.sources import Exact
 from workflow.design.asking.terms import Term
 from workflow.design.verdict import answer
+from workflow.design.verdict.term import Scenario
 from workflow.study import uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -43,7 +44,7 @@ class Spread:
         return np.sqrt((self.effects**2).sum(1)) if self.constants else np.full(len(self.effects), np.nan)
 
 
-def over(design: Designs, worst: Sequence[answer.Scenario]) -> Spread:
+def over(design: Designs, worst: Sequence[Scenario]) -> Spread:
     """First-order spread of the terms of one design by the constants of its materials.
 
     Each constant, a family of them as :mod:`workflow.study.uncertainty` scales it, is moved by itself, up and down by
