@@ -5,9 +5,10 @@ run of a pipeline: `--dist loadgroup` would say so in marks, but pytest-xdist 3.
 node ids cannot be written to.
 """
 
+import contextlib
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from typing import Any
 
 import pytest
@@ -18,9 +19,10 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from xdist.scheduler import LoadScopeScheduling
 
-from tests.workflow.conftest import Project, copy
+from tests import layers
+from tests.workflow.conftest import Project, compiled, copy
 
-__all__ = ["copy"]
+__all__ = ["compiled", "copy"]
 
 #: Files that look at a run of a pipeline, by the session fixture that makes it.
 FILES = {
@@ -78,10 +80,14 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     return scheduler
 
 
+@pytest.hookimpl(tryfirst=True)  # before marks select
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Bring the longest groups to the front; refuse a test that would make a run once more, in another group."""
+    """Say each test's layer; bring the longest groups to the front; refuse a run made once more, in another group."""
+    layers.leave_to_soak(items)
     for item in items:
-        for run in FILES.keys() & set(getattr(item, "fixturenames", ())):
+        fixtures = set(getattr(item, "fixturenames", ()))
+        item.add_marker(layers.layer(item.location[0], [mark.name for mark in item.iter_markers()], fixtures))
+        for run in FILES.keys() & fixtures:
             if group(item.location[0]) != run:
                 raise pytest.UsageError(f"{item.location[0]} uses {run!r} and is not among its FILES in {__file__}")
     items.sort(key=lambda item: _rank(group(item.location[0])))
@@ -89,6 +95,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def _rank(name: str) -> int:
     return LONGEST.index(name) if name in LONGEST else len(LONGEST)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, Any, Any]:
+    """A test of the layer ``unit`` starts no program."""
+    with layers.without_programs() if item.get_closest_marker("unit") else contextlib.nullcontext():
+        return (yield)
 
 
 @pytest.fixture(autouse=True)

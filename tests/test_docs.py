@@ -97,6 +97,7 @@ def test_there_are_commands_and_python_to_run() -> None:
     assert other <= {"sh", "python", "yaml"}
 
 
+@pytest.mark.process
 def test_the_picture_of_the_pipeline_is_the_code_s() -> None:
     assert (ROOT / "docs/pipeline.svg").read_text(encoding="utf-8") == picture.draw(picture.arrows(picture.rulegraph()))
 

@@ -4,7 +4,7 @@ Arrays have the case axis first. Displacements are linear in the causes at a fix
 the edges, so that reciprocity, exact at a fixed contact, does not hold for them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
@@ -19,6 +19,7 @@ from solver.film.table import Table
 from solver.halfplane.profile import Profile
 
 _STEPS = 20
+_NORMAL = np.diag([1.0, 0.0, 0.0])  # (y, y) among (y, phi, psi)
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +38,8 @@ class FilmContact:
         Electric charge T [C/m] and magnetic charge J [Wb/m]; (case, 2); 0 where the punch does not conduct.
     datum
         Reference length L > 0 of the base [m] where it is not held at zero; (case,) or ().
+    punch_datum
+        Reference length of the displacement of an elastic punch [m]; (case,) or (); by default ``datum``.
 
     Raises
     ------
@@ -49,6 +52,7 @@ class FilmContact:
     load: Array
     charges: Array
     datum: Array
+    punch_datum: Array | None = None
 
     @property
     def scale(self) -> Array:
@@ -142,9 +146,11 @@ class FilmContact:
     @cached_property
     def _far(self) -> Array:
         """(Y_low)_oo log(L/b) / pi: displacements per total of the tractions that the datum adds; (case or 1, 3, 3)."""
-        stack = self.table.system.kernel.stack
-        logarithm = np.log(np.asarray(self.datum, dtype=np.float64) / self.table.system.kernel.width)
-        return np.asarray(low(stack)[1:, 1:] / np.pi * logarithm[..., None, None])
+        system = self.table.system
+        own = self.datum if self.punch_datum is None else self.punch_datum
+        body, punch = (np.log(np.asarray(L, dtype=np.float64) / system.kernel.width) for L in (self.datum, own))
+        far = low(system.kernel.stack)[1:, 1:] / np.pi * body[..., None, None]
+        return np.asarray(far + system.coefficients.punch[0] / np.pi * punch[..., None, None] * _NORMAL)
 
     def _rise(self, *, by_centre: bool = False, by_width: bool = False) -> Array:
         """Mean of g over the contact with weight (1 - X^2)^(3/2), or a derivative; units of the stack; (case,)."""
@@ -231,7 +237,7 @@ class FilmContact:
     # -- sensor and actuator -------------------------------------------------------------------------------------------
     def with_charges(self, charges: Array) -> Self:
         """The same punches and loads with other charges."""
-        return type(self)(self.table, self.profile, self.load, charges, self.datum)
+        return replace(self, charges=charges)
 
     def potential(self, field: int) -> Array:
         """Electric [V] (field 0) or magnetic [A] (field 1) potential of the punch."""

@@ -46,6 +46,7 @@ _GRADED_END = 2000.0  # largest wavenumber times the thickness of a graded layer
 _GRADED_TAIL = 1e-8
 _MOST = 20_000_000  # entries of one block of the transform: bounded memory
 _RESPONSES = 16  # kept: 0.1 MB each
+_KERNELS = 64  # kept: 0.1 MB each
 _FARTHEST = 1e5  # reach over the width of the strip: bounded time
 
 
@@ -118,8 +119,9 @@ class Kernel:
         return out.reshape(*x.shape, -1)
 
 
+@lru_cache(_KERNELS)
 def kernel(stack: Stack, reach: float) -> Kernel:
-    """Table of the kernels for distances up to ``reach`` [m].
+    """Table of the kernels for distances up to ``reach`` [m], one for every friction, conduction and punch.
 
     Raises
     ------

@@ -47,15 +47,18 @@ def _functionals(assembly: Assembly) -> Array:
 
 
 def _displacements(assembly: Assembly) -> Array:
-    """Means of (u_y, phi, psi) / h; (half, 3, unknown)."""
+    """Means of (u_y less that of the punch, phi, psi) / h; (half, 3, unknown)."""
     system, basis = assembly.system, assembly.basis
     c = system.coefficients
     logarithm = np.log(assembly.half_lengths / system.kernel.width)[:, None, None]
     rows = np.array(assembly.displacements)
+    compliance, coupling = np.array(c.compliance), np.array(c.coupling)
+    compliance[0, 0] += c.punch[0]
+    coupling[0] += c.punch[1]
     for columns, nodes, rule, carried in assembly.sources():
         own = log_mean(nodes) @ rule + logarithm * rule.sum(0)
-        rows[..., columns] -= (c.compliance @ carried)[:, None] * own / np.pi
-    rows[..., : basis.pressures] += c.friction * c.coupling[:, None] * basis.sign_moments
+        rows[..., columns] -= (compliance @ carried)[:, None] * own / np.pi
+    rows[..., : basis.pressures] += c.friction * coupling[:, None] * basis.sign_moments
     return rows
 
 

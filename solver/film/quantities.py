@@ -1,6 +1,7 @@
 """Every quantity of films by its name: those of a half-plane that a contact has, and those that only a film has."""
 
 from collections.abc import Callable, Iterator, Sequence, Set
+from dataclasses import replace
 
 import numpy as np
 
@@ -155,7 +156,7 @@ def _peak_tables(films: Films) -> Iterator[tuple[Indices, PeakTable, FilmContact
                 f"contact: half-length over thickness {widest:g} is too wide for peaks; must be < {1 / DEPTH:g}"
             )
         of = peak_window(films.kind, number)
-        yield places, of, FilmContact(of.table, contact.profile, contact.load, contact.charges, contact.datum)
+        yield places, of, replace(contact, table=of.table)
 
 
 def _bodies(kind: Kind) -> list[str]:

@@ -39,6 +39,8 @@ class Films:
         The punch; parameters (case,) or ().
     load, charges, datum, thickness
         P [N/m] (case,), T [C/m] and J [Wb/m] (case, 2), L [m] and the top layer's thickness [m] (case,).
+    punch_datum
+        Reference length of the displacement of an elastic punch [m]; (case,); by default ``datum``.
 
     Raises
     ------
@@ -52,6 +54,7 @@ class Films:
     charges: Array
     datum: Array
     thickness: Array
+    punch_datum: Array | None = None
 
     def with_charges(self, charges: Array) -> Self:
         """The same punches, loads and films with other charges."""
@@ -69,7 +72,8 @@ class Films:
             None if p.width is None else chosen(p.width),
             None if p.moment is None else chosen(p.moment),
         )  # fmt: skip
-        of_case = {name: getattr(self, name)[places] for name in ("load", "charges", "datum", "thickness")}
+        names = ("load", "charges", "datum", "thickness", "punch_datum")
+        of_case = {name: value[places] for name in names if (value := getattr(self, name)) is not None}
         return replace(self, profile=profile, **of_case)
 
     @cached_property
@@ -104,7 +108,8 @@ class Films:
             None if profile.moment is None else chosen(profile.moment) / h**2,
         )
         charges = self.charges[places] / h[:, None]
-        return FilmContact(of, unit, self.load[places] / h, charges, self.datum[places] / h)
+        own = None if self.punch_datum is None else self.punch_datum[places] / h
+        return FilmContact(of, unit, self.load[places] / h, charges, self.datum[places] / h, own)
 
     # -- windows -------------------------------------------------------------------------------------------------------
     @cached_property
@@ -167,9 +172,9 @@ class Films:
     @property
     def _guess(self) -> Array:
         """Half-length over thickness that the closed form of the film's half-plane has; less where it is thin."""
-        sliding = Sliding(
-            self.kind.stack().media[0].halfplane, np.array(self.kind.friction), np.array(self.kind.conducts)
-        )
+        kind = self.kind
+        top = kind.stack().media[0].halfplane
+        sliding = Sliding(top, np.array(kind.friction), np.array(kind.conducts), kind.elastic)
         try:
             half = Contact(sliding, self.profile, self.load, self.charges).half_width
         except ContactError:

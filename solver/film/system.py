@@ -45,7 +45,9 @@ class Coefficients:
     inverse
         M^-1 over the conducted fields; (fields, fields).
     compliance, coupling, tangential
-        N (3, 3), k (3,) and (L^-1)_xx.
+        N (3, 3), k (3,) and (L^-1)_xx of the body.
+    punch
+        N_p and -k_p, which an elastic punch adds to N11 and k1 in the contact conditions.
     """
 
     friction: float
@@ -59,6 +61,7 @@ class Coefficients:
     compliance: Array
     coupling: Array
     tangential: float
+    punch: tuple[float, float] = (0.0, 0.0)
 
     @classmethod
     def of(cls, sliding: Sliding, scale: Array) -> "Coefficients":
@@ -84,6 +87,7 @@ class Coefficients:
             compliance=N,
             coupling=half.friction_coupling / (units * scale[0]),
             tangential=float(half.tangential_compliance) / float(scale[0]) ** 2,
+            punch=(float(sliding.punch.compliance) / units[0] ** 2, -float(sliding.punch.coupling) / units[0] ** 2),
         )
 
     @property

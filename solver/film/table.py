@@ -20,6 +20,7 @@ from solver.film.kernel import kernel
 from solver.film.stack import Stack
 from solver.film.system import System
 from solver.halfplane.pressing import ContactError
+from solver.halfplane.punch import RIGID_PUNCH, Punch
 from solver.halfplane.sliding import Sliding
 
 #: Half-lengths over the thickness of the top layer that a table may hold.
@@ -160,6 +161,7 @@ def table(
     most: float = 3.0,
     nodes: int | None = None,
     accuracy: float = 1.0,
+    punch: Punch = RIGID_PUNCH,
 ) -> Table:
     """Table of a stack over half-lengths from ``least`` to ``most`` thicknesses of its top layer.
 
@@ -181,6 +183,8 @@ def table(
         Number of half-lengths; by default 15 a decade and 10 more.
     accuracy
         Factor on the number of terms of the tractions.
+    punch
+        Its elasticity.
 
     Raises
     ------
@@ -192,7 +196,7 @@ def table(
     if not LEAST <= least < most <= MOST:
         raise RangeError(f"contact: range {least:g} to {most:g} of hc/h1 is not within {LEAST:g} to {MOST:g}")
     top = stack.top.thickness
-    sliding = Sliding(stack.media[0].halfplane, np.array(friction), np.array(conducts))
+    sliding = Sliding(stack.media[0].halfplane, np.array(friction), np.array(conducts), punch)
     system = System(kernel(stack, 2 * most * top), sliding, smooth, degree, accuracy)
     count = nodes or 10 + int(np.ceil(_PER_DECADE * np.log10(most / least)))
     return Table(system, least * top, most * top, count)

@@ -15,6 +15,7 @@ from solver.film.powerlaw import Constants, constants_of, material_from
 from solver.film.speed import critical_speed
 from solver.film.stack import RIGID, Layer, Stack
 from solver.film.table import LEAST, MOST, Table, table
+from solver.halfplane.punch import Punch
 from solver.material.constants import Material
 
 _A_DECADE = 2  # windows
@@ -82,6 +83,8 @@ class Kind:
         Largest power of x in the slope of the punch.
     speed
         Steady sliding speed [m/s].
+    punch
+        N_p and k_p of the punch [1/Pa], 0 of a rigid one.
     """
 
     layers: tuple[Coat, ...]
@@ -91,6 +94,12 @@ class Kind:
     smooth: tuple[bool, bool]
     degree: int
     speed: float = 0.0
+    punch: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def elastic(self) -> Punch:
+        """Elasticity of the punch."""
+        return Punch(*(np.array(value) for value in self.punch))
 
     def stack(self) -> Stack:
         """The film, its top layer of unit thickness, on its base.
@@ -149,6 +158,7 @@ def _table(kind: Kind, number: int, nodes: int, accuracy: float) -> Table:
     return table(
         kind.stack(), kind.friction, kind.conducts,
         smooth=kind.smooth, degree=kind.degree, least=float(least), most=float(most), nodes=nodes, accuracy=accuracy,
+        punch=kind.elastic,
     )  # fmt: skip
 
 

@@ -5,13 +5,20 @@ from solver.halfplane.contact import Contact
 from solver.halfplane.response import Response
 
 
-def quantities(contact: Contact, datum: Array) -> dict[str, Array]:
+def quantities(contact: Contact, datum: Array, punch_datum: Array | None = None) -> dict[str, Array]:
     """Each quantity in the smallest shape that it needs.
 
     A quantity that means nothing for some of the cases is left out for all: the response of a field that a punch does
     not conduct, and what is infinite at a corner (the pressure, edge intensities and edge stresses).
+
+    Parameters
+    ----------
+    contact
+        The solved contact.
+    datum, punch_datum
+        Reference lengths of the body and of an elastic punch [m], as :class:`Response` takes them.
     """
-    response = Response(contact, datum)
+    response = Response(contact, datum, punch_datum)
     out = {
         "contact_trailing": contact.trailing,
         "contact_leading": contact.leading,

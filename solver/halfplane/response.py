@@ -31,10 +31,13 @@ class Response:
         The solved contact.
     datum
         Reference length L > 0 of the logarithmic potentials [m].
+    punch_datum
+        That of the displacement of an elastic punch [m]; by default ``datum``.
     """
 
     contact: Contact
     datum: Array
+    punch_datum: Array | None = None
 
     @cached_property
     def log_width(self) -> Array:
@@ -44,7 +47,7 @@ class Response:
     def _bracket(self, shape: Shape) -> Array:
         """The bracket of B_J over pi int S; (..., 3)."""
         sliding = self.contact.sliding
-        along = sliding.halfplane.friction_coupling - sliding.friction_coupling
+        along = sliding.coupling - sliding.friction_coupling
         follower = (sliding.friction * shape.follower_moment)[..., None]
         own = sliding.normal_compliance * shape.logarithmic_moment[..., None]
         return (own + along * follower) / (np.pi * self.contact.shape.total)[..., None]
@@ -57,7 +60,14 @@ class Response:
     @property
     def _shear_part(self) -> Array:
         """eta k_J / 2; (..., 3)."""
-        return self.contact.friction[..., None] * self.contact.halfplane.friction_coupling / 2
+        return self.contact.friction[..., None] * self.contact.sliding.coupling / 2
+
+    @property
+    def _datum_part(self) -> Array:
+        """What u_y(a) / P changes by where the punch has a datum of its own; (...)."""
+        if self.punch_datum is None:
+            return np.zeros(())
+        return self.contact.sliding.punch.compliance / np.pi * np.log(self.datum / self.punch_datum)
 
     @cached_property
     def _load_constant_rate(self) -> Array:
@@ -68,20 +78,23 @@ class Response:
 
     def _displacement(self, J: int) -> Array:
         """u_J(a)."""
-        c, N = self.contact, self.contact.halfplane.compliance
+        c, N = self.contact, self.contact.sliding.compliance
         charge_part = dot(N[..., J, 1:], c.charges) / np.pi
         return np.asarray(self._load_part(J) * c.load + charge_part * self.log_width)
 
     def _load_part(self, J: int) -> Array:
         """u_J(a) / P without charges."""
-        N = self.contact.halfplane.compliance
-        return N[..., J, 0] / np.pi * self.log_width + self._load_constant[..., J]
+        N = self.contact.sliding.compliance
+        part = N[..., J, 0] / np.pi * self.log_width + self._load_constant[..., J]
+        return part if J else part + self._datum_part
 
     def _load_tangent(self, J: int, *, charged: bool) -> Array:
         """d u_J(a) / dP, with or without the charges of the case."""
-        c, N = self.contact, self.contact.halfplane.compliance
+        c, N = self.contact, self.contact.sliding.compliance
         width_rate = c.pressing.width_rate / np.pi
         tangent = N[..., J, 0] * (self.log_width / np.pi + width_rate) + self._load_constant_rate[..., J]
+        if J == 0:
+            tangent = tangent + self._datum_part
         if charged:
             tangent = tangent + dot(N[..., J, 1:], c.charges) * width_rate / c.load
         return np.asarray(tangent)
@@ -107,16 +120,16 @@ class Response:
 
     def short_circuit(self, field: int) -> Array:
         """Charge per load that makes the potential 0, the other charge 0 [C/N, Wb/N]."""
-        N = self.contact.halfplane.compliance
+        N = self.contact.sliding.compliance
         return -np.pi * self._load_part(1 + field) / (N[..., 1 + field, 1 + field] * self.log_width)
 
     def stroke(self, field: int) -> Array:
         """(d depth/d charge) / (d potential/d charge) at fixed load [m/V, m/A]; a constant of the material."""
-        N = self.contact.halfplane.compliance
+        N = self.contact.sliding.compliance
         return -N[..., 0, 1 + field] / N[..., 1 + field, 1 + field]
 
     def blocked_load(self, field: int) -> Array:
         """d load / d potential at fixed depth and other charge [N/(m V), N/(m A)]."""
-        N = self.contact.halfplane.compliance
+        N = self.contact.sliding.compliance
         cross, own = N[..., 0, 1 + field], N[..., 1 + field, 1 + field]
         return cross / (self._load_tangent(1 + field, charged=True) * cross + own * self._depth_tangent)

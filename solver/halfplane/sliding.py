@@ -5,8 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.arrays import Array, BoolArray, dot, stack
+from solver.arrays import Array, BoolArray, column, dot, stack
 from solver.halfplane.angle import FrictionAngle
+from solver.halfplane.punch import RIGID_PUNCH, Punch
 from solver.halfplane.surface import HalfPlane
 
 
@@ -23,11 +24,24 @@ class Sliding:
     conducts
         Whether the punch conducts (electric, magnetic); (..., 2). A field that it does not conduct drops out of (2.2):
         M, n and kq are taken over the conducted ones, and r and d are 0 for the others.
+    punch
+        Its elasticity, which the contact conditions know and the fields of the body do not.
     """
 
     halfplane: HalfPlane
     friction: Array
     conducts: BoolArray
+    punch: Punch = RIGID_PUNCH
+
+    @cached_property
+    def compliance(self) -> Array:
+        """N of (2.2): that of the surface, with the punch's own at (y, y); (..., 3, 3)."""
+        return np.asarray(self.halfplane.compliance + column(self.punch.compliance) * np.diag([1.0, 0.0, 0.0]))
+
+    @cached_property
+    def coupling(self) -> Array:
+        """k of (2.2): that of the surface, without the punch's own at y; (..., 3)."""
+        return np.asarray(self.halfplane.friction_coupling - self.punch.coupling[..., None] * np.array([1.0, 0.0, 0.0]))
 
     @cached_property
     def screening(self) -> Array:
@@ -51,12 +65,12 @@ class Sliding:
     @cached_property
     def normal_compliance(self) -> Array:
         """N_J0 - N_Jq.r of J = (u_y, phi, psi): lam, and 0 for a conducted field; (..., 3)."""
-        return self._follow(self.halfplane.compliance[..., 0], self.screening)
+        return self._follow(self.compliance[..., 0], self.screening)
 
     @cached_property
     def friction_coupling(self) -> Array:
         """k_J - N_Jq.d of J = (u_y, phi, psi): kap, and 0 for a conducted field; (..., 3)."""
-        return self._follow(self.halfplane.friction_coupling, self.friction_screening)
+        return self._follow(self.coupling, self.friction_screening)
 
     def _follow(self, own: Array, follower: Array) -> Array:
         N = self.halfplane.compliance

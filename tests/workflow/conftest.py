@@ -1,15 +1,18 @@
 """Fixtures of the workflow's tests: a small study, and a copy of the project in which it has run."""
 
+import compileall
+import json
 import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
+from tests.workflow import plans
 from workflow.run.provenance import ROOMS, ROOT
 
 SMALL = """\
@@ -51,12 +54,18 @@ class Project:
     folder: Path
     modules: Path | None = None  # where Python finds the project's packages; by default in the copy
 
-    def run(self, *command: str, check: bool = True) -> subprocess.CompletedProcess[str]:
+    def run(self, *command: str, check: bool = True, said: str = "") -> subprocess.CompletedProcess[str]:
         """Run a command of the virtual environment inside the copy."""
         program = Path(sys.executable).with_name(command[0])
         environment = {**os.environ, "PYTHONPATH": str(self.modules or self.folder), "OMP_NUM_THREADS": "1"}
         done = subprocess.run(
-            [program, *command[1:]], cwd=self.folder, env=environment, capture_output=True, text=True, check=False
+            [program, *command[1:]],
+            cwd=self.folder,
+            env=environment,
+            input=said,
+            capture_output=True,
+            text=True,
+            check=False,
         )
         assert not check or done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
         return done
@@ -68,25 +77,32 @@ class Project:
     def planned(self, target: str) -> set[str]:
         """Rules that a dry run would execute for a target."""
         done = self.snakemake("-n", "--quiet", "host", "--", target)
-        lines = [line.strip() for line in (done.stdout + done.stderr).splitlines()]
-        return {
-            line.split()[1].rstrip(":")
-            for line in lines
-            if line.startswith(("rule ", "localrule ")) and line[-1] == ":"
-        }
+        return set(plans.rules(done.stdout + done.stderr))
+
+    def planned_after(self, edits: Sequence[tuple[str, str, str]], target: str) -> list[set[str]]:
+        """The same after each of some edits alone, (file, old, new), from one process."""
+        done = self.run("python", plans.__file__, target, said=json.dumps(edits))
+        return [set(found) for found in json.loads(done.stdout)]
 
 
 @pytest.fixture(scope="session")
-def copy(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Project]:
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the project's files with their bytecode, which copies of it take along."""
+    folder = tmp_path_factory.mktemp("compiled")
+    for part in (*ROOMS, "meecontact", "config", "examples"):
+        shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    (folder / "config" / "small.yaml").write_text(SMALL, encoding="utf-8")
+    assert compileall.compile_dir(folder, quiet=1)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def copy(compiled: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Project]:
     """Make copies of the project that hold the small study."""
 
     def make(name: str) -> Project:
-        folder = tmp_path_factory.mktemp(name)
-        for part in (*ROOMS, "meecontact", "config", "examples"):
-            shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
-        shutil.copy(ROOT / "pyproject.toml", folder)
-        (folder / "config" / "small.yaml").write_text(SMALL, encoding="utf-8")
-        return Project(folder)
+        return Project(Path(shutil.copytree(compiled, tmp_path_factory.mktemp(name), dirs_exist_ok=True)))
 
     return make
 

@@ -217,34 +217,25 @@ def test_edits_rerun_exactly_what_depends_on_them(again: Project) -> None:
         "surrogate", "validation", "target", "design", "figure_errors", "sensitivity",
         "figure_sensitivity", "figure_design", "provenance", "report",
     }  # fmt: skip
-    study = project.folder / "config/small.yaml"
-    original = study.read_text(encoding="utf-8")
-
-    def plan(file: Path, old: str, new: str) -> set[str]:
-        text = file.read_text(encoding="utf-8")
-        assert old in text
-        file.write_text(text.replace(old, new, 1), encoding="utf-8")
-        planned = project.planned(REPORT)
-        file.write_text(text, encoding="utf-8")
-        return planned
-
+    cards = {"provenance", "report"}
+    effects = {"effect", "figure_effect", "interior", "figure_interior"}
+    study, template = "config/small.yaml", "workflow/report/templates/report.html.j2"
+    expected: dict[tuple[str, str, str], set[str]] = {
+        (study, "A small study", "A smaller study"): {"card"} | cards,
+        (study, "trailing_tension <= 1 MPa", "trailing_tension <= 2 MPa"): {"target", "design", "figure_design"}
+        | cards,
+        (study, "friction: [0.0, 0.3]", "friction: [0.0, 0.2]"): effects | cards,
+        ("surrogate/gp/gridgp.py", '"""', '"""Edited. '): everything_after_the_surrogate,
+        ("solver/halfplane/contact.py", '"""', '"""Edited. '): everything_after_the_surrogate
+        | effects
+        | {"slab", "quantities", "card", "cases", "figure_fields"},
+        (template, "<h2>Study", "<h2>The study"): {"report"},
+    }
+    script = ("workflow/scripts/design.py", '"""Rule', '"""The rule')
     assert project.planned(REPORT) == set()
-    assert plan(study, "A small study", "A smaller study") == {"card", "provenance", "report"}
-    assert plan(study, "trailing_tension <= 1 MPa", "trailing_tension <= 2 MPa") == {
-        "target", "design", "figure_design", "provenance", "report",
-    }  # fmt: skip
-    assert plan(study, "friction: [0.0, 0.3]", "friction: [0.0, 0.2]") == {
-        "effect", "figure_effect", "interior", "figure_interior", "provenance", "report",
-    }  # fmt: skip
-    assert plan(project.folder / "surrogate/gp/gridgp.py", '"""', '"""Edited. ') == everything_after_the_surrogate
-    solver = plan(project.folder / "solver/halfplane/contact.py", '"""', '"""Edited. ')
-    assert solver == everything_after_the_surrogate | {
-        "slab", "quantities", "card", "cases", "figure_fields",
-        "effect", "figure_effect", "interior", "figure_interior",
-    }  # fmt: skip
-    assert plan(project.folder / "workflow/report/templates/report.html.j2", "<h2>Study", "<h2>The study") == {"report"}
-    assert plan(project.folder / "workflow/scripts/design.py", '"""Rule', '"""The rule') >= {"design", "report"}
-    assert study.read_text(encoding="utf-8") == original
+    *plans, of_script = project.planned_after([*expected, script], REPORT)
+    assert dict(zip(expected, plans, strict=True)) == expected
+    assert of_script >= {"design", "report"}
 
 
 def test_equal_inputs_give_equal_bytes(ran: Project, again: Project) -> None:

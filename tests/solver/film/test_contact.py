@@ -90,6 +90,7 @@ PROFILES = {
 }
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("conducts", [(True, True), (True, False), (False, True), (False, False)])
 @pytest.mark.parametrize("name", PROFILES)
 def test_film_of_its_own_base_is_the_closed_form(name: str, conducts: tuple[bool, bool]) -> None:

@@ -24,6 +24,7 @@ FIELDS = (
 POSITIONS = np.array([-30.0, -1.2, -1.001, -0.99, -0.5, 0.0, 0.3, 0.9, 1.01, 2.5, 100.0])
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("conducts", [(True, True), (False, False)])
 @pytest.mark.parametrize("name", ["cylinder", "tilted flat", "wedge", "cubic"])
 def test_film_of_its_own_base_is_the_closed_form(name: str, conducts: tuple[bool, bool]) -> None:

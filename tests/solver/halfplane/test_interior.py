@@ -120,6 +120,7 @@ MATERIALS = ["BaTiO3", "CoFe2O4", SIH_SONG, "PZT-4", "steel"]
 CASE: dict[str, Any] = {"radius": 0.05, "load": 1e5, "friction": 0.4, "charge": 1e-6, "magnetic_charge": 1e-3}
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("speed", [0.0, 1500.0])
 @pytest.mark.parametrize("name", MATERIALS)
 def test_on_the_surface_they_are_the_surface_fields(name: str, speed: float) -> None:
@@ -147,6 +148,7 @@ def test_the_surface_is_approached_without_loss(name: str) -> None:
         assert np.all(moved <= scale * np.array([0.0, 2e-12, 2e-11, 2e-9])), field
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("speed", [0.0, 1500.0])
 @pytest.mark.parametrize("name", MATERIALS)
 def test_momentum_and_charge_balance(name: str, speed: float) -> None:

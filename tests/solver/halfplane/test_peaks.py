@@ -54,6 +54,7 @@ def searched(case: dict[str, Any], field: str) -> tuple[float, float]:
     return max(found)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: "-".join(map(str, case.values())))
 def test_peaks_are_those_of_a_search(case: dict[str, Any]) -> None:
     found = solver.solve(factors(case), peaks=True)
@@ -132,6 +133,7 @@ def test_peaks_come_only_when_asked_for_and_need_c12() -> None:
         solver.solve(BASE | {"material": solver.Material.from_mapping(constants)}, peaks=True)
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("seed", range(20))
 def test_no_point_of_a_dense_net_is_above_the_peak(seed: int) -> None:
     """Charges that rival the load make narrow peaks under the edges."""

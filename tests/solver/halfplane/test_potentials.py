@@ -39,6 +39,7 @@ def test_the_surface_under_a_conducting_punch_has_the_punchs_potential(name: str
             np.testing.assert_allclose(found[f"{field}_potential"].values[0], expected, rtol=1e-11, atol=1e-11 * scale)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     "path", [((0.2, -0.4), (1.7, -0.05)), ((-1.4, -0.3), (-30.0, -8.0)), ((0.1, -5.0), (4.0, 0.0))]
 )

@@ -24,6 +24,7 @@ def orthotropic(c11: float, c33: float, c13: float, c44: float) -> tuple[solver.
     return material, 1 / (np.sqrt(c33 / c11) * (mean + c13) * S21), -1 / (mean + c13)
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("c44", [2.0, 2e2, 2e5, 2e8, 2e11, 2e20])
 @pytest.mark.parametrize("c33", [2e2, 2e11, 2e20])
 def test_the_estimate_follows_the_error_of_strongly_anisotropic_materials(c33: float, c44: float) -> None:
@@ -33,6 +34,7 @@ def test_the_estimate_follows_the_error_of_strongly_anisotropic_materials(c33: f
     assert error <= max(30 * rounding(half), 1e-11)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("short", [1e-3, 1e-9, 1e-12, 1e-15])
 @pytest.mark.parametrize("name", ["steel", "PZT-5H"])
 def test_the_estimate_follows_the_error_next_to_the_limiting_speed(name: str, short: float) -> None:

@@ -65,6 +65,7 @@ def collocated(shape: profile.Profile, friction: float, conducted: tuple[int, ..
     return collocation.solve(case), surface
 
 
+@pytest.mark.sampled(24)
 @pytest.mark.parametrize("conducted", CONDUCTED)
 @pytest.mark.parametrize("friction", [0.0, 1e-12, 0.8])
 @pytest.mark.parametrize("name", CASES)

@@ -5,13 +5,20 @@ import json
 import re
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium: the browser tests are left out")
+
+
+def needs_browser(test: Callable[..., None]) -> Callable[..., None]:
+    """Mark a test of the layer ``browser``, and leave it out where there is none."""
+    skipped = pytest.mark.skipif(BROWSER is None, reason="no Chromium: the browser tests are left out")
+    return pytest.mark.browser(skipped(test))  # type: ignore[no-any-return]
+
 
 #: Collects whatever a script complains about.
 ERRORS = """

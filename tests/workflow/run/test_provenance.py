@@ -42,6 +42,7 @@ def test_models_that_are_imported_when_asked_for_are_reached() -> None:
     assert "surrogate/gp/gridgp.py" in reached("training.py")
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     "module", ["solver", "workflow.dataset.slabs", "workflow.dataset.datacard", "workflow.cli.launch"]
 )

@@ -1,0 +1,41 @@
+"""The elasticity of the punch: what an isotropic half-plane above adds to the contact conditions (theory section 9)."""
+
+from dataclasses import dataclass, field
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from solver.arrays import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Punch:
+    """An elastic punch over the case axes (...); by default a rigid one.
+
+    Parameters
+    ----------
+    compliance
+        N_p = 2 (1 - nu^2) / E [1/Pa], which adds to N11.
+    coupling
+        k_p = -(1 + nu) (1 - 2 nu) / E [1/Pa], its k1, which k1 loses.
+    """
+
+    compliance: Array = field(default_factory=lambda: np.zeros(()))
+    coupling: Array = field(default_factory=lambda: np.zeros(()))
+
+    @classmethod
+    def isotropic(cls, young: ArrayLike, poisson: ArrayLike) -> Self:
+        """From Young's modulus E [Pa] and Poisson's ratio; an infinite modulus is a rigid punch.
+
+        Examples
+        --------
+        >>> f"{float(Punch.isotropic(210e9, 0.3).compliance):.4g}"
+        '8.667e-12'
+        """
+        E, nu = np.asarray(young, dtype=np.float64), np.asarray(poisson, dtype=np.float64)
+        return cls(2 * (1 - nu**2) / E, -(1 + nu) * (1 - 2 * nu) / E)
+
+
+#: A punch that does not deform.
+RIGID_PUNCH = Punch()

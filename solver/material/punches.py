@@ -1,0 +1,71 @@
+"""What punches are made of: isotropic materials by Young's modulus and Poisson's ratio."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
+from importlib.resources import files
+from types import MappingProxyType
+
+from solver.arrays import shown
+from solver.material.constants import MaterialError
+
+#: The name of a punch that does not deform.
+RIGID_PUNCH = "rigid"
+
+
+@dataclass(frozen=True)
+class PunchMaterial:
+    """An isotropic material of punches.
+
+    Attributes
+    ----------
+    modulus
+        Young's modulus [Pa].
+    poisson
+        Poisson's ratio [1].
+    conducts
+        Whether it holds one potential as it comes.
+    source
+        Where the numbers come from, and how far they spread.
+    """
+
+    modulus: float
+    poisson: float
+    conducts: bool
+    source: str
+
+
+@cache
+def punches() -> Mapping[str, PunchMaterial]:
+    """Every built-in material of punches by name; numbers and sources stand in ``solver/material/punches.toml``.
+
+    Examples
+    --------
+    >>> punches()["steel"].modulus, "skin" in punches()
+    (210000000000.0, True)
+    """
+    table = tomllib.loads(files("solver.material").joinpath("punches.toml").read_text(encoding="utf-8"))
+    return MappingProxyType({name: PunchMaterial(**entry) for name, entry in table.items()})
+
+
+def find_punch(name: str) -> PunchMaterial:
+    """The punch material of this name.
+
+    Raises
+    ------
+    MaterialError
+        Naming the nearest known name.
+
+    Examples
+    --------
+    >>> find_punch("brass").poisson
+    0.34
+    """
+    known = punches()
+    if name not in known:
+        near = get_close_matches(name, known, 1, 0.5)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        raise MaterialError(f"punch: {shown(name)} is unknown; {hint}known are {RIGID_PUNCH}, {', '.join(known)}")
+    return known[name]

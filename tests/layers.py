@@ -1,0 +1,151 @@
+"""Which layer a test is of, and which of a product's cases `make test` takes.
+
+`make check` runs the layer ``unit``: in this process, on what is computed in a moment. ``dense`` is what searches
+densely, solves in 50 digits, or fits a study; ``process`` starts programs; ``browser`` opens a page. `make test` runs
+all four, and of a product of cases that bears ``sampled`` a few, in which each value of each parameter stands if they
+suffice; `make soak` runs the others.
+"""
+
+import subprocess
+from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager
+from typing import Any
+from unittest import mock
+
+import pytest
+
+from storage import quarantine
+
+LAYERS = ("unit", "dense", "process", "browser")
+
+#: What makes or reads the run of a pipeline.
+RUNS = {"copy", "tiny", "undisturbed", "ran", "quickstart_run"}
+
+#: Files and folders of which every test starts programs, whatever its fixtures.
+PROCESSES = (
+    "tests/faults/",
+    "tests/slurm/",
+    "tests/storage/test_netcdf.py",
+    "tests/test_benchmarks.py",
+    "tests/test_documents.py",
+    "tests/test_public_names.py",
+    "tests/test_tutorials.py",
+)
+
+#: Files and folders of dense searches, solutions in 50 digits and fits of studies.
+DENSE = (
+    "tests/solver/face/test_film_bodies.py",
+    "tests/solver/face/test_films.py",
+    "tests/solver/film/",
+    "tests/solver/halfplane/test_conduction.py",
+    "tests/solver/halfplane/test_friction_coupling.py",
+    "tests/solver/halfplane/test_interior.py",
+    "tests/solver/halfplane/test_peaks.py",
+    "tests/solver/halfplane/test_precise.py",
+    "tests/solver/halfplane/test_precision.py",
+    "tests/solver/halfplane/test_scaling.py",
+    "tests/solver/halfplane/test_speed.py",
+    "tests/surrogate/curves/",
+    "tests/surrogate/gp/test_persistence.py",
+    "tests/surrogate/gp/test_properties.py",
+    "tests/surrogate/intervals/",
+    "tests/surrogate/scattered/",
+    "tests/surrogate/search/",
+    "tests/surrogate/use/",
+    "tests/test_examples.py",
+    "tests/test_theory.py",
+    "tests/verification/",
+    "tests/workflow/dataset/",
+    "tests/workflow/design/",
+    "tests/workflow/learning/",
+    "tests/workflow/report/test_figures.py",
+    "tests/workflow/report/test_films.py",
+    "tests/workflow/report/test_firstscreen.py",
+)
+
+#: Of those folders, files of moments.
+MOMENTS = (
+    "tests/solver/film/test_stack.py",
+    "tests/verification/test_oracles.py",
+    "tests/workflow/design/test_sources.py",
+    "tests/workflow/design/test_spoken.py",
+)
+
+
+def layer(file: str, marks: Iterable[str], fixtures: Iterable[str]) -> str:
+    """The layer of a test.
+
+    Parameters
+    ----------
+    file : str
+        Its file, from the root of the project.
+    marks, fixtures : iterable of str
+        Names of its marks, and of the fixtures that it needs.
+
+    Returns
+    -------
+    str
+        One of `LAYERS`.
+    """
+    own = [name for name in LAYERS if name in set(marks)]
+    if own:
+        return own[-1]
+    if RUNS & set(fixtures) or file.startswith(PROCESSES):
+        return "process"
+    return "dense" if file.startswith(DENSE) and file not in MOMENTS else "unit"
+
+
+def sample(cases: Sequence[frozenset[tuple[str, object]]], count: int) -> set[int]:
+    """Positions of a few cases of a product: each adds the most values that none before it has.
+
+    Parameters
+    ----------
+    cases : sequence of frozenset of (name, value)
+        What each case is made of.
+    count : int
+        How many to take.
+
+    Returns
+    -------
+    set of int
+
+    Examples
+    --------
+    >>> whole = [frozenset({("a", i), ("b", j)}) for i in range(3) for j in range(3)]
+    >>> sorted(sample(whole, 3))
+    [0, 4, 8]
+    """
+    taken: set[int] = set()
+    seen: set[tuple[str, object]] = set()
+    spread = [k * len(cases) // count for k in range(count)]  # where nothing is new, far from one another
+    while len(taken) < min(count, len(cases)):
+        left = [k for k in range(len(cases)) if k not in taken]
+        k = max(left, key=lambda k: (len(cases[k] - seen), k in spread, -k))
+        taken.add(k)
+        seen |= cases[k]
+    return taken
+
+
+def leave_to_soak(items: Iterable[pytest.Item]) -> None:
+    """Mark those cases of a ``sampled`` test that only `make soak` runs."""
+    products: dict[str, list[pytest.Function]] = {}
+    for item in items:
+        if isinstance(item, pytest.Function) and item.get_closest_marker("sampled"):
+            products.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for cases in products.values():
+        count = next(mark.args[0] for mark in cases[0].iter_markers("sampled"))
+        kept = sample([frozenset(case.callspec.indices.items()) for case in cases], count)
+        for k, case in enumerate(cases):
+            if k not in kept:
+                case.add_marker("soak")
+
+
+def without_programs() -> AbstractContextManager[object]:
+    """Whatever starts a program fails, but for the reader that looks at a file first."""
+    started = subprocess.Popen.__init__
+
+    def refused(self: Any, command: Any, *rest: Any, **words: Any) -> None:
+        assert quarantine.SCRIPT in command, f"a test of the layer 'unit' starts {command}"
+        started(self, command, *rest, **words)
+
+    return mock.patch.object(subprocess.Popen, "__init__", refused)

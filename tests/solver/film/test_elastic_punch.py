@@ -1,0 +1,65 @@
+"""An elastic punch on films: the closed form where film and base are one, and one table of a stack for every punch."""
+
+from unittest.mock import Mock
+
+import numpy as np
+import pytest
+
+from solver.film import kernel as kernels
+from solver.film.contact import FilmContact
+from solver.film.stack import Layer, Stack
+from solver.film.table import table
+from solver.halfplane.contact import Contact
+from solver.halfplane.profile import Profile
+from solver.halfplane.punch import Punch
+from solver.halfplane.response import Response
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
+from tests.solver.film.films import FIBROUS, ON_STEEL, cases
+from tests.solver.film.test_contact import PROFILES
+
+STEEL = Punch.isotropic(210e9, 0.3)
+
+
+@pytest.mark.parametrize("conducts", [(True, True), (True, False), (False, False)])
+@pytest.mark.parametrize("name", PROFILES)
+def test_film_of_its_own_base_is_the_closed_form(name: str, conducts: tuple[bool, bool]) -> None:
+    profile, degree = PROFILES[name]
+    charges = np.array([2e-6, -3e-3]) * conducts
+    sliding = Sliding(HalfPlane(FIBROUS), np.array(0.4), np.array(conducts), STEEL)
+    exact = Contact(sliding, profile, cases(1e5), charges[None])
+    datum, own = np.array(0.2), np.array(0.05)
+    response = Response(exact, datum, own)
+    stack = Stack((Layer(FIBROUS, 2e-4, "bonded", "bonded"),), FIBROUS)
+    of = table(stack, 0.4, conducts, smooth=profile.smooth, degree=degree, least=0.3, most=4.0, nodes=8, punch=STEEL)
+    half = float(np.ravel(exact.half_width)[0])
+    found = FilmContact(of.narrowed(half), profile, cases(1e5), charges[None], datum, own)
+    pairs = [(found.trailing, exact.trailing), (found.leading, exact.leading), (found.depth, response.depth)]
+    for field in np.flatnonzero(conducts):
+        for method in ("potential", "sensitivity", "short_circuit", "stroke", "blocked_load"):
+            pairs.append((getattr(found, method)(field), getattr(response, method)(field)))
+    for edge, smooth in zip((1.0, -1.0), profile.smooth, strict=True):
+        if smooth:
+            pairs.append((found.edge_intensity(edge)[0], exact.edge_intensity(edge).ravel()))
+            pairs.append((found.edge_stress(edge), exact.edge_stress(edge)))
+    for one, other in pairs:
+        np.testing.assert_allclose(np.ravel(one), np.ravel(other), rtol=1e-11)
+
+
+def test_silicone_on_a_stiff_film_is_the_silicone_of_hertz() -> None:
+    """The film is 1e5 times as stiff: it adds 1e-5 of the compliance."""
+    soft, profile = Punch.isotropic(2e6, 0.49), Profile.cylinder(np.array(0.05))
+    of = table(ON_STEEL, 0.0, least=0.3, most=4.0, punch=soft)
+    found = FilmContact(of, profile, cases(3.0), np.zeros((1, 2)), np.array(1.0))
+    hertz = np.sqrt(2 * float(soft.compliance) * 0.05 * 3.0 / np.pi)
+    assert float(found.half_width[0]) == pytest.approx(hertz, rel=2e-5)
+
+
+def test_one_table_of_a_stack_serves_every_punch(monkeypatch: pytest.MonkeyPatch) -> None:
+    stack = Stack((Layer(FIBROUS, 2e-4),))
+    found = Mock(wraps=kernels._transforms)
+    monkeypatch.setattr(kernels, "_transforms", found)
+    for punch in (Punch(), STEEL, Punch.isotropic(630e9, 0.22)):
+        for friction in (0.0, 0.3):
+            table(stack, friction, least=0.3, most=1.0, nodes=4, punch=punch)
+    assert found.call_count == 1

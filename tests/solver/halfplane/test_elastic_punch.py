@@ -1,0 +1,117 @@
+"""An elastic punch on a half-plane: Hertz and Dundurs, the integral equation by quadrature, and the rigid limit."""
+
+import numpy as np
+import pytest
+
+import solver
+from solver.halfplane.contact import Contact
+from solver.halfplane.fields import surface_fields
+from solver.halfplane.profile import Profile
+from solver.halfplane.punch import Punch
+from solver.halfplane.quantities import quantities
+from solver.halfplane.response import Response
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
+from solver.material.constants import Material
+from solver.material.punches import find_punch, punches
+from tests.solver.film.test_contact import PROFILES
+from tests.solver.quadrature import rule
+from verification.oracles.surface_response import surface_response
+
+FIBROUS = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
+STEEL = Punch.isotropic(210e9, 0.3)
+RADIUS = np.array(0.05)
+
+
+def contact(
+    material: Material, friction: float, punch: Punch, profile: Profile | None = None, load: float = 1e5
+) -> Contact:
+    sliding = Sliding(HalfPlane(material), np.array(friction), np.array([True, True]), punch)
+    return Contact(sliding, profile or Profile.cylinder(RADIUS), np.array(load), np.array([2e-6, -3e-3]))
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, 0.9])
+def test_isotropic_bodies_are_those_of_the_textbooks(friction: float) -> None:
+    """Johnson, Contact Mechanics: cot(pi alpha) = eta beta of Dundurs; Hertz's half-length without friction."""
+    (E1, nu1), (E2, nu2) = (70e9, 0.22), (200e9, 0.3)
+    found = contact(Material.isotropic(E1, nu1), friction, Punch.isotropic(E2, nu2))
+    G1, G2 = E1 / (2 * (1 + nu1)), E2 / (2 * (1 + nu2))
+    beta = ((1 - 2 * nu1) / G1 - (1 - 2 * nu2) / G2) / (2 * (1 - nu1) / G1 + 2 * (1 - nu2) / G2)
+    alpha = 0.5 - np.arctan(friction * beta) / np.pi
+    assert float(found.exponent) == pytest.approx(alpha, rel=1e-13)
+    star = 1 / ((1 - nu1**2) / E1 + (1 - nu2**2) / E2)
+    whole = np.sqrt(4 * RADIUS * 1e5 / (star * alpha * (1 - alpha) * np.pi))
+    assert 2 * float(found.half_width) == pytest.approx(float(whole), rel=1e-13)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.7])
+def test_equal_materials_have_no_coupling(friction: float) -> None:
+    found = contact(Material.isotropic(210e9, 0.3), friction, STEEL)
+    assert float(found.exponent) == pytest.approx(0.5, abs=1e-13)
+
+
+@pytest.mark.parametrize(("material", "wider"), [(FIBROUS, 0.289), (solver.find("BaTiO3"), 0.248)])
+def test_figures_of_steel_on_composites(material: Material, wider: float) -> None:
+    """Two programs that share no code: the contact is wider by 28.9 % and 24.8 % at eta = 0.3."""
+    soft, rigid = (float(contact(material, 0.3, punch).half_width) for punch in (STEEL, Punch()))
+    assert soft / rigid - 1 == pytest.approx(wider, abs=5e-4)
+
+
+@pytest.mark.parametrize("name", ["cylinder", "wedge", "half cylinder", "cubic"])
+def test_both_surfaces_fit_by_quadrature(name: str) -> None:
+    """Slopes of body and punch, each from the Stroh eigenvectors of its own material, differ by that of the profile."""
+    profile = PROFILES[name][0]
+    found = contact(FIBROUS, 0.3, STEEL, profile)
+    R, X = rule(), np.array([-0.93, -0.41, 0.07, 0.55, 0.9])
+    fields = surface_fields(found, np.concatenate([R.X, X]))
+    root = np.concatenate([R.root, np.sqrt(1 - X**2)])
+    t = np.array([-fields.contact_pressure * root, fields.electric_displacement_y.regular,
+                  fields.magnetic_induction_y.regular]).reshape(3, -1)  # fmt: skip
+    regular, here = t[:, : R.X.size], t[:, R.X.size :] / np.sqrt(1 - X**2)
+    quotient = (regular[:, None] - here[:, :, None] * R.root) / (R.X - X[:, None])
+    H = (quotient @ R.weight + here * np.log((1 - X) / (1 + X))) / np.pi
+    body = surface_response({k: v for k, v in FIBROUS.plain().items() if isinstance(v, float)})
+    above = surface_response({k: v for k, v in Material.isotropic(210e9, 0.3).plain().items() if isinstance(v, float)})
+    slope = 0.3 * body.shear_coupling[0] * here[0] + body.normal_compliance[0] @ H
+    slope += -0.3 * above.shear_coupling[0] * here[0] + above.normal_compliance[0, 0] * H[0]  # turned upside down
+    h, c = float(np.ravel(found.half_width)[0]), float(np.ravel(found.pressing.centre)[0])
+    x = h * (X + c)
+    asked = sum(float(np.ravel(g)[0]) * x**k for k, g in enumerate(profile.slope))
+    lost = 1e-11 if all(profile.smooth) else 1e-6  # of the rule, where a corner leaves the pressure unbounded
+    np.testing.assert_allclose(slope, asked, rtol=0, atol=lost * np.max(np.abs(asked)))
+
+
+def test_rigid_is_the_limit_and_the_default() -> None:
+    rigid = quantities(contact(FIBROUS, 0.3, Punch()), np.array(1.0))
+    default = quantities(
+        Contact(Sliding(HalfPlane(FIBROUS), np.array(0.3), np.array([True, True])), Profile.cylinder(RADIUS),
+                np.array(1e5), np.array([2e-6, -3e-3])), np.array(1.0))  # fmt: skip
+    hard = quantities(contact(FIBROUS, 0.3, Punch.isotropic(1e28, 0.3)), np.array(1.0))
+    for name, value in default.items():
+        assert float(value) == float(rigid[name]), name
+        np.testing.assert_allclose(hard[name], value, rtol=1e-13, err_msg=name)
+
+
+def test_tangents_are_those_of_neighbouring_loads() -> None:
+    def depth(load: float) -> float:
+        return float(Response(contact(FIBROUS, 0.3, STEEL, load=load), np.array(0.2), RADIUS).depth)
+
+    # reciprocity without charges is not asked for: the blocked load follows from depth and voltage by their tangents
+    response = Response(contact(FIBROUS, 0.3, STEEL), np.array(0.2), RADIUS)
+    step = 1e5 * 1e-4
+    slope = (8 * (depth(1e5 + step) - depth(1e5 - step)) - (depth(1e5 + 2 * step) - depth(1e5 - 2 * step))) / 12 / step
+    assert float(response._depth_tangent) == pytest.approx(slope, rel=1e-9)
+
+
+def test_datum_of_the_punch_moves_the_depth_by_a_logarithm() -> None:
+    case = contact(FIBROUS, 0.3, STEEL)
+    one, two = (float(Response(case, np.array(0.2), np.array(L)).depth) for L in (0.05, 0.5))
+    assert two - one == pytest.approx(float(STEEL.compliance) * 1e5 / np.pi * np.log(10), rel=1e-10)
+
+
+def test_library_of_punches_is_admissible_and_says_its_sources() -> None:
+    for name, punch in punches().items():
+        Material.isotropic(punch.modulus, punch.poisson, name=name)
+        assert punch.source, name
+    with pytest.raises(solver.MaterialError, match="did you mean 'steel'"):
+        find_punch("stel")

@@ -1,0 +1,48 @@
+"""What Snakemake would run after each of some edits, asked in one process: `python plans.py TARGET < edits.json`.
+
+Standard input is a list of [file, old, new]; standard output a list of the rules that a dry run names after each edit
+alone. Between two edits every module of the project is forgotten, so that nothing of it is remembered from the last.
+"""
+
+import contextlib
+import io
+import json
+import sys
+from pathlib import Path
+
+from workflow.run.provenance import ROOMS
+
+
+def planned(target: str) -> list[str]:
+    """Rules that a dry run would execute for a target."""
+    from snakemake.cli import main  # takes a second
+
+    for name in [name for name in sys.modules if name.partition(".")[0] in (*ROOMS, "meecontact")]:
+        del sys.modules[name]
+    told = io.StringIO()
+    with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told), contextlib.suppress(SystemExit):
+        main(["--cores", "2", "-n", "--quiet", "host", "--", target])
+    return rules(told.getvalue())
+
+
+def rules(told: str) -> list[str]:
+    """Names of the rules that Snakemake tells of."""
+    lines = [line.strip() for line in told.splitlines()]
+    named = [line for line in lines if line.startswith(("rule ", "localrule ")) and line[-1] == ":"]
+    assert named or "Nothing to be done" in told, told
+    return sorted({line.split()[1].rstrip(":") for line in named})
+
+
+def edited(file: Path, old: str, new: str, target: str) -> list[str]:
+    """The plan while one thing in a file is another."""
+    text = file.read_text(encoding="utf-8")
+    assert old in text, (file, old)
+    file.write_text(text.replace(old, new, 1), encoding="utf-8")
+    try:
+        return planned(target)
+    finally:
+        file.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    print(json.dumps([edited(Path(file), old, new, sys.argv[1]) for file, old, new in json.load(sys.stdin)]))
