@@ -20,7 +20,8 @@ from workflow.language import statements
 
 CASE = {"radius": 0.105, "load": 1e4}
 GOAL = Term(
-    statements.objective("abs(voltage) / load", maximise=False), predicted=1.01, predicted_std=0.01, half=0.02, exact=1.0,
+    statements.objective("abs(voltage) / load", maximise=False), predicted=1.01, predicted_std=0.01, half=0.02,
+    exact=1.0,
     inside=True, limit=np.nan, margin=np.nan, units="V m N-1", bound="", source="", worst=CASE, effect=(0.03, 0.04),
     spread=0.05,
 )  # fmt: skip

@@ -83,7 +83,7 @@ def test_a_new_statistic_is_one_class_and_its_measure() -> None:
 
         def rows(self, values: risk.Array) -> risk.Array:
             ordered = np.sort(self.sign * values, -1)
-            return self.sign * ordered[..., : max(values.shape[-1] // 10, 1)].mean(-1)
+            return np.asarray(self.sign * ordered[..., : max(values.shape[-1] // 10, 1)].mean(-1))
 
         def jacobian(self, values: risk.Array) -> risk.Array:
             raise NotImplementedError

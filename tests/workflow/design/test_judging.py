@@ -16,8 +16,7 @@ AT = {"radius": 0.1, "load": 1e4}
 
 def test_elasticities_and_costs_are_those_of_hertz(tmp_path: Path) -> None:
     study = standin.study(tmp_path, fixed=standin.FIXED | HERTZ)
-    target = {"minimise": "peak_pressure", "over": ["radius", "load"], "subject_to": ["load >= 9 kN/m"]}
-    design = standin.design(study, AT, **target)
+    design = standin.design(study, AT, minimise="peak_pressure", over=["radius", "load"], subject_to=["load >= 9 kN/m"])
     exact, _ = assessment.exactly(design, design.question.terms)
     found = perturbation.sensitivities(design, exact)
     assert found["radius"].elasticity == pytest.approx((-0.5, 0.0), abs=1e-6)

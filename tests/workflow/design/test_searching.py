@@ -79,8 +79,8 @@ def test_the_front_of_all_choices_is_what_none_of_them_dominates() -> None:
 def test_map_and_slices_are_the_terms_about_the_design(tmp_path: Path) -> None:
     study = standin.study(tmp_path)
     limit = "trailing_tension <= 50 MPa"
-    asked = {"maximise": "peak_pressure", "over": ["radius", "load"], "subject_to": [limit]}
-    found = landscape.landscape(standin.design(study, AT, **asked))
+    design = standin.design(study, AT, maximise="peak_pressure", over=["radius", "load"], subject_to=[limit])
+    found = landscape.landscape(design)
     over = {"radius": found["map_x"].values[::20], "load": found["map_y"].values[::20]}
     exact = solve({**standin.FIXED, **over}).transpose(*over)
     np.testing.assert_allclose(found["map_objective"].values[::20, ::20], exact["peak_pressure"], rtol=1e-9)
