@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import NonlinearConstraint, minimize
 from scipy.stats import qmc
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 
 _FEASIBLE = 1e-9  # largest excess, in units of the limits, that counts as none: SLSQP's own accuracy
 _NEARLY = 1e-6  # an excess that next to nothing of the objective takes away

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from solver import solve
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers
 from surrogate import Group, Grouping, Input, Scaling
-from surrogate.gp.grouping import middle
 from surrogate.levels.counts import decays
+from surrogate.transforms.inputs import middle
 from workflow.study import grouped
 from workflow.study.categories import Kinds, output
 from workflow.study.datum import length

@@ -37,13 +37,14 @@ def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study)
     case = {"thickness": 2.3e-4, "radius": 0.08, "load": 2.2e4, "charge": 1.7e-6}
     grouping = factorial.grouping(study)
     X = np.array([[case[name] for name in study.factors]])
-    axes = dict(zip(study.axes, grouping.coordinates(X)[0][:, None], strict=True))
+    axes = dict(zip(study.axes, grouping.products.values(X)[0][:, None], strict=True))
     stored, true = (factorial.learned(study, factorial.exact(study, one)) for one in (axes, case))
     at = similar.factors(study, axes)
     near = np.array([[np.asarray(at[name]).item() for name in study.factors]])
     assert near[0, 0] == pytest.approx(np.sqrt(2e-4 * 1e-3))
     values = np.array([[stored[name].item()] for name in study.learned])
-    told = grouping.told(grouping.learnt(values, near, study.learned), X, study.learned)
+    scales = grouping.scales(study.learned)
+    told = scales.untransform(scales.transform(values, near), X)
     for name, found in zip(study.learned, told[:, 0], strict=True):
         assert found == pytest.approx(true[name].item(), rel=1e-7), name
     assert grouping.scalings["depth[steel]"].coefficient > 0
