@@ -19,7 +19,7 @@ from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
 
 pytestmark = pytest.mark.skipif(
-    not (shutil.which("node") and shutil.which("ncdump")), reason="no Node.js or no ncdump on this machine"
+    not (shutil.which("node") and shutil.which("ncdump")), reason="no Node.js or no ncdump (Debian: nodejs netcdf-bin)"
 )
 PAGE = (ROOT / "docs/format.md").read_text(encoding="utf-8")
 READER = """

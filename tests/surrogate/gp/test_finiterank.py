@@ -153,8 +153,12 @@ def test_a_model_survives_its_file_and_an_altered_one_is_refused(many: ScatterGP
     save(model, tmp_path / "model.nc")
     again = load(tmp_path / "model.nc")
     points = cases(20, seed=8)[["x", "y", "z"]]
-    xr.testing.assert_identical(again.predict(points), model.predict(points))
-    xr.testing.assert_identical(again.gradient(points, True), model.gradient(points, True))
+    # sums over the features are rounded as memory is aligned and threads share them; variances are differences
+    for one, other in (
+        (again.predict(points), model.predict(points)),
+        (again.gradient(points, True), model.gradient(points, True)),
+    ):
+        xr.testing.assert_allclose(one, other, rtol=1e-7, atol=1e-9)
     model.calibration_ = None
     stored = read_whole(tmp_path / "model.nc")
     for change, says in (

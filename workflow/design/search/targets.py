@@ -6,13 +6,12 @@ from itertools import product
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
-from surrogate.search.optimise import Optimum, Problem, maximise
+from surrogate.search.optimise import Optimum, Problem
 from surrogate.search.pareto import Front
-from workflow.design.asking import budget
+from workflow.design.asking import budget, program
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.question import Question, ask
 from workflow.design.asking.sources import Exact, Predicted
@@ -21,15 +20,12 @@ from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import Answer, Category, Choice, Tolerated
 from workflow.design.verdict.netcdf import SOURCE, SOURCE_OF_FILMS
+from workflow.design.verdict.term import ROUNDING
 from workflow.design.verdict.variable import Role
 from workflow.study.categories import output
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
-
-Array = NDArray[np.float64]
-
-_SCANNED, _SCANNED_FILMS = 1 << 17, 1 << 15  # most evaluations of the surrogate in one scan: 4 and 40 us each
 
 
 def solve_target(study: Study, name: str, model: GaussianProcess) -> Answer:
@@ -70,7 +66,7 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> A
         source=SOURCE_OF_FILMS if study.on_film else SOURCE,
         tolerated=_costs(study, name, target, model, best) if toleranced else None,
         categories=_categories(target, best),
-        choices=_choices(found, 1.0 if several else target.objectives[0].sign),
+        choices=_choices(best, found, 1.0 if several else target.objectives[0].sign),
         pictures=xr.merge(pictures, compat="no_conflicts", join="outer"),
     )
 
@@ -126,35 +122,30 @@ def _search(asked: list[Candidate]) -> list[Candidate]:
     """Optimum of every choice on the surrogate, with the safety margin that its uncertainty asks for."""
     traced: list[Front | None] = [None] * len(asked)
     if asked[0].question.objectives > 1:
-        traced = [front.trace(candidate.asked, _scan(candidate.question)) for candidate in asked]
+        traced = [front.trace(candidate.asked, program.scan(candidate.question)) for candidate in asked]
     fronts = [own for own in traced if own is not None]
     scales = front.normalisation(fronts) if fronts else None
     return [_climbed(replace(one, front=own, normalisation=scales)) for one, own in zip(asked, traced, strict=True)]
 
 
-def _scan(question: Question) -> int:
-    """Points of a scan: a power of two, fewer where each stands for many scenarios."""
-    size = sum(chosen.count for chosen in question.searched.values())
-    most = _SCANNED_FILMS if question.study.on_film else _SCANNED
-    return 1 << int(np.clip(np.log2(most / size), 7, 12))
-
-
 def _climbed(candidate: Candidate) -> Candidate:
     question, predicted = candidate.question, candidate.asked.predicted
-    problem = candidate.problem(predicted)
     if not question.inputs:
-        return replace(candidate, best=_only(problem))
+        return replace(candidate, best=_only(candidate.problem(budget.affordable(candidate.asked))))
     if candidate.front is not None:
-        first = replace(candidate, best=front.best_of(candidate.front, problem))
+        first = replace(candidate, best=front.best_of(candidate.front, candidate.problem(predicted)))
     else:
-        first = replace(candidate, best=maximise(problem, scan=_scan(question)))
-    return first.improved(predicted, assessment.doubts(first.design) * question.inequality)
+        first = candidate.sought(predicted)
+    kept = first.improved(predicted, assessment.doubts(first.design) * question.inequality)
+    # where no design is as far from the limits as the surrogate is in doubt, the exact solver decides if it can
+    decided = first.best.feasible and not kept.best.feasible and not budget.asked(question)
+    return first if decided else kept
 
 
 def _front(found: list[Candidate]) -> xr.Dataset:
     """The exact front of all choices."""
     traced = [(candidate, candidate.asked.at(candidate.front.x)) for candidate in found if candidate.front]
-    parts = {_words(candidate): front.verified(designs, 1 / len(traced)) for candidate, designs in traced}
+    parts = {candidate.words: front.verified(designs, 1 / len(traced)) for candidate, designs in traced}
     return front.merged(parts, np.array([objective.sign for objective in found[0].question.target.objectives]))
 
 
@@ -167,26 +158,21 @@ def _categories(target: Target, best: Candidate) -> tuple[Category, ...]:
     )
 
 
-def _choices(found: list[Candidate], sign: float) -> tuple[Choice, ...]:
+def _choices(best: Candidate, found: list[Candidate], sign: float) -> tuple[Choice, ...]:
     """The best of every choice on the surrogate, where there are several."""
     several = found if len(found) > 1 else []
+    passed = [candidate.choice for candidate in best.passed]
     return tuple(
-        Choice(_words(candidate), float(sign * candidate.best.objective), bool(candidate.best.feasible))
+        Choice(
+            candidate.words,
+            float(sign * candidate.best.objective),
+            bool(candidate.best.feasible) and candidate.choice not in passed,
+        )
         for candidate in several
-    )
-
-
-def _words(candidate: Candidate) -> str:
-    """A choice in words: names as they are, numbers with theirs."""
-    target = candidate.question.target
-    return ", ".join(
-        value if isinstance(value, str) else f"{key} = {value:g}"
-        for key, value in candidate.choice.items()
-        if key in target.variables
     )
 
 
 def _only(problem: Problem) -> Optimum:
     """The one design of a question without continuous variables."""
     objective, excess = (rows[0] for rows in problem.value(np.empty((1, 0))))
-    return Optimum(np.empty(0), float(objective.min()), excess, bool(np.all(excess <= 0)))
+    return Optimum(np.empty(0), float(objective.min()), excess, bool(np.all(excess <= ROUNDING)))
