@@ -63,7 +63,7 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> A
         judged,
         target=name,
         polish=best.polish,
-        source=SOURCE_OF_FILMS if study.on_film else SOURCE,
+        source=SOURCE_OF_FILMS if study.kind.tabled else SOURCE,
         tolerated=_costs(study, name, target, model, best) if toleranced else None,
         categories=_categories(target, best),
         choices=_choices(best, found, 1.0 if several else target.objectives[0].sign),
