@@ -210,9 +210,7 @@ def sure(found: Answer) -> str:
     if not goal.exact:
         return f"Solved exactly. {spread}".strip()
     inside = "within" if goal.inside else "outside"
-    return (
-        f"Solved exactly; the surrogate was off by {_share(goal.error)}, {inside} its 95 % interval. {spread}".strip()
-    )
+    return f"Solved exactly; the surrogate was off by {_share(goal.error)}, {inside} its interval. {spread}".strip()
 
 
 def _unbroken(text: str) -> str:
