@@ -115,7 +115,9 @@ def _parser() -> _Parser:
     )
     command.add_argument("--at", metavar="NAME=VALUE,...", help="one point, printed")
     command.add_argument("-o", "--output", type=Path, metavar="OUT.csv")
-    command.add_argument("--level", type=float, metavar="SHARE", help="of cases that intervals hold; default: 0.95")
+    command.add_argument(
+        "--level", type=float, metavar="SHARE", help="of cases that intervals hold; default: the study's"
+    )
     command.add_argument("--extrapolate", action="store_true", help="answer outside the trained box too, flagged")
     command.add_argument(
         "--exact", metavar="STUDY", help="also the exact answers, by the formula: the study that it came from"
@@ -225,10 +227,11 @@ def _material(options: argparse.Namespace) -> None:
 
 def _design(options: argparse.Namespace) -> None:
     from workflow.cli import questions  # scikit-learn and the searches: not for every command
+    from workflow.design.told import table
 
     with busy("searching"):
         answer = questions.ask(options.results, vars(options))
-    print(questions.as_json(answer) if options.json else _shown(questions.as_text(answer)))
+    print(table.as_json(answer) if options.json else _shown(table.as_text(answer)))
 
 
 def _invert(options: argparse.Namespace) -> None:
