@@ -7,7 +7,6 @@ import xarray as xr
 from markupsafe import Markup
 
 from solver.names import CHOICES
-from workflow.dataset import factorial
 from workflow.design import answers, spread, tolerances
 from workflow.design.spoken import UNREACHABLE, Verdict, verdict
 from workflow.language import titles
@@ -70,23 +69,21 @@ class Answer:
         return self.verdict.kind != UNREACHABLE
 
 
-def answered(study: Study, name: str, target: Target, found: xr.Dataset) -> Answer:
-    """The first screen's part on one target, from its design."""
+def answered(study: Study, name: str, target: Target, found: xr.Dataset, contact: Mapping[str, float]) -> Answer:
+    """The first screen's part on one target, from its design and the ends of its contact [m]."""
     kinds = {key: kind for key, kind, _ in answers.kinds(found)}
     varied = answers.case(found)
     case: Case = {**study.fixed, **kinds, **varied}
     told = verdict(found)
     body, punch = body_in_words(study, case), punch_in_words(case)
-    own = study.narrowed(kinds)
-    solved = factorial.exact(own, dict(varied), peaks=())
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
-    drawn = device.draw(of_case(study, case, solved), f"{body}; {punch}")
+    drawn = device.draw(of_case(study, case, contact), f"{body}; {punch}")
     return Answer(
         name=name,
         code=str(found.attrs["goal"]),
         body=body,
         punch=punch,
-        good=good(target, found, hanging(own), reference),
+        good=good(target, found, hanging(study.narrowed(kinds)), reference),
         limit=_unbroken(limit(told)),
         cost=_unbroken(cost(found)),
         sure=_unbroken(sure(found)),
@@ -96,16 +93,16 @@ def answered(study: Study, name: str, target: Target, found: xr.Dataset) -> Answ
     )
 
 
-def of_case(study: Study, case: Case, solved: xr.Dataset) -> device.Device:
-    """What is drawn of a case, with the contact that the exact solver gives it."""
+def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.Device:
+    """What is drawn of a case, with the ends of its contact [m]."""
     profile = str(case.get("profile", CHOICES["profile"][0]))
     size = {"flat": "width", "wedge": "slope"}.get(profile, "radius")
     return device.Device(
         profile,
         str(case.get("corner", CHOICES["corner"][0])),
         float(case[size]),
-        float(solved["contact_trailing"]),
-        float(solved["contact_leading"]),
+        contact["contact_trailing"],
+        contact["contact_leading"],
         float(case["load"]),
         case.get("electric", CHOICES["electric"][0]) == "conducting",
         study.body[0].at(case)["thickness"] if study.body else float(case["thickness"]) if study.on_film else None,

@@ -8,7 +8,7 @@ import xarray as xr
 
 from tests.workflow.conftest import Project
 from workflow.design.spoken import verdict
-from workflow.report import device, firstscreen, sentences
+from workflow.report import device, exact, firstscreen, sentences
 from workflow.report.device import Device
 from workflow.report.firstscreen import Case
 from workflow.report.svg import ACCENT, BAD
@@ -60,7 +60,7 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     study = load(ran.folder / "config/small.yaml")
     folder, target = ran.folder / "results/small/design", study.design["sensor"]
     found = xr.load_dataset(folder / "sensor.nc")
-    one = firstscreen.answered(study, "sensor", target, found)
+    one = firstscreen.answered(study, "sensor", target, found, exact.contact(study, found))
     assert one.reachable
     assert one.limit == "Tension behind the contact of 50 MPa stops it."
     assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane", one.body)
@@ -69,7 +69,7 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     other["exact"][0] *= 2
     other["cost"][:] *= 2
     other["value"].loc[{"factor": "radius"}] = 0.05
-    changed = firstscreen.answered(study, "sensor", target, other)
+    changed = firstscreen.answered(study, "sensor", target, other, exact.contact(study, other))
     assert changed.punch == "R = 50 mm" != one.punch
     number = [float(text.good.split("\N{NO-BREAK SPACE}")[0]) for text in (one, changed)]
     assert number[1] == pytest.approx(2 * number[0], rel=0.01)
@@ -94,7 +94,7 @@ def test_the_body_is_said_by_what_it_is() -> None:
     layers = study.model_copy(update={"body": [BodyLayer.model_validate(one) for one in body]})
     told = "Fibrous, 20 % BaTiO3, 100 µm on fibrous, 40 % BaTiO3, 100 µm on fibrous, 60 % BaTiO3, 100 µm on steel"
     assert firstscreen.body_in_words(layers, case) == told
-    contact = xr.Dataset({"contact_trailing": 1e-4, "contact_leading": 1e-4})
+    contact = {"contact_trailing": 1e-4, "contact_leading": 1e-4}
     assert firstscreen.of_case(layers, {**case, "load": 1e4}, contact).base == "2 more layers on steel"
     assert firstscreen.punch_in_words({"profile": "flat", "width": 2e-3}) == "flat punch 2 mm wide"
     assert firstscreen.punch_in_words({"profile": "wedge", "slope": 0.02}) == "wedge of slope 0.02"
