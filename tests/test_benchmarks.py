@@ -12,7 +12,7 @@ from benchmarks import direct, gridrivals, intervals, overhead, page, rivals, sc
 from benchmarks.rivals import Array
 from surrogate import GridGP
 from surrogate.data.inputs import gauss_points
-from surrogate.scattered import finiterank
+from surrogate.gp import finiterank
 from tests.surrogate import functions
 
 

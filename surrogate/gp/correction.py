@@ -16,12 +16,10 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Indices
 from surrogate.gp.factors import Features, chebyshev, chebyshev_slopes
 from surrogate.intervals.sharing import places
 from surrogate.intervals.trend import additive, values
-
-Indices = NDArray[np.intp]
 
 # A degree of g_f costs half of the decay of the factor's kernel, and no more than this.
 DEAREST = 1.5
@@ -98,6 +96,12 @@ class Correction:
             "correction_degree": (("correction_term", "input"), self.indices),
             "correction_coefficient": (("part", "correction_term", "output"), self.coefficients),
         }
+
+    def plain(self) -> dict[str, object]:
+        """Return the same as plain values."""
+        return {
+            "levels": list(self.levels), "degrees": self.indices.tolist(), "coefficients": self.coefficients,
+        }  # fmt: skip
 
     @classmethod
     def restore(cls, stored: xr.Dataset, levels: tuple[int, ...], outputs: int) -> Self | None:

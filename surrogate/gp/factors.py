@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.special import eval_chebyt
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Indices
 from surrogate.data.inputs import gauss_points
 
 # Mean features drop contributions of the kernel's tail below rounding.
@@ -171,7 +170,7 @@ class ChebyshevFactor(Factor):
         mean[rows] -= 2 * self.damping[rows, None] * (S[n] * T[mirror] + T[n] * S[mirror])
         return Features(mean, prior, self.unknown @ (S[n] * T[:n] + T[n] * S[:n]) ** 2)
 
-    def exported(self) -> dict[str, object]:
+    def plain(self) -> dict[str, object]:
         """Return what `features` needs, as plain lists."""
         return {
             "levels": self.levels,
@@ -190,7 +189,7 @@ class ChebyshevFactor(Factor):
         mean[first:] -= (2 * self.damping[first:modes, None] * T[n]) * T[n - first : n - modes : -1]
         return mean
 
-    def _damped(self, modes: int) -> NDArray[np.intp]:
+    def _damped(self, modes: int) -> Indices:
         return np.arange(self._first_damped, max(modes, self._first_damped))
 
 

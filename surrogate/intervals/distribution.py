@@ -11,7 +11,7 @@ from typing import Protocol, Self
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 
 #: Level of an interval where none is said.
 NOMINAL = 0.95

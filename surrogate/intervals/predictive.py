@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array, Flags
+from approximation.arrays import Array, Flags
 from surrogate.data.labels import Attrs, Labels
 from surrogate.data.points import Points, Queries
 from surrogate.intervals.conformal import Calibration

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from surrogate.data.arrays import Array, Flags
+from approximation.arrays import Array, Flags
 from surrogate.data.inputs import unit_coordinates
-from surrogate.gp.model import GaussianProcess
+from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 from surrogate.use.baseline import baseline
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from surrogate.search.optimise import Optimum, Problem, improve
+from surrogate.search.optimise import Optimum, Problem, improve, maximise, retreat
 from surrogate.search.pareto import Front, scalarised
 from workflow.design import program
 from workflow.design.designs import Designs
@@ -36,6 +36,8 @@ class Candidate:
         Reference and weights of the one objective that stands for them.
     polish, cases
         How the best design was polished, and in how many cases that are searched for.
+    passed
+        Better choices by the surrogate, none of whose designs keeps every limit on the exact solver.
     """
 
     choice: dict[str, float | str]
@@ -45,6 +47,7 @@ class Candidate:
     normalisation: tuple[Array, Array] | None = None
     polish: str = ""
     cases: int = 0
+    passed: "tuple[Candidate, ...]" = ()
 
     @property
     def question(self) -> Question:
@@ -56,6 +59,15 @@ class Candidate:
         """The best design, with its question and sources."""
         return self.asked.at(self.best.x)
 
+    @property
+    def words(self) -> str:
+        """The choice in words: names as they are, numbers with theirs."""
+        return ", ".join(
+            value if isinstance(value, str) else f"{key} = {value:g}"
+            for key, value in self.choice.items()
+            if key in self.question.target.variables
+        )
+
     def problem(self, source: Source, safety: Array | None = None) -> Problem:
         """The question for the optimiser; several objectives as the compromise that the fronts normalise."""
         problem = program.problem(self.question, source, safety)
@@ -63,10 +75,24 @@ class Candidate:
             return problem
         return scalarised(problem, self.question.objectives, *self.normalisation)
 
+    def sought(self, source: Source) -> "Candidate":
+        """The best design of the whole box."""
+        return replace(self, best=maximise(self.problem(source), scan=program.scan(self.question)))
+
     def improved(self, source: Source, safety: Array) -> "Candidate":
         """The best design near this one, with a safety margin to every limit."""
         best = self.best
         return replace(self, best=improve(self.problem(source, safety), best.x, self.size(best.objective)))
+
+    def retreated(self, source: Source, safety: Array) -> "Candidate":
+        """The nearest design behind the limits with their safety margins."""
+        problem = self.problem(source, safety)
+        return replace(self, best=replace(self.best, x=retreat(problem, self.best.x))).counted(source)
+
+    def counted(self, source: Source) -> "Candidate":
+        """The same design, with what it comes to on another source."""
+        objective, excess = (rows[0] for rows in self.problem(source).value(self.best.x[None]))
+        return replace(self, best=replace(self.best, objective=float(objective.min()), excess=excess))
 
     def size(self, objective: float) -> float:
         """Scale of the objective at a value; next to zero, a share of its range."""

@@ -17,20 +17,33 @@ _SAFETY = 1e-10  # relative safety margin, beyond rounding
 _NEAR = 1e-6  # relative distance at which a limit binds
 _FLAT, _SAME = 5, 1e-9  # values of a variable, and relative change of the goal over them that is none
 _CLOSE = 1e-6  # length of a scaled range to which a variable that does not matter is found
-_LOST = 0.01  # share of the objective that no polish costs
+_LOST = 1e-6  # share of the objective that safety margins may cost
+_RETREATS = 3  # steps back behind limits that many more scenarios judge
 
 
 def first_feasible(ranked: list[Candidate]) -> Candidate:
-    """The best choice that stays feasible on the exact solver, or else the first one, polished."""
-    first, spent = None, 0
+    """The best choice that stays feasible on the exact solver, or else the first one, polished.
+
+    Better choices that no polish brings within their limits are told in its words and kept in ``passed``.
+    """
+    passed: list[Candidate] = []
     for candidate in ranked:
         polished = _cheapest(_polish(candidate))
-        first, spent = first or polished, spent + polished.cases
         if polished.best.feasible:
-            return polished
-        if not candidate.best.feasible or spent > budget.most(candidate.question):
+            return replace(polished, passed=tuple(passed), polish="; ".join([polished.polish, *map(_missed, passed)]))
+        passed.append(polished)
+        if not candidate.best.feasible or sum(one.cases for one in passed) > budget.most(candidate.question):
             break
-    return first or ranked[0]
+    return passed[0]
+
+
+def _missed(passed: Candidate) -> str:
+    """Why a choice that is better by the surrogate is not taken."""
+    limits = [term for term in passed.question.terms if term.limited]
+    excess = _excess(passed.design, budget.affordable(passed.asked)).judged
+    return (
+        f"{passed.words} is better and not taken: it misses {limits[excess.argmax()].label} by {excess.max():.2g} of it"
+    )
 
 
 @dataclass(frozen=True)
@@ -54,6 +67,11 @@ class _Excess:
         """Which limits hold in the verdict."""
         return self.judged <= assessment.ROUNDING
 
+    @property
+    def beyond(self) -> bool:
+        """Whether some limit is missed, and none by more than a step back takes."""
+        return not np.all(self.kept) and bool(np.all(self.judged <= _NEAR))
+
     def agrees(self, safety: Array) -> bool:
         """Whether all limits hold, and those bind in the verdict that bound the search with its safety margins."""
         bound = self.searched + safety > -_NEAR
@@ -70,12 +88,23 @@ def _excess(design: Designs, source: Source) -> _Excess:
 def _polish(found: Candidate) -> Candidate:
     """The same on the exact solver, until the many scenarios of the verdict say what the few of the search say.
 
-    What is too costly for the optimiser it takes from the surrogate, shifted to what the exact solver says.
+    What is too costly for the optimiser it takes from the surrogate, shifted to what the exact solver says. Where the
+    surrogate has led to no design that keeps the limits though it knows one, the exact solver is searched itself.
     """
+    polished = _shifted(found)
+    if polished.best.feasible or not found.best.feasible or budget.asked(found.question) or not found.question.inputs:
+        return polished
+    anew = _shifted(found.sought(found.asked.exact))
+    return anew if anew.best.feasible else polished
+
+
+def _shifted(found: Candidate) -> Candidate:
+    """The best of the designs that keep the limits, each polished with these shifted by what the last one missed."""
     question, source = found.question, budget.affordable(found.asked)
     usual = budget.safety(question, _SAFETY) * question.inequality
     rounds = _ROUNDS if question.inputs else 0
-    now, last, safety, spent = found, None, np.zeros(len(question.inequality)), 0
+    first = found.counted(source)
+    now, last, safety, spent = first, None, np.zeros(len(question.inequality)), 0
     for k in range(rounds + 1):
         excess = _excess(now.design, source)
         spent += excess.cases
@@ -88,13 +117,32 @@ def _polish(found: Candidate) -> Candidate:
         # what a few scenarios make of a limit differs from what many do: shift it by that
         safety = excess.judged - excess.searched + usual
         now = now.improved(source, safety)
+    if excess.beyond and not (last is not None and _lost(last, now)):
+        last, cases = _retreated(last, now, excess, source, usual)
+        spent += cases
     best = replace(now.best, feasible=False) if last is None else last.best
-    moved = rounds > 0 and last is not found
-    return replace(found, best=best, cases=spent, polish=budget.words(question, spent, moved))
+    return replace(
+        found, best=best, cases=spent, polish=budget.words(question, spent, rounds > 0 and last is not first)
+    )
+
+
+def _retreated(
+    last: Candidate | None, now: Candidate, excess: _Excess, source: Source, usual: Array
+) -> tuple[Candidate | None, int]:
+    """The nearest design to one next to the limits that keeps them, or the last one, and the searched cases it took."""
+    cases = 0
+    for _ in range(_RETREATS):
+        now = now.retreated(source, excess.judged - excess.searched + usual)
+        excess = _excess(now.design, source)
+        cases += excess.cases
+        if np.all(excess.kept):
+            kept = replace(now, best=replace(now.best, feasible=True))
+            return (kept if last is None or not _lost(last, kept) else last), cases
+    return last, cases
 
 
 def _lost(last: Candidate, now: Candidate) -> bool:
-    """Whether the objective fell more than a polish costs: a search that went astray."""
+    """Whether the objective fell by more than a polish costs: a search that went astray."""
     return now.best.objective < last.best.objective - _LOST * last.size(last.best.objective)
 
 

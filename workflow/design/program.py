@@ -16,6 +16,15 @@ from workflow.design.terms import Term
 
 Array = NDArray[np.float64]
 
+_SCANNED, _SCANNED_FILMS = 1 << 17, 1 << 15  # most evaluations in one scan: 4 and 40 us each
+
+
+def scan(question: Question) -> int:
+    """Points of a scan: a power of two, fewer where each stands for many scenarios."""
+    size = sum(chosen.count for chosen in question.searched.values())
+    most = _SCANNED_FILMS if question.study.on_film else _SCANNED
+    return 1 << int(np.clip(np.log2(most / size), 7, 12))
+
 
 def problem(question: Question, source: Source, safety: Array | None = None) -> Problem:
     """The question for the optimiser; ``safety``, a margin for every limit, is added to its relative excess."""
@@ -94,7 +103,7 @@ class _Program:
         known = self.question.known(self.source, factors, [term.expression for term in terms])
         learned = [name for name in known if name in ALL_QUANTITIES]
         slopes = self.source.slopes(factors, learned, list(variables))
-        for name in set(known) - set(learned):
+        for name in (name for name in known if name not in learned):
             own = [float(name == variable) for variable in variables]
             slopes[name] = np.broadcast_to(own, (scenarios.count, len(own)))
         return {name: values[0] for name, values in known.items()}, slopes

@@ -184,7 +184,7 @@ class Question:
         names = list(dict.fromkeys(name for expression in expressions for name in expression.names()))
         learned = [name for name in names if name in ALL_QUANTITIES]
         known = source.values(factors, learned) if learned else {}
-        for name in set(names) - set(learned):
+        for name in (name for name in names if name not in learned):
             known[name] = factors[name] if name in factors else np.full((1, 1), self._fixed(name))
         return known
 

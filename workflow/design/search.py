@@ -6,13 +6,12 @@ from itertools import product
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
-from surrogate.search.optimise import Optimum, Problem, maximise
+from surrogate.search.optimise import Optimum, Problem
 from surrogate.search.pareto import Front
-from workflow.design import answers, assessment, budget, contact_fields, front, landscape, polish, tolerances
+from workflow.design import answers, assessment, budget, contact_fields, front, landscape, polish, program, tolerances
 from workflow.design.candidate import Candidate
 from workflow.design.designs import Designs
 from workflow.design.question import Question, ask
@@ -21,10 +20,6 @@ from workflow.study.categories import output
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
-
-Array = NDArray[np.float64]
-
-_SCANNED, _SCANNED_FILMS = 1 << 17, 1 << 15  # most evaluations of the surrogate in one scan: 4 and 40 us each
 
 
 def solve_target(study: Study, name: str, model: GaussianProcess) -> xr.Dataset:
@@ -128,35 +123,30 @@ def _search(asked: list[Candidate]) -> list[Candidate]:
     """Optimum of every choice on the surrogate, with the safety margin that its uncertainty asks for."""
     traced: list[Front | None] = [None] * len(asked)
     if asked[0].question.objectives > 1:
-        traced = [front.trace(candidate.asked, _scan(candidate.question)) for candidate in asked]
+        traced = [front.trace(candidate.asked, program.scan(candidate.question)) for candidate in asked]
     fronts = [own for own in traced if own is not None]
     scales = front.normalisation(fronts) if fronts else None
     return [_climbed(replace(one, front=own, normalisation=scales)) for one, own in zip(asked, traced, strict=True)]
 
 
-def _scan(question: Question) -> int:
-    """Points of a scan: a power of two, fewer where each stands for many scenarios."""
-    size = sum(chosen.count for chosen in question.searched.values())
-    most = _SCANNED_FILMS if question.study.on_film else _SCANNED
-    return 1 << int(np.clip(np.log2(most / size), 7, 12))
-
-
 def _climbed(candidate: Candidate) -> Candidate:
     question, predicted = candidate.question, candidate.asked.predicted
-    problem = candidate.problem(predicted)
     if not question.inputs:
-        return replace(candidate, best=_only(problem))
+        return replace(candidate, best=_only(candidate.problem(budget.affordable(candidate.asked))))
     if candidate.front is not None:
-        first = replace(candidate, best=front.best_of(candidate.front, problem))
+        first = replace(candidate, best=front.best_of(candidate.front, candidate.problem(predicted)))
     else:
-        first = replace(candidate, best=maximise(problem, scan=_scan(question)))
-    return first.improved(predicted, assessment.doubts(first.design) * question.inequality)
+        first = candidate.sought(predicted)
+    kept = first.improved(predicted, assessment.doubts(first.design) * question.inequality)
+    # where no design is as far from the limits as the surrogate is in doubt, the exact solver decides if it can
+    decided = first.best.feasible and not kept.best.feasible and not budget.asked(question)
+    return first if decided else kept
 
 
 def _front(found: list[Candidate]) -> xr.Dataset:
     """The exact front of all choices."""
     traced = [(candidate, candidate.asked.at(candidate.front.x)) for candidate in found if candidate.front]
-    parts = {_words(candidate): front.verified(designs, 1 / len(traced)) for candidate, designs in traced}
+    parts = {candidate.words: front.verified(designs, 1 / len(traced)) for candidate, designs in traced}
     return front.merged(parts, np.array([objective.sign for objective in found[0].question.target.objectives]))
 
 
@@ -171,24 +161,15 @@ def _chosen(target: Target, best: Candidate, found: list[Candidate]) -> xr.Datas
         )
     if len(found) > 1:
         sign = 1.0 if len(target.objectives) > 1 else target.objectives[0].sign
-        out = out.assign_coords(choice=[_words(candidate) for candidate in found]).assign(
+        passed = [candidate.choice for candidate in best.passed]
+        out = out.assign_coords(choice=[candidate.words for candidate in found]).assign(
             choice_objective=("choice", [sign * candidate.best.objective for candidate in found]),
-            choice_feasible=("choice", [candidate.best.feasible for candidate in found]),
+            choice_feasible=("choice", [one.best.feasible and one.choice not in passed for one in found]),
         )
     return out
-
-
-def _words(candidate: Candidate) -> str:
-    """A choice in words: names as they are, numbers with theirs."""
-    target = candidate.question.target
-    return ", ".join(
-        value if isinstance(value, str) else f"{key} = {value:g}"
-        for key, value in candidate.choice.items()
-        if key in target.variables
-    )
 
 
 def _only(problem: Problem) -> Optimum:
     """The one design of a question without continuous variables."""
     objective, excess = (rows[0] for rows in problem.value(np.empty((1, 0))))
-    return Optimum(np.empty(0), float(objective.min()), excess, bool(np.all(excess <= 0)))
+    return Optimum(np.empty(0), float(objective.min()), excess, bool(np.all(excess <= assessment.ROUNDING)))

@@ -52,7 +52,7 @@ class Exact:
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Quantities by name; factors that share a dimension are evaluated together."""
         axes = {name: _labelled(values) for name, values in factors.items()}
-        solved = factorial.exact(self._study, axes, peaks=ALL_PEAKS.keys() & names)
+        solved = factorial.exact(self._study, axes, peaks=[name for name in names if name in ALL_PEAKS])
         whole = {"point": 1, "scenario": 1} | dict(solved.sizes)
         arrays = {name: solved[name].expand_dims([dim for dim in whole if dim not in solved.dims]) for name in names}
         return {name: array.transpose("point", "scenario").values for name, array in arrays.items()}

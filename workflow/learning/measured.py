@@ -9,7 +9,7 @@ from solver import MaterialError
 from surrogate import GaussianProcess
 from surrogate.data.measurements import MOST_ROWS, Measurements
 from surrogate.intervals.distribution import NOMINAL, Normal
-from surrogate.measured.corrected import CorrectedGP
+from surrogate.transforms.measured.corrected import CorrectedGP
 from surrogate.use import learning
 from workflow.learning.effects import Effects
 from workflow.learning.taught import Taught

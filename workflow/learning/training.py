@@ -8,6 +8,7 @@ from storage.described import described
 from surrogate import CrossGP, GaussianProcess, GridGP, GroupedGP
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.levels import counts, lines
+from surrogate.transforms.transformed import groups_of
 from surrogate.use import validation
 from workflow.dataset import batches, factorial
 from workflow.learning import curves
@@ -84,7 +85,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     """
     points = {name: cases[name] for name in study.factors}
     cases, quantities = factorial.learned(study, cases), factorial.learned(study, quantities)
-    by = model.grouping
+    by = groups_of(model)
     if study.crossed:
         decays = lines.decays(crossing(study), quantities)
     else:

@@ -28,7 +28,7 @@ def test_slabs_reach_the_solver_and_its_data() -> None:
         "workflow/report/figures/style.py",
         "workflow/cli/main.py",
     }
-    assert not files & {"surrogate/gp/gridgp.py", "surrogate/search/optimise.py", "surrogate/gp/persistence.py"}
+    assert not files & {"surrogate/gp/gridgp.py", "surrogate/search/optimise.py", "surrogate/face/persistence.py"}
 
 
 def test_a_design_reaches_solver_and_surrogate() -> None:
@@ -38,7 +38,7 @@ def test_a_design_reaches_solver_and_surrogate() -> None:
 
 
 def test_models_that_are_imported_when_asked_for_are_reached() -> None:
-    assert {"surrogate/gp/gridgp.py", "surrogate/gp/persistence.py"} <= reached("sensitivity.py")
+    assert {"surrogate/gp/gridgp.py", "surrogate/face/persistence.py"} <= reached("sensitivity.py")
     assert "surrogate/gp/gridgp.py" in reached("training.py")
 
 
