@@ -13,7 +13,8 @@ import numpy as np
 import xarray as xr
 
 from solver import FactorError, Material, MaterialError, PrecisionWarning, solve, solve_interior
-from solver.names import ALL_QUANTITIES, FILM_QUANTITIES, QUANTITIES
+from solver.body import kind_of
+from solver.names import ALL_QUANTITIES
 from storage.files import output
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
@@ -188,7 +189,7 @@ def _solve(options: argparse.Namespace) -> None:
     positions = None if options.positions is None else numbers("--positions", options.positions)
     points = len(positions or [0.0])
     out = _solved(options, lambda factors, own: solve(factors, positions, materials=own, peaks=options.peaks), points)
-    asked = [*QUANTITIES, *(FILM_QUANTITIES if "thickness" in out.coords else [])]
+    asked = list(kind_of([str(name) for name in out.coords]).quantities)
     missing = [name for name in asked if name not in out]
     if missing:
         print(f"left out, as some case has no such quantity: {', '.join(missing)}", file=sys.stderr)

@@ -237,7 +237,7 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None]) -> str:
         kinds = {name: str(at.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in at.items()}
         asked = [output(name, kinds) for name, _ in pairs]
-        inversion = Inversion(model.only(asked) if study.on_film else model, infer, asked, held)
+        inversion = Inversion(model.only(asked) if study.kind.tabled else model, infer, asked, held)
     except ValueError as error:
         raise InputError(f"invert: {error}") from None
     found = inversion.estimate(np.array(values), np.array(errors))

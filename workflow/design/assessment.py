@@ -267,7 +267,7 @@ def _status(question: Question, margin: Array, edges: Mapping[str, str], idle: S
 def _radius(design: Designs, corner: Mapping[str, Array]) -> Array | None:
     """Radius of a round punch over the scenarios, wherever the question has it; None for other profiles."""
     fixed = design.question.study.fixed
-    if "radius" not in PROFILES[str(fixed.get("profile", CHOICES["profile"][0]))][0]:
+    if "radius" not in PROFILES[str(fixed.get("profile", CHOICES["profile"][0]))].needs:
         return None
     factors = design.factors_of(corner["contact_trailing"])
     return factors["radius"] if "radius" in factors else np.full((1, 1), float(fixed["radius"]))

@@ -38,7 +38,7 @@ def names(question: Question, term: Term) -> list[str]:
 
 def most(question: Question) -> int:
     """Costly cases of one part of a question."""
-    return AFFORDABLE_FILMS if question.study.on_film else AFFORDABLE
+    return AFFORDABLE_FILMS if question.study.kind.tabled else AFFORDABLE
 
 
 def asked(question: Question) -> bool:
@@ -81,13 +81,13 @@ def safety(question: Question, usual: float) -> float:
 def words(question: Question, cases: int, moved: bool) -> str:
     """How a design was polished: on the exact solver alone, led by the surrogate, or not at all."""
     searched = ", ".join(dict.fromkeys(name for term in question.terms for name in names(question, term)))
-    kind = "exact" if question.study.on_film else "searched"
+    kind = "exact" if question.study.kind.tabled else "searched"
     if not searched:
         return "on the exact solver"
     if not moved:
         return f"none; as far from the limits as the interval of the surrogate asks for ({cases} {kind} cases)"
     shifted = f", limits shifted to exact values ({cases} {kind} cases)" if cases else ""
-    return f"{'' if question.study.on_film else 'on the exact solver; '}{searched} led by the surrogate{shifted}"
+    return f"{'' if question.study.kind.tabled else 'on the exact solver; '}{searched} led by the surrogate{shifted}"
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ def _count_exactly(design: Designs, chosen: Scenarios, term: Term, predicted: Ar
         missing &= ~solved
         if not missing.any():
             return Counted(value, int(solved.sum()))
-        batch = _batch(missing, solved, away, _BATCH_FILMS if design.question.study.on_film else _BATCH)
+        batch = _batch(missing, solved, away, _BATCH_FILMS if design.question.study.kind.tabled else _BATCH)
         found = _solve(design, chosen, batch, [term])[0][0]
         error = max(error, float(np.abs(found - flat[batch]).max()))
         flat[batch], solved[batch] = found, True

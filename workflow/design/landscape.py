@@ -34,7 +34,7 @@ def _points(question: Question, fine: int, coarse: int, coarsest: int) -> int:
     """Points a side: fewer where each stands for many scenarios, and fewest where one costs as much as a film's."""
     if sum(chosen.count for chosen in question.searched.values()) < _MANY:
         return fine
-    return coarsest if question.study.on_film else coarse
+    return coarsest if question.study.kind.tabled else coarse
 
 
 def _map(design: Designs) -> xr.Dataset:

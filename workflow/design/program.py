@@ -22,7 +22,7 @@ _SCANNED, _SCANNED_FILMS = 1 << 17, 1 << 15  # most evaluations in one scan: 4 a
 def scan(question: Question) -> int:
     """Points of a scan: a power of two, fewer where each stands for many scenarios."""
     size = sum(chosen.count for chosen in question.searched.values())
-    most = _SCANNED_FILMS if question.study.on_film else _SCANNED
+    most = _SCANNED_FILMS if question.study.kind.tabled else _SCANNED
     return 1 << int(np.clip(np.log2(most / size), 7, 12))
 
 

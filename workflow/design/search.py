@@ -67,7 +67,7 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> x
         "objective": str(target.objectives[0]),
         "statistic": str(target.statistic),
         "polish": best.polish,
-        "source": answers.SOURCE_OF_FILMS if study.on_film else answers.SOURCE,
+        "source": answers.SOURCE_OF_FILMS if study.kind.tabled else answers.SOURCE,
     }
     return out.assign_coords(target=name)
 

@@ -72,7 +72,7 @@ def over(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dataset:
 
 def _tells(study: Study, term: Term) -> bool:
     """Whether one case tells what a term counts as, in less than seconds for every constant."""
-    searched = study.on_film and not ALL_PEAKS.keys().isdisjoint(term.expression.names())
+    searched = study.kind.tabled and not ALL_PEAKS.keys().isdisjoint(term.expression.names())
     return isinstance(term.measure, WorstCase) and not searched
 
 

@@ -24,7 +24,7 @@ def compression(study: Study) -> float:
     What films have in two dozen outputs on each base would otherwise need ranks of some hundreds.
     """
     allowed = 1e-3 * study.validation.tolerance
-    return allowed if study.on_film else min(1e-9, allowed)
+    return allowed if study.kind.tabled else min(1e-9, allowed)
 
 
 def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:

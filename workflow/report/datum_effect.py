@@ -27,7 +27,7 @@ def changes(study: Study) -> list[dict[str, Any]]:
     category, of films for all: whether anything hangs depends on the base.
     """
     rows = []
-    for kinds in study.combinations if study.on_film else study.combinations[:1]:
+    for kinds in study.combinations if study.kind.datum == "by_base" else study.combinations[:1]:
         own = study.narrowed(kinds)
         hangs = hanging(own)
         for name, values in _solved(own, inner(study)).items():
@@ -36,7 +36,7 @@ def changes(study: Study) -> list[dict[str, Any]]:
             steps = np.diff(values)
             straight = abs(steps[1] - steps[0]) <= _STRAIGHT * np.abs(values).max()
             slope = float(steps.mean()) if straight else np.nan
-            said = output(name, kinds) if study.on_film else name
+            said = output(name, kinds) if study.kind.datum == "by_base" else name
             rows.append({"name": said, "values": values.tolist(), "slope": slope, "units": ALL_QUANTITIES[name].units})
     return rows
 

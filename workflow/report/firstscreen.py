@@ -105,7 +105,7 @@ def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.De
         contact["contact_leading"],
         float(case["load"]),
         case.get("electric", CHOICES["electric"][0]) == "conducting",
-        study.body[0].at(case)["thickness"] if study.body else float(case["thickness"]) if study.on_film else None,
+        study.body[0].at(case)["thickness"] if study.body else float(case["thickness"]) if study.kind.layered else None,
         _below(len(study.body) - 1, _base(case)),
         _grounded(study, case),
     )
@@ -121,7 +121,7 @@ def _grounded(study: Study, case: Case) -> bool:
     usual = CHOICES["interface_electric"][0]
     if study.body:
         return (study.body[0].below.electric or (usual if len(study.body) == 1 else "bonded")) == "grounded"
-    return study.on_film and case.get("interface_electric", usual) == "grounded"
+    return study.kind.layered and case.get("interface_electric", usual) == "grounded"
 
 
 def body_in_words(study: Study, case: Case) -> str:
@@ -129,7 +129,7 @@ def body_in_words(study: Study, case: Case) -> str:
     if study.body:
         layers = [_layer(study, layer.plain(case), first=not k) for k, layer in enumerate(study.body)]
         return " on ".join([*layers, _base(case)])
-    return f"{_layer(study, case)} on {_base(case)}" if study.on_film else f"{_layer(study, case)}, a half-plane"
+    return f"{_layer(study, case)} on {_base(case)}" if study.kind.layered else f"{_layer(study, case)}, a half-plane"
 
 
 def _layer(study: Study, case: Case, *, first: bool = True) -> str:

@@ -93,7 +93,7 @@ def page(
         "meanings": _MEANINGS,
         "hanging": hangs,
         "datum": length(study),
-        "on_film": study.on_film,
+        "kind": study.kind,
         "together": factorial.TOGETHER,
         "tabled": study.tabled,
         "film_beside": study.effects.film if study.effects else {},
@@ -170,7 +170,7 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
 def _problem(study: Study) -> Markup:
     """The drawing of a study's bodies: a half-plane, a film, or both where films are shown beside it."""
     effects = study.effects
-    of_films = study.on_film or (effects is not None and "thickness" in effects.baseline)
+    of_films = study.kind.layered or (effects is not None and "thickness" in effects.baseline)
     beside = effects is not None and bool(effects.film)
     drawings = [] if of_films else [element(problem.draw(), "problem", problem.TITLE)]
     drawings += [_film(study)] if of_films or beside else []

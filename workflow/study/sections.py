@@ -178,10 +178,9 @@ class Effects(Strict):
         film = self.film if factor in OF_A_FILM else {}
         case: dict[str, Any] = {**self.baseline, **film, factor: self.vary[factor]}
         profiles = case.get("profile", "cylinder")
-        taken = {
-            name for profile in np.atleast_1d(profiles) for names in PROFILES.get(str(profile), ()) for name in names
-        }
-        of_others = {name for names in PROFILES.values() for name in (*names[0], *names[1])} - taken - {factor}
+        known = [str(profile) for profile in np.atleast_1d(profiles) if str(profile) in PROFILES]
+        taken = {name for profile in known for name in PROFILES[profile].takes}
+        of_others = {name for outline in PROFILES.values() for name in outline.takes} - taken - {factor}
         fractions = dict.fromkeys(COMPOSITES.values())
         kinds = np.atleast_1d(case.get("composite", list(COMPOSITES)))
         of_others |= set(fractions) - {COMPOSITES.get(str(kind)) for kind in kinds} - {factor}
