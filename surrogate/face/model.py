@@ -17,7 +17,6 @@ from surrogate.data.points import Points, Queries, named_points, outside, requir
 from surrogate.face.physical import Physical, in_blocks
 from surrogate.face.summary import page, text
 from surrogate.intervals.conformal import MINIMUM, calibrate
-from surrogate.intervals.distribution import NOMINAL
 from surrogate.intervals.predictive import EXTRAPOLATED, Predictive
 from surrogate.intervals.sharing import sharing
 
@@ -180,7 +179,7 @@ class GaussianProcess(Physical, Predictive):
         return (mean.T, std.T) if std is not None else mean.T
 
     def gradient(
-        self, points: Queries, return_std: bool = False, *, level: float = NOMINAL, extrapolate: bool = False
+        self, points: Queries, return_std: bool = False, *, level: float | None = None, extrapolate: bool = False
     ) -> xr.Dataset:
         """Return d output/d input at points, analytically, in physical units.
 
@@ -191,7 +190,7 @@ class GaussianProcess(Physical, Predictive):
         derivatives, stretched as `calibrate` stretches that of its values, and on the distribution of the values.
         """
         self._require_fitted()
-        self.check_level(level)
+        level = self.checked_level(level)
         named = named_points(points, self.inputs_)
         if not extrapolate:
             require_inside(named.X, self.inputs_)

@@ -115,7 +115,9 @@ def _parser() -> _Parser:
     )
     command.add_argument("--at", metavar="NAME=VALUE,...", help="one point, printed")
     command.add_argument("-o", "--output", type=Path, metavar="OUT.csv")
-    command.add_argument("--level", type=float, metavar="SHARE", help="of cases that intervals hold; default: 0.95")
+    command.add_argument(
+        "--level", type=float, metavar="SHARE", help="of cases that intervals hold; default: the study's"
+    )
     command.add_argument("--extrapolate", action="store_true", help="answer outside the trained box too, flagged")
     command.add_argument(
         "--exact", metavar="STUDY", help="also the exact answers, by the formula: the study that it came from"

@@ -87,7 +87,7 @@ class Predicted:
         return {name: std[:, self._column(name, model)].reshape(whole) for name in names}
 
     def reaches(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """From the mean to the farther end of the 95 % interval, by name."""
+        """From the mean to the farther end of the interval of the study's level, by name."""
         X, whole = self._points(factors)
         model = self._of(names)
         mean, (lower, upper) = model.predict_array(X), model.interval_array(X)

@@ -221,7 +221,7 @@ def sure(found: xr.Dataset) -> str:
         return f"Solved exactly. {spread.short(found)}".strip()
     inside = "within" if bool(one["inside"]) else "outside"
     off = _share(abs(predicted / exact - 1))
-    told = f"Solved exactly; the surrogate was off by {off}, {inside} its 95 % interval. {spread.short(found)}"
+    told = f"Solved exactly; the surrogate was off by {off}, {inside} its interval. {spread.short(found)}"
     return told.strip()
 
 

@@ -109,6 +109,12 @@ def check_size(study: Contents) -> None:
         raise ValueError(
             f"surrogate: fields: {cases} cases x {study.surrogate.fields} angles are more than {MOST_LEARNED}"
         )
+    level, held_out = study.surrogate.level, study.validation.calibration
+    if level is not None and level > 1 - 2 / (held_out + 1):
+        raise ValueError(
+            f"surrogate: level: {level:g} is more than {1 - 2 / (held_out + 1):.4g}, all that {held_out} cases of "
+            "validation: calibration tell"
+        )
 
 
 def check_crossed(study: Contents) -> None:
