@@ -72,6 +72,10 @@ DENSE = (
 MOMENTS = (
     "tests/solver/film/test_stack.py",
     "tests/verification/test_oracles.py",
+    "tests/workflow/design/test_answer.py",
+    "tests/workflow/design/test_counting.py",
+    "tests/workflow/design/test_judging.py",
+    "tests/workflow/design/test_searching.py",
     "tests/workflow/design/test_sources.py",
     "tests/workflow/design/test_spoken.py",
 )

@@ -227,10 +227,11 @@ def _material(options: argparse.Namespace) -> None:
 
 def _design(options: argparse.Namespace) -> None:
     from workflow.cli import questions  # scikit-learn and the searches: not for every command
+    from workflow.design.told import table
 
     with busy("searching"):
         answer = questions.ask(options.results, vars(options))
-    print(questions.as_json(answer) if options.json else _shown(questions.as_text(answer)))
+    print(table.as_json(answer) if options.json else _shown(table.as_text(answer)))
 
 
 def _invert(options: argparse.Namespace) -> None:

@@ -3,10 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-import xarray as xr
-
 from workflow.dataset import factorial
-from workflow.design import answers
+from workflow.design.verdict.answer import Answer
 from workflow.report import datum_effect
 from workflow.study.model import Study
 from workflow.study.target import Target
@@ -14,14 +12,14 @@ from workflow.study.target import Target
 _CONTACT = ("contact_trailing", "contact_leading")
 
 
-def solved(study: Study, designs: Mapping[str, xr.Dataset]) -> dict[str, Any]:
+def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
     """All of it, as plain data for a file.
 
     Parameters
     ----------
     study : Study
         A study with factors.
-    designs : mapping of str to xarray.Dataset
+    designs : mapping of str to Answer
         The answer to each of its targets.
 
     Returns
@@ -36,16 +34,15 @@ def solved(study: Study, designs: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     }
 
 
-def contact(study: Study, answer: xr.Dataset) -> dict[str, float]:
+def contact(study: Study, answer: Answer) -> dict[str, float]:
     """Both ends of the contact of a design [m], by name of their quantity."""
-    kinds = {key: kind for key, kind, _ in answers.kinds(answer)}
-    found = factorial.exact(study.narrowed(kinds), dict(answers.case(answer)), peaks=())
+    found = factorial.exact(study.narrowed(answer.kinds), dict(answer.case), peaks=())
     return {name: float(found[name]) for name in _CONTACT}
 
 
-def _of_design(study: Study, target: Target, answer: xr.Dataset) -> dict[str, Any]:
+def _of_design(study: Study, target: Target, answer: Answer) -> dict[str, Any]:
     return {
         "contact": contact(study, answer),
         "on_datum": datum_effect.of_design(study, target, answer),
-        "edge": datum_effect.singular_zone(study, target, answer),
+        "edge": datum_effect.singular_zone(study, answer),
     }

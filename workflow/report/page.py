@@ -12,6 +12,7 @@ from solver.names import ALL_QUANTITIES, CHOICES
 from storage.netcdf import read_whole
 from surrogate import load
 from workflow.dataset import factorial
+from workflow.design.verdict import netcdf
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, title
@@ -123,7 +124,7 @@ def page(
         content["validation"] = tables.validation(folder)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = by_quantity(study, times)
-        found = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
+        found = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
         solved = json.loads((folder / "solved.json").read_text(encoding="utf-8"))
         exact = [solved["designs"][target] for target in study.design]
         content["datum_changes"] = solved["datum"]

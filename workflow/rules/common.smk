@@ -8,7 +8,7 @@ from functools import cache
 from itertools import count
 
 from workflow.dataset import batches
-from workflow.design import unreached
+from workflow.design.told import unreached
 from workflow.run import crate, lock, provenance, sources
 from workflow.study import location, partition, planned
 from workflow.study import model as studies

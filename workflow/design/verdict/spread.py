@@ -1,18 +1,18 @@
 """What the uncertain constants of the materials make of a design: to first order, by the exact solver."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from solver.names import ALL_PEAKS
-from workflow.design.designs import Designs
-from workflow.design.risk import WorstCase
-from workflow.design.sources import Exact
-from workflow.design.terms import BINDS, Term
-from workflow.language import statements, titles
-from workflow.language.numbers import number
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.risk import WorstCase
+from workflow.design.asking.sources import Exact
+from workflow.design.asking.terms import Term
+from workflow.design.verdict import answer
+from workflow.design.verdict.term import Scenario
 from workflow.study import uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -21,10 +21,30 @@ from workflow.study.uncertainty import Constant
 Array = NDArray[np.float64]
 
 _STEP = 0.1  # of difference quotients, in prior standard deviations: what they leave out is 1e-5 of a derivative
-_SMALL = 1e-3  # spread that is not told
 
 
-def over(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dataset:
+@dataclass(frozen=True)
+class Spread:
+    """What one standard deviation of each constant makes of each term.
+
+    Attributes
+    ----------
+    constants
+        Of the materials.
+    effects
+        Relative changes of the terms, (terms, constants).
+    """
+
+    constants: tuple[answer.Constant, ...]
+    effects: Array
+
+    @property
+    def whole(self) -> Array:
+        """Root of the sum of the squares, (terms,); NaN without a constant."""
+        return np.sqrt((self.effects**2).sum(1)) if self.constants else np.full(len(self.effects), np.nan)
+
+
+def over(design: Designs, worst: Sequence[Scenario]) -> Spread:
     """First-order spread of the terms of one design by the constants of its materials.
 
     Each constant, a family of them as :mod:`workflow.study.uncertainty` scales it, is moved by itself, up and down by
@@ -40,17 +60,15 @@ def over(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dataset:
 
     Returns
     -------
-    xarray.Dataset
-        ``effect`` over (``term``, ``constant``), the relative change of a term by one prior standard deviation;
-        ``spread`` over ``term``, the root of the sum of their squares; ``prior`` over ``constant``, in words. NaN for a
-        term that counts over distributions, is next to zero, or is searched for in a film. Nothing where no
-        constant is uncertain.
+    Spread
+        NaN for a term that counts over distributions, is next to zero, or is searched for in a film. No constants where
+        none is uncertain.
     """
     question = design.question
     try:
         constants = uncertainty.uncertain(question.study)
     except InputError:  # a material whose constants follow its composition
-        return xr.Dataset()
+        return Spread((), np.empty((len(question.terms), 0)))
     effects = np.full((len(question.terms), len(constants)), np.nan)
     told = [k for k, term in enumerate(question.terms) if _tells(question.study, term)]
     terms, cases = [question.terms[k] for k in told], [worst[k] for k in told]
@@ -60,14 +78,7 @@ def over(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dataset:
         with np.errstate(divide="ignore", invalid="ignore"):
             effects[told, column] = (ends[0] - ends[1]) / (2 * _STEP) / here
     effects[~np.isfinite(effects)] = np.nan
-    return xr.Dataset(
-        {
-            "effect": (("term", "constant"), effects),
-            "spread": ("term", np.sqrt((effects**2).sum(1))),
-            "prior": ("constant", [one.prior for one in constants]),
-        },
-        coords={"constant": [one.name for one in constants]},
-    )
+    return Spread(tuple(answer.Constant(one.name, one.prior) for one in constants), effects)
 
 
 def _tells(study: Study, term: Term) -> bool:
@@ -86,34 +97,3 @@ def _values(design: Designs, study: Study, terms: Sequence[Term], cases: Sequenc
     known = design.question.known(Exact(study), factors, [term.expression for term in terms])
     values = [np.broadcast_to(term.expression.evaluate(known), (len(terms), 1)) for term in terms]
     return np.array([rows[place, 0] for place, rows in enumerate(values)])
-
-
-def in_words(answer: xr.Dataset) -> str:
-    """What the spread of the constants makes of a design, in a sentence; empty where nothing is known of it."""
-    if "spread" not in answer:
-        return ""
-    goal = answer.isel(term=0)
-    if not float(goal["spread"]) > _SMALL:
-        return ""
-    by = np.abs(goal["effect"].values)
-    most = str(answer["constant"].values[int(np.nanargmax(by))])
-    prior = str(answer["prior"].sel(constant=most).item()).replace("+-", "± ")
-    parts = [f"the goal by {_percent(goal['spread'])} (most by {most}, {prior})"]
-    for name in answer["term"].values:
-        one = answer.sel(term=name)
-        if float(one["limit"]) == float(one["limit"]) and float(one["spread"]) > _SMALL:
-            binds = " (it binds: with other constants it may be broken)" if abs(float(one["margin"])) < BINDS else ""
-            parts.append(f"{titles.limited(statements.limit(str(name)))} by {_percent(one['spread'])}{binds}")
-    how = "one standard deviation: what published values differ by, 5 % at least; to first order"
-    return f"The spread of the materials' constants ({how}) moves {titles.listed(parts)}."
-
-
-def short(answer: xr.Dataset) -> str:
-    """The same of the goal alone; empty where nothing is known of it."""
-    if "spread" not in answer or not float(answer["spread"][0]) > _SMALL:
-        return ""
-    return f"The spread of the materials' constants moves it by {_percent(answer['spread'][0])}."
-
-
-def _percent(share: xr.DataArray) -> str:
-    return f"± {number(100 * float(share), 2)} %"

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from surrogate.search.optimise import Optimum, Problem
 from surrogate.search.pareto import Front, front, non_dominated
-from workflow.design import assessment, budget, program
-from workflow.design.designs import Designs
+from workflow.design.asking import budget, program
+from workflow.design.asking.designs import Designs
+from workflow.design.verdict import assessment
 
 Array = NDArray[np.float64]
 

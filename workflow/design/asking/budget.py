@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from workflow.design.designs import Designs
-from workflow.design.question import Question
-from workflow.design.scenarios import Scenarios
-from workflow.design.sources import Exact, Factors, Predicted, Source
-from workflow.design.terms import Key, Term
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question
+from workflow.design.asking.scenarios import Scenarios
+from workflow.design.asking.sources import Exact, Factors, Predicted, Source
+from workflow.design.asking.terms import Key, Term
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

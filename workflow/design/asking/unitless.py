@@ -5,7 +5,7 @@ from math import log10
 import numpy as np
 from numpy.typing import NDArray
 
-from workflow.design.terms import Term
+from workflow.design.asking.terms import Term
 from workflow.language import units
 from workflow.study.reading import InputError
 

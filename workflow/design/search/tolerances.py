@@ -4,16 +4,15 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate.search.optimise import improve
-from workflow.design import assessment, program
-from workflow.design.candidate import Candidate
-from workflow.design.question import Question
-from workflow.language import sizes, titles
+from workflow.design.asking import program
+from workflow.design.asking.question import Question
+from workflow.design.search.candidate import Candidate
+from workflow.design.verdict import assessment
+from workflow.design.verdict.answer import Tolerated
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import number
 from workflow.study.target import Target
 
 Array = NDArray[np.float64]
@@ -29,7 +28,7 @@ def nominal(target: Target) -> Target:
     return target.model_copy(update={"tolerance": {}})
 
 
-def costs(best: Candidate, without: Candidate, asked: Asked, factors: list[str]) -> xr.Dataset:
+def costs(best: Candidate, without: Candidate, asked: Asked) -> Tolerated:
     """What tolerances cost.
 
     Parameters
@@ -38,19 +37,15 @@ def costs(best: Candidate, without: Candidate, asked: Asked, factors: list[str])
         The design with all tolerances, and the nominal optimum: the design without any.
     asked
         Makes the question of the design's own choice for a target with other tolerances.
-    factors
-        Of the data set.
 
     Returns
     -------
-    xarray.Dataset
-        Over ``factor``: ``tolerance_cost`` (share of the goal that is gained without this one tolerance),
-        ``tolerance_gain`` (the share gained by half of it), both on the surrogate, and ``nominal_value``. Scalars:
-        ``nominal_exact``, the goal of the nominal optimum on the exact solver, and ``nominal_choice``, its categories.
+    Tolerated
+        Costs and gains on the surrogate, the goal of the nominal optimum on the exact solver.
     """
     target, design = best.question.target, without.design
     whole = _reached(best, asked(target))
-    cost, gain = dict.fromkeys(factors, np.nan), dict.fromkeys(factors, np.nan)
+    cost, gain = dict[str, float](), dict[str, float]()
     for name in target.tolerance:
         rest = {key: one for key, one in target.tolerance.items() if key != name}
         cost[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": rest}))), whole)
@@ -58,16 +53,8 @@ def costs(best: Candidate, without: Candidate, asked: Asked, factors: list[str])
         gain[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": tighter}))), whole)
     values = {name: float(one[0]) for name, one in design.variables.items()} | without.question.held
     exact, _ = assessment.exactly(design, design.question.terms[:1])
-    return xr.Dataset(
-        {
-            "tolerance_cost": ("factor", list(cost.values())),
-            "tolerance_gain": ("factor", list(gain.values())),
-            "nominal_value": ("factor", [values.get(name, np.nan) for name in factors]),
-            "nominal_exact": float(exact[0]),
-            "nominal_choice": ", ".join(one for one in without.choice.values() if isinstance(one, str)),
-        },
-        coords={"factor": factors},
-    )
+    kinds = ", ".join(kind for kind in without.choice.values() if isinstance(kind, str))
+    return Tolerated(cost, gain, values, float(exact[0]), kinds)
 
 
 def _tightened(target: Target, name: str) -> str:
@@ -92,19 +79,3 @@ def _reached(best: Candidate, question: Question) -> float:
 
 def _share(other: float, whole: float) -> float:
     return max((other - whole) / abs(whole), 0.0) if np.isfinite(other) else np.nan
-
-
-def in_words(answer: xr.Dataset) -> list[str]:
-    """What each tolerance of a design costs, in words."""
-    parts = []
-    for name in answer["factor"].values if "tolerance_cost" in answer else []:
-        one = answer.sel(factor=name)
-        if not str(one["tolerance"].item()):
-            continue
-        words = f"{sizes.told(str(name), one['tolerance'].item())} of {titles.title(str(name))}"
-        cost, gain = float(one["tolerance_cost"]), float(one["tolerance_gain"])
-        if not np.isfinite(cost):
-            continue
-        text = f"{words} costs {number(100 * cost, 2)} %" if cost > 0 else f"{words} costs nothing"
-        parts.append(f"{text} (half of it would gain {number(100 * gain, 2)} %)" if gain > 0 else text)
-    return parts

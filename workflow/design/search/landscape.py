@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from workflow.design import program
-from workflow.design.designs import Designs
-from workflow.design.question import Question
+from workflow.design.asking import program
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question
 
 Array = NDArray[np.float64]
 

@@ -1,15 +1,13 @@
 """What small errors in building a design cost: elasticities, and the loss and the margins after an error of 1 %."""
 
-from typing import Any
-
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
-from workflow.design import budget
-from workflow.design.designs import Designs
-from workflow.design.question import Question
-from workflow.design.sources import Exact, Source
+from workflow.design.asking import budget
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question
+from workflow.design.asking.sources import Exact, Source
+from workflow.design.verdict.variable import Sensitivity
 from workflow.language.factors import FACTORS
 
 Array = NDArray[np.float64]
@@ -20,10 +18,17 @@ _SHARES = 1 + np.array([-_STEP, _STEP, -_ERROR, _ERROR])
 _NOTHING = 1e-9  # share of the goal that counts as no change
 
 
-def sensitivities(design: Designs, exact: Array, factors: list[str]) -> xr.Dataset:
-    """Elasticity of every term, and what a 1 % error costs, for every continuous variable among the factors.
+def sensitivities(design: Designs, exact: Array) -> dict[str, Sensitivity]:
+    """Elasticity of every term, and what a 1 % error costs, for every continuous variable that is not zero.
 
-    By differences on what stands for the exact solver, from the exact values at the design, (terms,).
+    By differences on what stands for the exact solver.
+
+    Parameters
+    ----------
+    design
+        One design.
+    exact
+        Exact values of all terms at it, (terms,).
     """
     question, source = design.question, budget.affordable(design)
     varied = _varied(design, source)
@@ -33,22 +38,11 @@ def sensitivities(design: Designs, exact: Array, factors: list[str]) -> xr.Datas
     counts += exact - counts[0]
     around = counts[1:].reshape(len(varied), len(_SHARES), len(exact))
     largest = np.abs(around).max((0, 1), initial=0.0)
-    unknown = {"elasticity": np.full(len(exact), np.nan), "cost": np.nan, "loss": np.nan} | {
-        "matters": True,
-        "margin_left": np.nan,
-    }
-    effects = {
+    return {
         name: _effects(question, values[0], values[1 + 4 * k : 5 + 4 * k], counts[0], around[k], largest)
         for k, (name, values) in enumerate(varied.items())
         if values[0] != 0  # which has no 1 % of it
     }
-    rows = [effects.get(name, unknown) for name in factors]
-    return xr.Dataset(
-        {
-            key: (("factor", "term") if key == "elasticity" else "factor", np.array([row[key] for row in rows]))
-            for key in unknown
-        }
-    )
 
 
 def _varied(design: Designs, source: Source) -> dict[str, Array]:
@@ -65,7 +59,7 @@ def _varied(design: Designs, source: Source) -> dict[str, Array]:
 
 def _effects(
     question: Question, nominal: float, moved: Array, here: Array, around: Array, largest: Array
-) -> dict[str, Any]:
+) -> Sensitivity:
     """Of one variable about its own value: what the terms count as there, (terms,), and moved, (4, terms)."""
     # a share of what is next to zero says nothing
     whole = np.where(np.abs(here) > _NOTHING * largest, here, np.nan)
@@ -76,10 +70,10 @@ def _effects(
     loss = max(float((question.terms[0].sign * (here[0] - erred[:, 0])).max()), 0.0)
     same = np.abs(erred - here) <= _NOTHING * np.maximum(np.abs(here), largest)
     margins = [-term.oriented(erred[:, k]) for k, term in enumerate(question.terms) if term.limited]
-    return {
-        "elasticity": elasticity,
-        "cost": loss / abs(whole[0]),
-        "loss": loss,
-        "matters": not np.all(same[:, :wanted]),
-        "margin_left": float(np.min(margins)) if margins else np.nan,
-    }
+    return Sensitivity(
+        elasticity=tuple(elasticity.tolist()),
+        cost=float(loss / abs(whole[0])),
+        loss=loss,
+        matters=not np.all(same[:, :wanted]),
+        margin_left=float(np.min(margins)) if margins else np.nan,
+    )

@@ -5,10 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from workflow.design import assessment, budget
-from workflow.design.candidate import Candidate
-from workflow.design.designs import Designs
-from workflow.design.sources import Source
+from workflow.design.asking import budget
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.sources import Source
+from workflow.design.search.candidate import Candidate
+from workflow.design.verdict import assessment
+from workflow.design.verdict.answer import ROOM
+from workflow.design.verdict.term import ROUNDING
 
 Array = NDArray[np.float64]
 
@@ -65,7 +68,7 @@ class _Excess:
     @property
     def kept(self) -> NDArray[np.bool_]:
         """Which limits hold in the verdict."""
-        return self.judged <= assessment.ROUNDING
+        return self.judged <= ROUNDING
 
     @property
     def beyond(self) -> bool:
@@ -149,7 +152,7 @@ def _lost(last: Candidate, now: Candidate) -> bool:
 def _cheapest(found: Candidate) -> Candidate:
     """The least of every variable that does not matter to the goal, at which every limit keeps its room.
 
-    What does not matter need not be bought: a stated rule. Every limit has ``assessment.ROOM`` then, or as much as it
+    What does not matter need not be bought: a stated rule. Every limit has ``ROOM`` then, or as much as it
     has anyway. Where cases are costly no variable was seen not to matter.
     """
     question, design, x = found.question, found.design, found.best.x.copy()
@@ -162,7 +165,7 @@ def _cheapest(found: Candidate) -> Candidate:
         rows = [question.terms[place].oriented(counts[:, place]) for place in limited]
         return np.stack(rows, -1) if rows else np.empty((len(points), 0))
 
-    room = np.maximum(excess(x[None])[0], -assessment.ROOM)
+    room = np.maximum(excess(x[None])[0], -ROOM)
     for column in range(len(x)):
         ends = np.tile(x, (_FLAT, 1))
         ends[:, column] = np.linspace(-1.0, 1.0, _FLAT)

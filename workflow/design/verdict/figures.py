@@ -3,27 +3,26 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from solver.face.refusal import FactorError
-from workflow.design.designs import Designs
-from workflow.language import grammar, titles
+from workflow.design.asking.designs import Designs
+from workflow.design.verdict.answer import Figure, Overload
+from workflow.design.verdict.term import Scenario
+from workflow.language import grammar
 from workflow.language.constants import CONSTANTS, FIGURES
 from workflow.language.expressions import Expression
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import number, shown
 
 Array = NDArray[np.float64]
 
 _LOADS = 33  # of one search, which is refined
 _REFINED = 3
-_SAME = 1.005  # share of the load that is as good as none more
 #: How far a load is raised in search of the first limit.
 MOST_LOAD = 10.0
 
 
-def over(design: Designs, corner: Mapping[str, Array]) -> xr.Dataset:
+def over(design: Designs, corner: Mapping[str, Array]) -> tuple[Figure, ...]:
     """Least and largest value of every figure that the study's device has.
 
     Parameters
@@ -32,22 +31,13 @@ def over(design: Designs, corner: Mapping[str, Array]) -> xr.Dataset:
         One design.
     corner
         Its quantities, exactly, over the scenarios of the verdict or the search, (1, scenarios) each.
-
-    Returns
-    -------
-    xarray.Dataset
-        ``figure_low`` and ``figure_high`` over ``figure``; nothing for a study without a device.
     """
-    study = design.question.study
-    if study.device is None:
-        return xr.Dataset()
-    rows: dict[str, tuple[float, float]] = {}
-    for name in FIGURES:
-        values = _figure(design, corner, grammar.parse(name))
-        if values is not None:
-            rows[name] = (float(values.min()), float(values.max()))
-    ends = {f"figure_{end}": ("figure", [row[k] for row in rows.values()]) for k, end in enumerate(("low", "high"))}
-    return xr.Dataset(ends, coords={"figure": list(rows)})
+    if design.question.study.device is None:
+        return ()
+    found = {name: _figure(design, corner, grammar.parse(name)) for name in FIGURES}
+    return tuple(
+        Figure(name, float(values.min()), float(values.max())) for name, values in found.items() if values is not None
+    )
 
 
 def _figure(design: Designs, corner: Mapping[str, Array], expression: Expression) -> Array | None:
@@ -72,7 +62,7 @@ def _figure(design: Designs, corner: Mapping[str, Array], expression: Expression
     return expression.evaluate(known)
 
 
-def first_limit(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dataset:
+def first_limit(design: Designs, worst: Sequence[Scenario]) -> Overload | None:
     """How far the load may rise before a limit stops it, all else as in the case that decides that limit.
 
     Parameters
@@ -84,10 +74,9 @@ def first_limit(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dat
 
     Returns
     -------
-    xarray.Dataset
-        ``overload``: the load at the first limit over the design's own, at most ``MOST_LOAD``; ``overload_term``: that
-        limit, empty where none stops it. Nothing where the load is no factor, or where none is known to stop it and one
-        might that no case alone tells.
+    Overload or None
+        At most ``MOST_LOAD``. None where the load is no factor, or where no limit is known to stop it and one might
+        that no case alone tells.
     """
     limits = [
         (term, case)
@@ -95,7 +84,7 @@ def first_limit(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dat
         if term.limited and term.sign > 0 and not term.drawn and not term.along
     ]
     if "load" not in design.question.study.factors or not limits:
-        return xr.Dataset()
+        return None
     least, which = MOST_LOAD, ""
     for term, case in limits:
         low, high = 1.0, least
@@ -114,41 +103,5 @@ def first_limit(design: Designs, worst: Sequence[Mapping[str, float]]) -> xr.Dat
             low, high = shares[beyond[0]], shares[beyond[0] + 1]
             least, which = float(high), term.label
     if not which and len(limits) < sum(term.limited for term in design.question.terms):
-        return xr.Dataset()  # a limit that no one case tells may stop it
-    return xr.Dataset({"overload": least, "overload_term": which})
-
-
-def in_words(answer: xr.Dataset) -> str:
-    """Figures of a device in a sentence; empty where there are none."""
-    parts = []
-    for name in answer["figure"].values if "figure" in answer.dims else []:
-        one = answer.sel(figure=name)
-        low, high = sorted((float(one["figure_low"]), float(one["figure_high"])), key=abs)
-        units = FIGURES[str(name)].units
-        ends = dict.fromkeys(shown(end, units, 3) for end in (low, high))
-        parts.append(f"{titles.title(str(name))} {' to '.join(ends)}")
-    return f"{titles.capital(titles.listed(parts))}." if parts else ""
-
-
-def range_in_words(answer: xr.Dataset, stops: str) -> str:
-    """How far the load may rise, in a sentence, with the dynamic range where noise is known.
-
-    Parameters
-    ----------
-    answer
-        Of one design.
-    stops
-        The limit that stops it, in words.
-    """
-    if "overload" not in answer:
-        return ""
-    share = float(answer["overload"])
-    if not stops:
-        return f"No limit is met up to {number(MOST_LOAD, 2)} times the load."
-    told = f"The load may rise to {number(share, 3)} times its own before {stops} stops it"
-    if share < _SAME:
-        told = f"The load may not rise: {stops} stops it"
-    if "figure" in answer.dims and "dynamic_range" in answer["figure"].values:
-        reach = share * float(answer["figure_low"].sel(figure="dynamic_range"))
-        told += f": a dynamic range of {number(reach, 2)}"
-    return f"{told}."
+        return None  # a limit that no one case tells may stop it
+    return Overload(least, which)

@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from surrogate.search.optimise import Optimum, Problem, improve, maximise, retreat
 from surrogate.search.pareto import Front, scalarised
-from workflow.design import program
-from workflow.design.designs import Designs
-from workflow.design.question import Question
-from workflow.design.sources import Source
+from workflow.design.asking import program
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question
+from workflow.design.asking.sources import Source
 
 Array = NDArray[np.float64]
 

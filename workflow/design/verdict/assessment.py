@@ -1,33 +1,33 @@
 """The verdict on a design: predicted against exact, margins, what binds, and where the theory ends."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from solver.names import ALL_QUANTITIES, CHOICES, PROFILES
 from workflow.dataset import factorial
-from workflow.design import budget, figures, linearity, perturbation, spread
-from workflow.design.designs import Designs
-from workflow.design.question import Question
-from workflow.design.scenarios import Scenarios
-from workflow.design.sources import Predicted, Source, shape
-from workflow.design.terms import BINDS, Key, Term
+from workflow.design.asking import budget
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question
+from workflow.design.asking.scenarios import Scenarios
+from workflow.design.asking.sources import Predicted, Source, shape
+from workflow.design.asking.terms import Key, Term
+from workflow.design.verdict import figures, linearity, perturbation, spread
+from workflow.design.verdict.answer import Answer, Range
+from workflow.design.verdict.term import Scenario
+from workflow.design.verdict.term import Term as JudgedTerm
+from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import written
+from workflow.language.statements import Limit, Objective
 from workflow.study.model import Study
 
 Array = NDArray[np.float64]
 
-#: Excess over a limit's scale that counts as none: rounding of the exact solver, which is good to 4e-14.
-ROUNDING = 1e-12
-#: Margin that a variable which does not matter leaves to every limit.
-ROOM = 0.01
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
-_PLAIN = 10.0  # times a limit, from which an excess is written without digits behind the point
 _SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
 _PILOT = 512
 
@@ -102,79 +102,78 @@ def _carried(design: Designs, chosen: Scenarios, term: Term, sizes: Mapping[str,
     return total
 
 
-def judge(design: Designs) -> xr.Dataset:
-    """Everything that is said about one design.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over ``factor``: ``value``, of a variable without its tolerance, ``tolerance`` in words, ``role``, and of every
-        variable ``cost`` (share of the objective lost by a 1 % error in it; NaN where that is next to zero), ``loss``
-        (the same in its units), ``matters`` (whether that error changes any objective), ``margin_left`` (least margin
-        of all limits after it) and ``edge`` (in words, the end of the range at which it stands). Over ``term``, the
-        objective first:
-        ``predicted``, ``predicted_std``, ``half`` (reach of the 95 % interval, tolerance included), ``exact``,
-        ``inside``, ``limit``, ``margin``, ``units``, and of a limit that names what a material bears ``bound`` (whose)
-        and ``source``. Over both: ``elasticity`` and ``worst`` (the scenario that
-        decides). What :mod:`~workflow.design.figures` says of a
-        device, and :mod:`~workflow.design.spread` of constants. Over ``quantity``: its exact range over the
-        scenarios. Scalars: ``feasible``, ``status``, ``beyond`` (where the material is beyond what linear theory holds
-        for), ``flags`` (that, and what else is to be known).
-    """
+def judge(design: Designs) -> Answer:
+    """Everything that is said about one design; its name, its choices and its pictures are for others to add."""
     question, terms = design.question, design.question.terms
     guessed = predict(design, question.judged)
     exact, _ = exactly(design, terms)
-    limits = np.array([term.bound for term in terms])
-    scales = np.array([term.scale for term in terms])
-    signs = np.array([term.sign for term in terms])
-    margin = signs * (limits - exact) / scales
-    half = guessed.reaches + tolerances(design)
     corner = _corners(design)
     worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
-    nominal = worst[0] | {name: float(values[0]) for name, values in design.variables.items()}
-    nominal |= {name: value for name, value in question.held.items() if name in question.target.variables}
-    sensitivity = perturbation.sensitivities(design, exact, list(worst[0]))
-    idle = [name for name, matters in zip(worst[0], sensitivity["matters"].values, strict=True) if not matters]
-    edges = _edges(design)
     beyond = linearity.beyond(question.study, corner)
-    bounds = [linearity.bound(question.study, limit) for limit in question.target.limits]
-    bounds = [("", "")] * question.objectives + bounds
-    out = xr.Dataset(
-        {
-            "value": ("factor", list(nominal.values())),
-            "tolerance": ("factor", [_tolerance(question, name) for name in nominal]),
-            "role": ("factor", [_role(question, name) for name in worst[0]]),
-            "predicted": ("term", guessed.values),
-            "predicted_std": ("term", guessed.stds),
-            "half": ("term", half),
-            "exact": ("term", exact),
-            "inside": ("term", np.abs(exact - guessed.values) <= half + 1e-12 * np.abs(exact)),
-            "limit": ("term", limits),
-            "margin": ("term", margin),
-            "units": ("term", [term.units for term in terms]),
-            "bound": ("term", [words for words, _ in bounds]),
-            "source": ("term", [source for _, source in bounds]),
-            "worst": (("term", "factor"), np.array([list(case.values()) for case in worst])),
-            "exact_low": ("quantity", [float(values.min()) for values in corner.values()]),
-            "exact_high": ("quantity", [float(values.max()) for values in corner.values()]),
-            "feasible": bool(np.all(margin[~np.isnan(margin)] >= -ROUNDING)),
-            "edge": ("factor", [edges.get(name, "") for name in worst[0]]),
-            "status": _status(question, margin, edges, idle),
-            "beyond": "; ".join(f"{words} ({reason})" for words, reason in beyond),
-            "flags": "; ".join(
-                [*(words for words, _ in beyond), *_flags(corner, _radius(design, corner)), *question.notes]
-            ),
-        },
-        coords={
-            "factor": list(worst[0]),
-            "term": [term.label for term in terms],
-            "quantity": list(corner),
-        },
+    notes = [*(words for words, _ in beyond), *_flags(corner, _radius(design, corner)), *question.notes]
+    spreads = spread.over(design, worst)
+    out = Answer(
+        terms=_terms(design, guessed, exact, worst, spreads),
+        variables=_variables(design, exact, worst[0]),
+        ranges=tuple(Range(name, float(values.min()), float(values.max())) for name, values in corner.items()),
+        beyond="; ".join(f"{words} ({reason})" for words, reason in beyond),
+        flags="; ".join(notes),
+        statistic=str(question.target.statistic),
+        figures=figures.over(design, corner),
+        constants=spreads.constants,
     )
-    parts = [out, sensitivity, figures.over(design, corner), spread.over(design, worst)]
-    if bool(out["feasible"]):
-        parts.append(figures.first_limit(design, worst))
-    return xr.merge(parts)
+    return replace(out, overload=figures.first_limit(design, worst)) if out.feasible else out
+
+
+def _terms(
+    design: Designs, guessed: Prediction, exact: Array, worst: Sequence[Scenario], spreads: spread.Spread
+) -> tuple[JudgedTerm, ...]:
+    """What every term comes to."""
+    question, terms = design.question, design.question.terms
+    stated: list[Objective | Limit] = [*question.target.objectives, *question.target.limits]
+    half = guessed.reaches + tolerances(design)
+    inside = np.abs(exact - guessed.values) <= half + 1e-12 * np.abs(exact)
+    margins = [term.sign * (term.bound - value) / term.scale for term, value in zip(terms, exact, strict=True)]
+    bounds = [linearity.bound(question.study, one) if isinstance(one, Limit) else ("", "") for one in stated]
+    return tuple(
+        JudgedTerm(
+            statement=stated[k],
+            predicted=float(guessed.values[k]),
+            predicted_std=float(guessed.stds[k]),
+            half=float(half[k]),
+            exact=float(exact[k]),
+            inside=bool(inside[k]),
+            limit=term.bound,
+            margin=float(margins[k]),
+            units=term.units,
+            bound=bounds[k][0],
+            source=bounds[k][1],
+            worst=worst[k],
+            effect=tuple(spreads.effects[k].tolist()),
+            spread=float(spreads.whole[k]),
+        )
+        for k, term in enumerate(terms)
+    )
+
+
+def _variables(design: Designs, exact: Array, worst: Scenario) -> tuple[Variable, ...]:
+    """Every factor in the case that decides the first objective, the variables without their tolerances."""
+    question = design.question
+    nominal = {**worst, **{name: float(values[0]) for name, values in design.variables.items()}}
+    nominal |= {name: value for name, value in question.held.items() if name in question.target.variables}
+    unknown, known = Sensitivity((np.nan,) * len(exact)), perturbation.sensitivities(design, exact)
+    edges = _edges(design)
+    return tuple(
+        Variable(
+            name,
+            value,
+            _role(question, name),
+            known.get(name, unknown),
+            tolerance=_tolerance(question, name),
+            edge=edges.get(name),
+        )
+        for name, value in nominal.items()
+    )
 
 
 def _corners(design: Designs) -> dict[str, Array]:
@@ -184,16 +183,6 @@ def _corners(design: Designs) -> dict[str, Array]:
         names = [name for name in design.exact.quantities if (name in design.question.study.costly) == costly]
         out |= design.exact.values(design.factors(sets[False]), names) if names else {}
     return out
-
-
-def outside(answer: xr.Dataset) -> str:
-    """Which exact values left their intervals, in words."""
-    terms = answer["term"].values[~answer["inside"].values]
-    parts = []
-    for name in terms:
-        exact, predicted, half = (float(answer[key].sel(term=name)) for key in ("exact", "predicted", "half"))
-        parts.append(f"{name}: exact {exact:.7g} is outside {predicted:.7g} +- {half:.2g}")
-    return "; ".join(parts)
 
 
 def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[str, float]:
@@ -227,11 +216,11 @@ def _case(design: Designs, term: Term, scenario: int) -> dict[str, float]:
     return {name: float(np.broadcast_to(values, shape(factors))[0, scenario]) for name, values in factors.items()}
 
 
-def _role(question: Question, name: str) -> str:
+def _role(question: Question, name: str) -> Role:
     target = question.target
     if name in target.variables:
-        return "variable"
-    return "worst case" if name in target.worst_case else "uncertain" if name in target.uncertain else "given"
+        return Role.VARIABLE
+    return Role.WORST_CASE if name in target.worst_case else Role.UNCERTAIN if name in target.uncertain else Role.GIVEN
 
 
 def _tolerance(question: Question, name: str) -> str:
@@ -240,28 +229,14 @@ def _tolerance(question: Question, name: str) -> str:
     return given if isinstance(given, str) else f"{given:g} {written(FACTORS[name].units)}".strip()
 
 
-def _edges(design: Designs) -> dict[str, str]:
+def _edges(design: Designs) -> dict[str, End]:
     """Variables that stand at an end of their range, which is the study's box or a part of it that was asked for."""
     out = {}
     for (name, axis), u in zip(design.question.inputs.items(), design.x[0], strict=True):
         if abs(u) > 1 - _EDGE:
             low, high = design.question.room(name)
-            end, studied = ("upper", axis.high == high) if u > 0 else ("lower", axis.low == low)
-            out[name] = f"{end} end of the {'studied range' if studied else 'range asked for'}"
+            out[name] = End.of(upper=u > 0, studied=axis.high == high if u > 0 else axis.low == low)
     return out
-
-
-def _status(question: Question, margin: Array, edges: Mapping[str, str], idle: Sequence[str]) -> str:
-    limited = [(term, m) for term, m in zip(question.terms, margin, strict=True) if term.limited]
-    worst, least = min(limited, key=lambda pair: pair[1], default=(None, 0.0))
-    if worst is not None and least < -ROUNDING:
-        missed = f"{-100 * least:.3g}" if least > -_PLAIN else f"{-100 * least:.0f}"
-        return f"infeasible: {worst.label} binds; the least violated design misses it by {missed} %"
-    binding = ", ".join(term.label for term, m in limited if m < BINDS)
-    parts = [f"feasible; binding: {binding or 'none'}"]
-    parts += [f"{name} at the {end}" for name, end in edges.items() if name not in idle]
-    parts += [f"{', '.join(idle)} of no effect on the goal"] if idle else []
-    return "; ".join(parts)
 
 
 def _radius(design: Designs, corner: Mapping[str, Array]) -> Array | None:

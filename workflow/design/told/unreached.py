@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from storage.netcdf import read_whole
+from workflow.design.verdict import netcdf
 
 RESULTS = Path("results")
 
@@ -11,16 +12,16 @@ _told: set[str] = set()  # by Snakemake's hook or by `meecontact run`, whichever
 
 
 def lines(designs: Path) -> list[str]:
-    """One line for each target of a ``design.nc`` that is not reachable; none where there is no such file."""
+    """One line for each target of a ``design.nc`` that is not reachable; none where there is no such file.
+
+    The answers themselves are beside it, in ``design/<target>.nc``.
+    """
     if not designs.is_file():
         return []
     data = read_whole(designs)
-    rows = zip(data["target"].values, data["feasible"].values, data["status"].values, strict=True)
-    return [
-        f"target {name}: not reachable: {str(status).removeprefix('infeasible: ')}"
-        for name, feasible, status in rows
-        if not feasible
-    ]
+    missed = data["target"].values[~data["feasible"].values.astype(bool)]
+    answers = (netcdf.read(designs.parent / "design" / f"{name}.nc") for name in missed)
+    return [f"target {answer.target}: not reachable: {answer.miss}" for answer in answers]
 
 
 def leave(studies: Iterable[str]) -> None:

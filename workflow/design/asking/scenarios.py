@@ -10,7 +10,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from workflow.design.terms import Term
+from workflow.design.asking.terms import Term
 from workflow.study.target import Target
 
 Array = NDArray[np.float64]

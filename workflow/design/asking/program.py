@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from solver.names import ALL_QUANTITIES
 from surrogate.search.optimise import Problem
-from workflow.design.question import Question
-from workflow.design.scenarios import Scenarios
-from workflow.design.sources import Source
-from workflow.design.terms import Term
+from workflow.design.asking.question import Question
+from workflow.design.asking.scenarios import Scenarios
+from workflow.design.asking.sources import Source
+from workflow.design.asking.terms import Term
 
 Array = NDArray[np.float64]
 

@@ -12,14 +12,15 @@ from scipy.stats import qmc
 from solver.names import ALL_QUANTITIES
 from surrogate import Input
 from workflow.dataset import factorial
-from workflow.design import kinks, misread, scenarios
-from workflow.design.risk import RelativeDeviation, WorstCase
-from workflow.design.scenarios import Scenarios
-from workflow.design.sources import Factors, Source, shape
-from workflow.design.terms import Deviation, Key, Term, limited, wanted
+from workflow.design.asking import kinks, scenarios, unitless
+from workflow.design.asking.risk import RelativeDeviation, WorstCase
+from workflow.design.asking.scenarios import Scenarios
+from workflow.design.asking.sources import Factors, Source, shape
+from workflow.design.asking.terms import Deviation, Key, Term, limited, wanted
 from workflow.language.constants import CONSTANTS
 from workflow.language.expressions import Call, Expression, Operation, Power
 from workflow.language.statements import Limit, Objective
+from workflow.language.statistics import Worst
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
@@ -76,9 +77,9 @@ class Question:
     def terms(self) -> list[Term]:
         """Objectives first, then the limits in the study's order."""
         target = self.target
-        deviations = target.statistic.deviations if target.random else None
+        statistic = target.statistic if target.random else Worst()
         drawn = bool(target.random)
-        return [wanted(one, deviations, self._deviation(one)) for one in target.objectives] + [
+        return [wanted(one, statistic, self._deviation(one)) for one in target.objectives] + [
             limited(
                 one,
                 self.scales.get(str(one), 1.0),
@@ -233,7 +234,7 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
             split = kinks.pieces(term.expression, -term.sign if term.limited else term.sign, known)
             pieces |= {place: split} if len(split) > 1 else {}
         if term.unitless:
-            notes += misread.notes(what, term, values)
+            notes += unitless.notes(what, term, values)
     return replace(question, scales=scales, pieces=pieces, spread=spread, notes=tuple(notes))
 
 

@@ -6,12 +6,11 @@ from html import escape
 from typing import Self
 
 import pandas as pd
-import xarray as xr
 
 from surrogate import GaussianProcess
-from workflow.design import answers
-from workflow.design.search import solve_target
-from workflow.design.spoken import Verdict, verdict
+from workflow.design.search.targets import solve_target
+from workflow.design.told.words import Verdict, verdict
+from workflow.design.verdict.answer import Answer
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.study.model import Study
@@ -26,11 +25,11 @@ class Design:
     target
         Name of the target.
     answer
-        All that is known of it: what `workflow.design.search.solve_target` gives.
+        All that is known of it: what `workflow.design.search.targets.solve_target` gives.
     """
 
     target: str
-    answer: xr.Dataset
+    answer: Answer
 
     @classmethod
     def of(cls, study: Study, target: str, model: GaussianProcess) -> Self:
@@ -39,7 +38,7 @@ class Design:
         Raises
         ------
         InputError
-            As `workflow.design.search.solve_target`.
+            As `workflow.design.search.targets.solve_target`.
         """
         return cls(target, solve_target(study, target, model))
 
@@ -51,25 +50,21 @@ class Design:
     @property
     def factors(self) -> dict[str, float]:
         """Every factor of the design by name, in SI: what was chosen, and what was given."""
-        return {str(name): float(value) for name, value in self.answer["value"].to_series().items()}
+        return {variable.name: variable.value for variable in self.answer.variables}
 
     @property
     def exact(self) -> dict[str, float]:
         """Goals and limits as the question has them, with their exact values, in SI."""
-        return {str(name): float(value) for name, value in self.answer["exact"].to_series().items()}
+        return {term.name: term.exact for term in self.answer.terms}
 
     def __str__(self) -> str:
-        return f"{self.target}: {self.answer.attrs['goal']}. {self.verdict}"
+        return f"{self.target}: {self.answer.goal}. {self.verdict}"
 
     def _repr_html_(self) -> str:
-        roles = [(name, kind, role) for name, kind, role in answers.kinds(self.answer)]
-        for name, value in self.factors.items():
-            roles.append((name, shown(value, FACTORS[name].units), str(self.answer["role"].sel(factor=name).values)))
-        terms = [
-            (name, *(shown(float(one[key]), str(one["units"].values)) for key in ("exact", "predicted")))
-            for name in self.exact
-            for one in [self.answer.sel(term=name)]
-        ]
+        answer = self.answer
+        roles = [(one.category, one.kind, one.kind_role) for one in answer.categories]
+        roles += [(one.name, shown(one.value, FACTORS[one.name].units), one.role) for one in answer.variables]
+        terms = [(one.name, *(shown(value, one.units) for value in (one.exact, one.predicted))) for one in answer.terms]
         tables = [
             pd.DataFrame(roles, columns=["factor", "value", "role"]),
             pd.DataFrame(terms, columns=["goals and limits", "exact", "predicted"]),

@@ -7,11 +7,13 @@ Jacobian (r, groups * draws) of the rows by the values.
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, singledispatch
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import betainc
+
+from workflow.language import statistics
 
 Array = NDArray[np.float64]
 
@@ -106,6 +108,30 @@ class RelativeDeviation(RiskMeasure):
         whole = np.zeros((groups, 2 * draws, groups, draws))
         whole[np.arange(groups), :, np.arange(groups)] = np.concatenate([upwards, -upwards], 1)
         return whole.reshape(2 * values.size, -1)
+
+
+@singledispatch
+def measure(statistic: statistics.Statistic, sign: float) -> RiskMeasure:
+    """How a statistic of an objective counts its scenarios.
+
+    Parameters
+    ----------
+    statistic
+        Of the family that a study may ask for; each member registers its own.
+    sign
+        1 where the objective is maximised, -1 where it is minimised.
+    """
+    raise NotImplementedError(f"no risk measure for {statistic}")
+
+
+@measure.register
+def _(statistic: statistics.Worst, sign: float) -> RiskMeasure:
+    return WorstCase()
+
+
+@measure.register
+def _(statistic: statistics.Mean, sign: float) -> RiskMeasure:
+    return MeanDeviation(-sign * statistic.deviations)
 
 
 @cache

@@ -11,18 +11,24 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem
 from surrogate.search.pareto import Front
-from workflow.design import answers, assessment, budget, contact_fields, front, landscape, polish, program, tolerances
-from workflow.design.candidate import Candidate
-from workflow.design.designs import Designs
-from workflow.design.question import Question, ask
-from workflow.design.sources import Exact, Predicted
+from workflow.design.asking import budget, program
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question, ask
+from workflow.design.asking.sources import Exact, Predicted
+from workflow.design.search import contact_fields, front, landscape, polish, tolerances
+from workflow.design.search.candidate import Candidate
+from workflow.design.verdict import assessment
+from workflow.design.verdict.answer import Answer, Category, Choice, Tolerated
+from workflow.design.verdict.netcdf import SOURCE, SOURCE_OF_FILMS
+from workflow.design.verdict.term import ROUNDING
+from workflow.design.verdict.variable import Role
 from workflow.study.categories import output
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
 
 
-def solve_target(study: Study, name: str, model: GaussianProcess) -> xr.Dataset:
+def solve_target(study: Study, name: str, model: GaussianProcess) -> Answer:
     """Answer one design target of a study.
 
     Parameters
@@ -31,11 +37,6 @@ def solve_target(study: Study, name: str, model: GaussianProcess) -> xr.Dataset:
         The study and the name of its target.
     model
         Surrogate of the study's quantities.
-
-    Returns
-    -------
-    xarray.Dataset
-        What `assessment.judge` and `landscape.landscape` give.
 
     Raises
     ------
@@ -46,30 +47,28 @@ def solve_target(study: Study, name: str, model: GaussianProcess) -> xr.Dataset:
     return answer(study, name, study.design[name], model)
 
 
-def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> xr.Dataset:
+def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> Answer:
     """Answer any target on the study's factors; see `solve_target`."""
     found = _found(study, name, target, model)
+    several = len(target.objectives) > 1
     best = polish.first_feasible(sorted(found, key=lambda candidate: _rank(candidate.best), reverse=True))
-    parts = [assessment.judge(best.design), landscape.landscape(best.design)]
-    if target.tolerance and best.best.feasible and len(target.objectives) == 1:
-        parts.append(_costs(study, name, target, model, best))
+    judged = assessment.judge(best.design)
+    if judged.outside and not target.allow_outside_interval:
+        raise InputError(f"design: {name}: {judged.outside}; allow_outside_interval: true would accept it")
+    toleranced = target.tolerance and best.best.feasible and not several
+    pictures = [landscape.landscape(best.design), contact_fields.fields(best.question.study, judged.case)]
     if any(candidate.front is not None for candidate in found):
-        parts.append(_front(found).reindex(factor=parts[0]["factor"]))
-    parts.append(contact_fields.fields(best.question.study, answers.case(parts[0])))
-    parts.append(_chosen(target, best, found))
-    out = xr.merge(parts, compat="no_conflicts", join="outer")
-    if not bool(out["inside"].all()) and not target.allow_outside_interval:
-        raise InputError(f"design: {name}: {assessment.outside(out)}; allow_outside_interval: true would accept it")
-    goals = [f"{'maximise' if goal.maximise else 'minimise'} {goal}" for goal in target.objectives]
-    out.attrs = {
-        "title": f"design target {name}",
-        "goal": " and ".join(goals),
-        "objective": str(target.objectives[0]),
-        "statistic": str(target.statistic),
-        "polish": best.polish,
-        "source": answers.SOURCE_OF_FILMS if study.kind.tabled else answers.SOURCE,
-    }
-    return out.assign_coords(target=name)
+        pictures.append(_front(found).reindex(factor=[variable.name for variable in judged.variables]))
+    return replace(
+        judged,
+        target=name,
+        polish=best.polish,
+        source=SOURCE_OF_FILMS if study.kind.tabled else SOURCE,
+        tolerated=_costs(study, name, target, model, best) if toleranced else None,
+        categories=_categories(target, best),
+        choices=_choices(best, found, 1.0 if several else target.objectives[0].sign),
+        pictures=xr.merge(pictures, compat="no_conflicts", join="outer"),
+    )
 
 
 def _found(study: Study, name: str, target: Target, model: GaussianProcess) -> list[Candidate]:
@@ -77,7 +76,7 @@ def _found(study: Study, name: str, target: Target, model: GaussianProcess) -> l
     return _search([_asked(study, name, target, model, choice) for choice in combinations(study, target)])
 
 
-def _costs(study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate) -> xr.Dataset:
+def _costs(study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate) -> Tolerated:
     """What the tolerances of the best design cost."""
     nominal = tolerances.nominal(target)
     if budget.asked(best.question):  # near the design: a search of its own would cost as much as the design did
@@ -89,7 +88,7 @@ def _costs(study: Study, name: str, target: Target, model: GaussianProcess, best
     def asked(other: Target) -> Question:
         return replace(best.question, target=other)
 
-    return tolerances.costs(best, without, asked, list(best.question.study.factors))
+    return tolerances.costs(best, without, asked)
 
 
 def combinations(study: Study, target: Target) -> list[dict[str, float | str]]:
@@ -150,26 +149,30 @@ def _front(found: list[Candidate]) -> xr.Dataset:
     return front.merged(parts, np.array([objective.sign for objective in found[0].question.target.objectives]))
 
 
-def _chosen(target: Target, best: Candidate, found: list[Candidate]) -> xr.Dataset:
-    """The categories of a design, and the best of every choice on the surrogate."""
-    out = xr.Dataset()
-    categories = {key: value for key, value in best.choice.items() if isinstance(value, str)}
-    if categories:
-        roles = ["variable" if key in target.variables else "given" for key in categories]
-        out = out.assign_coords(category=list(categories)).assign(
-            kind=("category", list(categories.values())), kind_role=("category", roles)
+def _categories(target: Target, best: Candidate) -> tuple[Category, ...]:
+    """The categories of a design."""
+    return tuple(
+        Category(name, kind, Role.VARIABLE if name in target.variables else Role.GIVEN)
+        for name, kind in best.choice.items()
+        if isinstance(kind, str)
+    )
+
+
+def _choices(best: Candidate, found: list[Candidate], sign: float) -> tuple[Choice, ...]:
+    """The best of every choice on the surrogate, where there are several."""
+    several = found if len(found) > 1 else []
+    passed = [candidate.choice for candidate in best.passed]
+    return tuple(
+        Choice(
+            candidate.words,
+            float(sign * candidate.best.objective),
+            bool(candidate.best.feasible) and candidate.choice not in passed,
         )
-    if len(found) > 1:
-        sign = 1.0 if len(target.objectives) > 1 else target.objectives[0].sign
-        passed = [candidate.choice for candidate in best.passed]
-        out = out.assign_coords(choice=[candidate.words for candidate in found]).assign(
-            choice_objective=("choice", [sign * candidate.best.objective for candidate in found]),
-            choice_feasible=("choice", [one.best.feasible and one.choice not in passed for one in found]),
-        )
-    return out
+        for candidate in several
+    )
 
 
 def _only(problem: Problem) -> Optimum:
     """The one design of a question without continuous variables."""
     objective, excess = (rows[0] for rows in problem.value(np.empty((1, 0))))
-    return Optimum(np.empty(0), float(objective.min()), excess, bool(np.all(excess <= assessment.ROUNDING)))
+    return Optimum(np.empty(0), float(objective.min()), excess, bool(np.all(excess <= ROUNDING)))

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from workflow.design import risk
+from workflow.design.asking import risk
 from workflow.language.expressions import Expression
 from workflow.language.statements import Limit, Objective
+from workflow.language.statistics import Statistic
 
 Array = NDArray[np.float64]
 
@@ -125,16 +126,22 @@ class Term:
         return np.asarray(self.sign * (rows - self.bound) / self.scale + safety)
 
 
-def wanted(objective: Objective, deviations: float | None, over: Deviation | None = None) -> Term:
-    """The term of an objective; ``deviations`` None counts the worst case.
+def wanted(objective: Objective, statistic: Statistic, over: Deviation | None = None) -> Term:
+    """The term of an objective.
 
-    ``over`` says what a deviation is taken over.
+    Parameters
+    ----------
+    objective
+        What is wanted.
+    statistic
+        How its cases count.
+    over
+        What a deviation is taken over, which counts its worst case.
     """
     sign = objective.sign
     if over is not None:
         return Term(str(objective), objective.expression, sign, over.measure, drawn=False, along=over.along)
-    measure = risk.WorstCase() if deviations is None else risk.MeanDeviation(-sign * deviations)
-    return Term(str(objective), objective.expression, sign, measure, deviations is not None)
+    return Term(str(objective), objective.expression, sign, risk.measure(statistic, sign), statistic.drawn)
 
 
 def limited(limit: Limit, scale: float, bound: float, over: Deviation | None = None, *, drawn: bool = True) -> Term:
