@@ -7,7 +7,7 @@ BIN    := .venv/bin
 export PYTHONDONTWRITEBYTECODE :=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: run check test coverage soak slurm referees lint docs bench lock schema clean help
+.PHONY: run check test coverage soak kernels slurm referees lint docs bench lock schema clean help
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -31,8 +31,12 @@ coverage: .venv/dev.stamp .venv/referees.stamp  ## lines and branches that the t
 	$(BIN)/python -m coverage combine -q
 	$(BIN)/python -m coverage report
 
-soak: .venv/dev.stamp  ## a hundred kills, ten thousand hostile files, every check of scikit-learn, every case of a sampled product; takes 20 minutes on two cores
+soak: .venv/dev.stamp  ## a hundred kills, ten thousand hostile files, every check of scikit-learn, every case of a sampled product, every kernel; takes an hour on two cores
 	MEECONTACT_SOAK=1 $(BIN)/python -m pytest -n auto --dist worksteal -m "soak or soakable"
+	$(BIN)/python -m tests.kernels soak
+
+kernels: .venv/dev.stamp  ## the rooms where digits matter, under every OpenBLAS kernel of this processor, on one thread and two
+	$(BIN)/python -m tests.kernels
 
 slurm: .venv/dev.stamp  ## the quickstart through a Slurm on this machine, compared byte for byte with a local run
 	$(BIN)/python -m pytest -m slurm tests/slurm

@@ -22,8 +22,8 @@ from solver.film.stack import RIGID, Layer, Stack
 from solver.film.table import table
 from solver.halfplane.profile import Profile
 from surrogate import GridGP, Input
-from surrogate.curves.curvegp import CurveGP
-from surrogate.curves.curves import Curves, Largest
+from surrogate.transforms.curves.basis import Curves, Largest
+from surrogate.transforms.curves.curvegp import CurveGP
 
 Array = NDArray[np.float64]
 

@@ -19,9 +19,9 @@ import numpy as np
 import xarray as xr
 from sklearn.base import BaseEstimator, RegressorMixin
 
+from approximation.arrays import Array, Flags
 from benchmarks.history import printed
 from surrogate import GaussianProcess
-from surrogate.data.arrays import Array, Flags
 from surrogate.data.inputs import unit_coordinates
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal, Tabulated
 from surrogate.use.validation import DECILES, LEVELS, crps, distance, pit, worst_corner

@@ -26,4 +26,4 @@ points = {one.name: fresh[one.name] for one in INPUTS}
 for level in (0.5, 0.8, 0.95):
     ends = model.interval(points, level=level)
     inside = (ends["voltage_lower"] <= fresh["voltage"]) & (fresh["voltage"] <= ends["voltage_upper"])
-    print(f"{level:.0%} intervals hold {float(np.mean(inside)):.1%} of 3,000 fresh cases")
+    print(f"{level:.0%} intervals hold a share of {float(np.mean(inside)):.2f} of 3,000 fresh cases")

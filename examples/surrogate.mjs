@@ -19,7 +19,7 @@ export function read(path) {
   const text = execFileSync("ncdump", ["-p", "9,17", path], { encoding: "utf8", maxBuffer: 2 ** 30 });
   const data = text.indexOf("\ndata:\n"), head = text.slice(0, data), file = {};
   const told = Object.fromEntries([...head.matchAll(/^\t\t:(\w+) = (.*) ;$/gm)].map((m) => [m[1], m[2]]));
-  if (told.format !== '"surrogate"' || told.format_version !== "3LL") throw new Error(`${path}: not of format 3`);
+  if (told.format !== '"surrogate"' || told.format_version !== "4LL") throw new Error(`${path}: not of format 4`);
   if (told.kernel !== '"chebyshev"') throw new Error(`${path}: kernel ${told.kernel} is not read here`);
   const length = Object.fromEntries([...head.matchAll(/^\t(\w+) = (\d+) ;/gm)].map((m) => [m[1], Number(m[2])]));
   const declared = [...head.matchAll(/^\t\w+ (\w+)(?:\((.*)\))? ;/gm)].map((m) => [m[1], m[2]?.split(", ") ?? []]);
@@ -87,14 +87,16 @@ function spread(file, t, parts, p) {
 }
 
 // Mean, standard deviation and 95 % interval of every output at a point of the box.
-export function predict(file, point) {
-  const inputs = file.input.values, x = inputs.map((name) => point[name]), grouped = "axis_name" in file;
-  const row = (name, k) => range(inputs.length).map((j) => file[name](k, j));
-  const outside = inputs.findIndex((_, k) => !(x[k] >= file.low(k) && x[k] <= file.high(k)));
-  if (outside >= 0) throw new Error(`${inputs[outside]} is from ${file.low(outside)} to ${file.high(outside)}`);
+export function predict(whole, point) {
+  const inputs = whole.input.values, x = inputs.map((name) => point[name]), grouped = "reduced_input" in whole;
+  const own = Object.entries(whole).filter(([name]) => name.startsWith("reduced_"));
+  const file = grouped ? Object.fromEntries(own.map(([name, one]) => [name.slice("reduced_".length), one])) : whole;
+  const row = (name, k) => range(inputs.length).map((j) => whole[name](k, j));
+  const outside = inputs.findIndex((_, k) => !(x[k] >= whole.low(k) && x[k] <= whole.high(k)));
+  if (outside >= 0) throw new Error(`${inputs[outside]} is from ${whole.low(outside)} to ${whole.high(outside)}`);
   const t = file.hyperparameter.values.map((_, k) => {
-    const [low, high, scale] = ["low", "high", "scale"].map((end) => file[grouped ? `axis_${end}` : end](k));
-    const value = grouped ? clip(file.axis_constant(k) * product(row("axis_power", k), x), low, high) : x[k];
+    const [low, high, scale] = ["low", "high", "scale"].map((end) => file[end](k));
+    const value = grouped ? clip(whole.axis_constant(k) * product(row("axis_power", k), x), low, high) : x[k];
     const on = SCALES[scale];
     return (2 * (on(value) - on(low))) / (on(high) - on(low)) - 1; // section 1
   });
@@ -109,13 +111,13 @@ export function predict(file, point) {
     let mean = file.output_offset(p) + file.output_scale(p) * state[p] + correction(file, t, p);
     let { std, ends } = spread(file, t, parts, p);
     if (grouped) { // section 5
-      const relative = x.map((one, k) => one / file.reference(k)), sign = file.logarithm(p);
+      const relative = x.map((one, k) => one / whole.reference(k)), sign = whole.logarithm(p);
       const scale = product(row("scale_power", p), relative);
-      mean += file.added_coefficient(p) * Math.log(product(file.added_power.values, relative));
+      mean += whole.added_coefficient(p) * Math.log(product(whole.added_power.values, relative));
       mean = scale * (sign ? sign * Math.exp(sign * mean) : mean);
       std *= sign ? Math.abs(mean) : scale;
     }
-    return [name, { mean, std, lower: mean + ends[0] * std, upper: mean + ends[1] * std, units: file.output_units(p) }];
+    return [name, { mean, std, lower: mean + ends[0] * std, upper: mean + ends[1] * std, units: whole.output_units(p) }];
   }));
 }
 

@@ -1,6 +1,10 @@
 """Names, units and meanings of factors, surface fields and quantities: one table each, used everywhere."""
 
 from dataclasses import dataclass
+from typing import Literal
+
+#: How a punch touches a body: along a line, per metre of which loads are given, or at a point.
+Contact = Literal["line", "point"]
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,28 @@ class Described:
         return {"units": self.units, "long_name": self.long_name, **comment}
 
 
+@dataclass(frozen=True)
+class Loads:
+    """The factors that press and charge a punch: its normal force, and its electric and magnetic charge."""
+
+    force: str
+    charges: tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Outline:
+    """What a profile of the punch must be given, what it may be given, and the kind of contact that it makes."""
+
+    needs: tuple[str, ...]
+    may: tuple[str, ...] = ()
+    contact: Contact = "line"
+
+    @property
+    def takes(self) -> tuple[str, ...]:
+        """Every factor that it has."""
+        return (*self.needs, *self.may)
+
+
 def _on_datum(units: str, long_name: str) -> Described:
     return Described(units, long_name, _DATUM, on_datum=True)
 
@@ -98,9 +124,15 @@ FACTORS: dict[str, Factor] = {
     ),
 }
 
+#: The factor that says what each composite is made of; the laws are those of ``solver/material/laws.py``.
+COMPOSITES = {"fibrous": "volume_fraction", "laminate": "volume_fraction", "AlScN": "scandium_fraction"}
+
+#: Those that are made of the two phases.
+MIXTURES = tuple(name for name, factor in COMPOSITES.items() if factor == "volume_fraction")
+
 #: Factors that take one of a few names; the first is the default.
 CHOICES: dict[str, tuple[str, ...]] = {
-    "composite": ("fibrous", "laminate", "AlScN"),
+    "composite": tuple(COMPOSITES),
     "profile": ("cylinder", "flat", "wedge", "half_cylinder"),
     "corner": ("leading", "trailing"),
     "electric": ("conducting", "insulating"),
@@ -108,9 +140,6 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "interface_electric": ("grounded", "bonded"),
     "interface_magnetic": ("grounded", "bonded", "insulated"),
 }
-
-#: The factor that says what each composite is made of.
-COMPOSITES = {"fibrous": "volume_fraction", "laminate": "volume_fraction", "AlScN": "scandium_fraction"}
 
 #: Factors that name materials.
 MATERIALS = ("material", "base")
@@ -124,13 +153,16 @@ OF_A_FILM = (
 #: The factor that gives a whole stack of layers (:class:`solver.Stack`), in place of a material and a film's factors.
 BODY = "body"
 
-#: Factors that each profile must be given, and those that it may be given.
-PROFILES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "cylinder": (("radius",), ()),
-    "flat": (("width",), ("slope", "moment")),
-    "wedge": (("slope",), ("corner",)),
-    "half_cylinder": (("radius",), ("corner",)),
+#: The factors of a profile, and the contact that it makes: a profile says which kind of contact a case is.
+PROFILES: dict[str, Outline] = {
+    "cylinder": Outline(("radius",)),
+    "flat": Outline(("width",), ("slope", "moment")),
+    "wedge": Outline(("slope",), ("corner",)),
+    "half_cylinder": Outline(("radius",), ("corner",)),
 }
+
+#: What presses and charges the punch of each kind of contact.
+CONTACTS: dict[Contact, Loads] = {"line": Loads("load", ("charge", "magnetic_charge"))}
 
 #: Surface fields over (case factors..., position).
 FIELDS: dict[str, Described] = {

@@ -8,14 +8,16 @@ from surrogate.data.inputs import Input, chebyshev_levels
 from surrogate.data.points import OutOfBoxError
 
 if TYPE_CHECKING:
-    from surrogate.curves.curvegp import CurveGP
+    from surrogate.face.model import GaussianProcess
+    from surrogate.face.persistence import load, save
     from surrogate.gp.crossgp import CrossGP
     from surrogate.gp.gridgp import GridGP
-    from surrogate.gp.groupedgp import GroupedGP
-    from surrogate.gp.grouping import Group, Grouping, Scaling
-    from surrogate.gp.model import GaussianProcess
-    from surrogate.gp.persistence import load, save
-    from surrogate.scattered.scattergp import ScatterGP
+    from surrogate.gp.scattergp import ScatterGP
+    from surrogate.transforms.curves.curvegp import CurveGP
+    from surrogate.transforms.groupedgp import GroupedGP
+    from surrogate.transforms.groups import Grouping
+    from surrogate.transforms.inputs import Group
+    from surrogate.transforms.outputs import Scaling
     from surrogate.use.estimator import FactorialRegressor
 
 __all__ = [
@@ -40,17 +42,17 @@ __all__ = [
 # imported when asked for: scikit-learn, on which they stand, takes longer to import than most jobs take for their work
 _MODELS = {
     "CrossGP": "gp.crossgp",
-    "CurveGP": "curves.curvegp",
+    "CurveGP": "transforms.curves.curvegp",
     "FactorialRegressor": "use.estimator",
-    "GaussianProcess": "gp.model",
+    "GaussianProcess": "face.model",
     "GridGP": "gp.gridgp",
-    "Group": "gp.grouping",
-    "GroupedGP": "gp.groupedgp",
-    "Grouping": "gp.grouping",
-    "Scaling": "gp.grouping",
-    "ScatterGP": "scattered.scattergp",
-    "load": "gp.persistence",
-    "save": "gp.persistence",
+    "Group": "transforms.inputs",
+    "GroupedGP": "transforms.groupedgp",
+    "Grouping": "transforms.groups",
+    "Scaling": "transforms.outputs",
+    "ScatterGP": "gp.scattergp",
+    "load": "face.persistence",
+    "save": "face.persistence",
 }
 
 

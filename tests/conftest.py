@@ -17,12 +17,18 @@ import pytest
 # small products (an inversion's) take four times as long on two threads as on one
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+from hypothesis import settings
 from xdist.scheduler import LoadScopeScheduling
 
 from tests import layers
+from tests.closing import closing
 from tests.workflow.conftest import Project, compiled, copy
 
 __all__ = ["compiled", "copy"]
+
+# an example takes as long as a busy machine needs
+settings.register_profile("patient", deadline=None)
+settings.load_profile("patient")
 
 #: Files that look at a run of a pipeline, by the session fixture that makes it.
 FILES = {
@@ -95,6 +101,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def _rank(name: str) -> int:
     return LONGEST.index(name) if name in LONGEST else len(LONGEST)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """End with one line on what was not run, and on how to get it."""
+    reports = terminalreporter.stats.get("skipped", [])
+    terminalreporter.write_line(closing([report.longrepr[2] for report in reports]))
 
 
 @pytest.hookimpl(wrapper=True)

@@ -113,7 +113,7 @@ def test_the_picture_of_the_rooms_is_that_of_the_imports() -> None:
     assert (ROOT / "docs/rooms.svg").read_text(encoding="utf-8") == rooms.draw(pairs), "make docs draws it anew"
     row = {name: row for name, (_, row) in rooms.places(pairs).items()}
     assert all(row[above] > row[below] for above, below in pairs)
-    assert {("workflow.report", "solver.names"), ("surrogate.gp", "storage")} <= pairs
+    assert {("workflow.report", "solver.names"), ("surrogate.face", "storage")} <= pairs
     assert not {below for above, below in pairs if above.startswith("solver")} & {"storage", "workflow", "surrogate"}
 
 

@@ -59,7 +59,7 @@ SAID = {
     "film_voltage.py": "rigid: most charge, 47.66 pC/N, at 0.22 mm",
     "graded_film.py": "20% to 80%: largest pressure 386.9 MPa, 40.41 pC/N",
     "half_plane.py": "half-width 166.1 um, 1.000000000000 times that of Hertz",
-    "intervals.py": "95% intervals hold 96.6% of 3,000 fresh cases",
+    "intervals.py": "95% intervals hold a share of 0.97 of 3,000 fresh cases",
     "inversion.py": "load: 2e+04 [1.996e+04, 2.004e+04], true 20000",
     "own_material.py": "my PZT: 427.9 pC/N, -48.30 mV m/N",
     "own_punch.py": "quartic: largest pressure 169.3 MPa at |X| = 0.71",

@@ -49,8 +49,8 @@ def test_the_table_of_factors_is_the_code_s() -> None:
         assert symbol
     profiles = rows("profile")
     assert list(profiles) == list(PROFILES)
-    for name, sets in PROFILES.items():
-        assert [re.findall(r"\w+", cell) for cell in profiles[name]] == [list(one) for one in sets]
+    for name, outline in PROFILES.items():
+        assert [re.findall(r"\w+", cell) for cell in profiles[name]] == [list(outline.needs), list(outline.may)]
 
 
 def test_the_table_of_quantities_is_the_code_s() -> None:

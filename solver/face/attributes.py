@@ -3,17 +3,16 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
-from solver.face.filmfactors import on_films
+from solver.body import KINDS
+from solver.face.filmfactors import present
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import BODY, CHOICES, FACTORS, OF_A_FILM, PROFILES, Described
+from solver.names import BODY, CHOICES, FACTORS, PROFILES, Described
 
 #: How every solution is made (CF: the method of production).
 SOURCE = "meecontact: closed-form solution of plane contact in the Stroh formalism"
-_ON_FILMS = "; on films, integral equations with the closed form as their singular part"
 _RELATIVE = " relative to the datum"
 _FILM_DATUM = "of a film absolute above a grounded interface (depths: on a rigid base); elsewhere it "
 _LISTS = ("composite", "phases", "defaults")
@@ -33,10 +32,11 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
         Phase one and phase two of a composite.
     """
     defaults = _defaults(arrays)
-    films = on_films(arrays)
-    found = {"title": title, "source": SOURCE + (_ON_FILMS if np.any(films) else "")}
-    if np.any(films):
-        found["title"] = title.replace("half-plane", "film" if np.all(films) else "film or half-plane")
+    kinds = present(arrays)
+    found = {
+        "title": title.replace("half-plane", " or ".join(sorted(kind.name for kind in kinds))),
+        "source": SOURCE + "".join(kind.method for kind in kinds),
+    }
     if "material" not in arrays and BODY not in arrays:
         used = _kinds(arrays, "composite") or [str(defaults["composite"])]
         found["composite"] = ", ".join(str(one) for one in used)
@@ -56,9 +56,9 @@ def of_output(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[
         length = f"{FACTORS['datum'].default:g} m, the default"
     else:
         length = "that of the coordinate datum" if datum.ndim else f"{float(datum):.15g} m"
-    absolute = on_films(arrays)
-    words = described.long_name.removesuffix(_RELATIVE) if np.all(absolute) else described.long_name
-    comment = f"{_FILM_DATUM if np.any(absolute) else ''}{described.comment}; datum: {length}"
+    absolute = [kind.datum != "relative" for kind in present(arrays)]
+    words = described.long_name.removesuffix(_RELATIVE) if all(absolute) else described.long_name
+    comment = f"{_FILM_DATUM if any(absolute) else ''}{described.comment}; datum: {length}"
     return described.attrs | {"long_name": words, "comment": comment}
 
 
@@ -79,14 +79,15 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
         name: factor.default for name, factor in FACTORS.items() if factor.default is not None and name not in arrays
     }
     kinds = _kinds(arrays, "profile") or [CHOICES["profile"][0]]
-    takes = {name for kind in kinds if not isinstance(kind, Profile) for name in PROFILES[str(kind)][1]}
+    takes = {name for kind in kinds if not isinstance(kind, Profile) for name in PROFILES[str(kind)].may}
     if "slope" in takes and not {"slope", "moment"} & set(arrays):
         found["slope"] = 0.0
     spared = {"composite"} if {"material", BODY} & set(arrays) else set()
     spared |= set() if "corner" in takes else {"corner"}
-    if BODY in arrays or not np.any(on_films(arrays)):
-        spared |= set(OF_A_FILM)
-    elif "interface_magnetic" not in arrays:
+    kinds_present = present(arrays)
+    for kind in KINDS.values():
+        spared |= set() if kind in kinds_present and BODY not in arrays else set(kind.factors)
+    if "interface_magnetic" not in {*arrays, *spared}:
         spared |= {"interface_magnetic"}
         found["interface_magnetic"] = "grounded on a rigid base and bonded on others"
     return found | {name: names[0] for name, names in CHOICES.items() if name not in arrays and name not in spared}

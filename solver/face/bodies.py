@@ -1,14 +1,15 @@
-"""Which body cases lie on: the door through which another kind of body joins.
+"""Which class solves the cases of a kind of body: what comes before and after is the same for all."""
 
-A body is made of :class:`Cases` of one kind and answers ``quantities``, ``peaks``, ``surface`` and ``interior`` with
-arrays by the names of ``solver.names``; what comes before and after is the same for all.
-"""
+from collections.abc import Callable
 
+from solver.body import FILM, HALF_PLANE, Body
 from solver.face.cases import Cases
 from solver.face.film import OnFilm
 from solver.face.halfplane import OnHalfPlane
 
+_BODIES: dict[str, Callable[[Cases], Body]] = {HALF_PLANE.name: OnHalfPlane, FILM.name: OnFilm}
 
-def body_of(cases: Cases) -> OnHalfPlane | OnFilm:
-    """The body of cases of one kind, by their factors: without a ``thickness``, a half-plane."""
-    return OnFilm(cases) if cases.on_films.any() else OnHalfPlane(cases)
+
+def body_of(cases: Cases) -> Body:
+    """The body of cases of one kind."""
+    return _BODIES[cases.kind.name](cases)

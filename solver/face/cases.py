@@ -14,8 +14,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray, stack
+from solver.body import Kind
 from solver.face.attributes import attributes, of_output
-from solver.face.filmfactors import on_films
+from solver.face.filmfactors import kinds_of, present
 from solver.face.refusal import FactorError
 from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
@@ -63,9 +64,14 @@ class Cases:
         return self.values.get(name, np.array(FACTORS[name].default or 0.0))
 
     @property
+    def force(self) -> Array:
+        """What presses the punch: per metre along a line; (...)."""
+        return self.number(self.kind.loads.force)
+
+    @property
     def charges(self) -> Array:
         """Electric and magnetic charge; (..., 2)."""
-        return stack(self.number("charge"), self.number("magnetic_charge"))
+        return stack(*(self.number(name) for name in self.kind.loads.charges))
 
     @property
     def conducts(self) -> BoolArray:
@@ -92,10 +98,10 @@ class Cases:
         """A named choice that all cases share, or its default."""
         return self.values[name].flat[0] if name in self.values else CHOICES[name][0]
 
-    @property
-    def on_films(self) -> xr.DataArray:
-        """Which cases have a film."""
-        return on_films(self.arrays)
+    @cached_property
+    def kind(self) -> Kind:
+        """The kind of body of cases of one kind."""
+        return present(self.arrays)[0]
 
     @property
     def coordinates(self) -> dict[str, xr.Variable]:
@@ -147,7 +153,7 @@ class Cases:
     def _by_kind(self, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
         """The part of each profile, corner and body, put together along the dimension that they vary on."""
         for name in (*_OF_A_KIND, "thickness"):
-            given = self.on_films if name == "thickness" else self.arrays.get(name, xr.DataArray())
+            given = kinds_of(self.arrays) if name == "thickness" else self.arrays.get(name, xr.DataArray())
             kinds = given.values
             if kinds.size < 2 or len(found := list(dict.fromkeys(kinds.flat))) < 2:
                 continue

@@ -13,7 +13,7 @@ from solver.face.refusal import FactorError
 from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import BODY, CHOICES, COMPOSITES, FACTORS, MATERIALS, OF_A_FILM, PROFILES
+from solver.names import BODY, CHOICES, COMPOSITES, CONTACTS, FACTORS, MATERIALS, OF_A_FILM, PROFILES
 
 _OUTPUT_DIMS = ("position", "x", "y")
 _CHARGES = {"charge": "electric", "magnetic_charge": "magnetic"}
@@ -85,13 +85,15 @@ def _check_profile(arrays: Mapping[str, xr.DataArray]) -> None:
     kinds = list(dict.fromkeys(arrays["profile"].values.flat)) if "profile" in arrays else ["cylinder"]
     profiles = [str(kind) for kind in kinds if not isinstance(kind, Profile)]
     takes = {name: PROFILES[name] for name in profiles}
-    for profile, (needs, _) in takes.items():
-        for name in needs:
+    for profile, outline in takes.items():
+        for name in outline.needs:
             if name not in arrays:
                 raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed} (profile {profile})")
-    if "load" not in arrays:
-        raise FactorError(f"load: missing; must be {FACTORS['load'].allowed}")
-    taken = {name for needs, may in takes.values() for name in (*needs, *may)}
+    outlines = list(takes.values()) or [PROFILES["cylinder"]]  # a profile of one's own is pressed along a line
+    for force in dict.fromkeys(CONTACTS[outline.contact].force for outline in outlines):
+        if force not in arrays:
+            raise FactorError(f"{force}: missing; must be {FACTORS[force].allowed}")
+    taken = {name for outline in takes.values() for name in outline.takes}
     for name in ("radius", "width", "slope", "moment", "corner"):
         if name in arrays and name not in taken:
             raise FactorError(f"{name}: the profile {', '.join(profiles) or 'given'} has none")

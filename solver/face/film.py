@@ -154,11 +154,11 @@ class OnFilm:
             None if p.width is None else chosen(p.width),
             None if p.moment is None else chosen(p.moment),
         )  # fmt: skip
-        charges = np.stack([chosen(number("charge")), chosen(number("magnetic_charge"))], -1)
+        charges = np.stack([chosen(charge) for charge in np.moveaxis(self.cases.charges, -1, 0)], -1)
         return Films(
             group.kind,
             profile,
-            chosen(number("load")),
+            chosen(self.cases.force),
             charges,
             chosen(number("datum")),
             chosen(self._bodies.thickness),

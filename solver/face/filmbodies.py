@@ -10,11 +10,11 @@ from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.materials import base_of, material_of, phases_of
 from solver.face.refusal import FactorError
-from solver.film.powerlaw import MIXTURES, Constants, PowerLaw, constants_of
+from solver.film.powerlaw import Constants, PowerLaw, constants_of
 from solver.film.stack import Stack
 from solver.film.windows import Coat
 from solver.material.constants import UNITS, Material
-from solver.names import CHOICES
+from solver.names import CHOICES, MIXTURES
 
 _UNGRADED = -1.0
 _INTERFACES = ("interface_electric", "interface_magnetic")
@@ -65,7 +65,7 @@ class ByFactors:
             one, two = (constants_of(phase) for phase in phases_of(self._cases))
             if kind >= len(MIXTURES):
                 raise FactorError(f"base_volume_fraction: {lowest:g} of a composite that has no volume_fraction")
-            of = PowerLaw(list(MIXTURES)[int(kind)], (one, two), surface, lowest, exponent)
+            of = PowerLaw(MIXTURES[int(kind)], (one, two), surface, lowest, exponent)
         interfaces = (
             None if code < 0 else CHOICES[name][int(code)]
             for name, code in zip(_INTERFACES, (electric, magnetic), strict=True)

@@ -7,10 +7,11 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import shown
+from solver.body import KINDS, Kind
 from solver.face.refusal import FactorError
 from solver.film.stack import RIGID, Stack
 from solver.material.constants import Material
-from solver.names import BODY, FACTORS, MATERIALS, OF_A_FILM
+from solver.names import BODY, FACTORS, MATERIALS, OF_A_FILM, PROFILES
 
 _BASE = f"{RIGID!r} or a material's name, or else base_modulus and base_poisson"
 
@@ -33,9 +34,23 @@ def has(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
     return xr.DataArray(np.array(there, dtype=bool).reshape(array.shape), dims=array.dims)
 
 
-def on_films(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
-    """Which cases lie on a film: those with a thickness, or with a stack."""
-    return xr.DataArray(True) if BODY in arrays else has(arrays, "thickness")
+def kinds_of(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
+    """The kind of body of every case, by name: without thickness or stack, of no layers."""
+    layered = xr.DataArray(True) if BODY in arrays else has(arrays, "thickness")
+    contact = xr.DataArray("line")
+    for name, outline in PROFILES.items():
+        if outline.contact != "line" and "profile" in arrays:
+            contact = contact.where(arrays["profile"].drop_vars(arrays["profile"].coords) != name, outline.contact)
+    names = xr.DataArray("")
+    for (touched, layers), kind in KINDS.items():
+        names = names.where((contact != touched) | (layered != layers), kind.name)
+    return names
+
+
+def present(arrays: Mapping[str, xr.DataArray]) -> list[Kind]:
+    """The kinds of the cases."""
+    names = kinds_of(arrays).values
+    return [kind for kind in KINDS.values() if np.any(names == kind.name)]
 
 
 def check_films(arrays: Mapping[str, xr.DataArray]) -> None:

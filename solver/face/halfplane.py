@@ -126,7 +126,7 @@ def _contact(cases: Cases) -> Contact:
     else:
         halfplane = HalfPlane(material)
     sliding = Sliding(halfplane, cases.number("friction"), cases.conducts)
-    contact = Contact(sliding, cases.profile, cases.number("load"), cases.charges)
+    contact = Contact(sliding, cases.profile, cases.force, cases.charges)
     try:
         _ = contact.pressing
     except ContactError as error:

@@ -10,10 +10,9 @@ from solver.arrays import BoolArray, shown
 from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.refusal import FactorError
-from solver.film.powerlaw import MIXTURES
 from solver.film.stack import RIGID
-from solver.material.alloy import aluminium_scandium_nitride
 from solver.material.constants import UNITS, Material, MaterialError
+from solver.material.laws import made
 from solver.material.library import find
 from solver.names import CHOICES, COMPOSITES
 
@@ -26,15 +25,17 @@ def material_of(cases: Cases) -> Material:
     FactorError, MaterialError
         Phases that are not two; a material that is unknown, inadmissible or itself of many cases.
     """
-    one, two = phases_of(cases)
+    phases = phases_of(cases)
     if "material" in cases.values:
         return _chosen(cases.values["material"], cases.materials)
     kinds = cases.values.get("composite", np.array(CHOICES["composite"][0]))
-    made = {str(kind): _composite(str(kind), one, two, cases) for kind in dict.fromkeys(kinds.flat)}
-    if len(made) == 1:
-        return next(iter(made.values()))
-    places = [kinds == kind for kind in made]
-    either: dict[str, Any] = {c: np.select(places, [getattr(m, c) for m in made.values()]) for c in UNITS}
+    composites = {
+        str(kind): made(str(kind), phases, cases.values[COMPOSITES[kind]]) for kind in dict.fromkeys(kinds.flat)
+    }
+    if len(composites) == 1:
+        return next(iter(composites.values()))
+    places = [kinds == kind for kind in composites]
+    either: dict[str, Any] = {c: np.select(places, [getattr(m, c) for m in composites.values()]) for c in UNITS}
     return Material(**either, name="composite")
 
 
@@ -50,14 +51,6 @@ def phases_of(cases: Cases) -> tuple[Material, Material]:
         raise FactorError(f"phases: {len(cases.phases)} given; a composite has two")
     one, two = (_found(phase, cases.materials) for phase in _named("phases", cases.phases))
     return one, two
-
-
-def _composite(kind: str, one: Material, two: Material, cases: Cases) -> Material:
-    """The composite of a kind of every case, from the factor that it takes."""
-    fraction = cases.values[COMPOSITES[kind]]
-    if kind == "AlScN":
-        return aluminium_scandium_nitride(fraction)
-    return MIXTURES[kind](one, two, fraction)
 
 
 def base_of(cases: Cases) -> tuple[Material, BoolArray]:

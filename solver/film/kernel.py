@@ -16,9 +16,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 
-from approximation.chebyshev import coefficients
-from approximation.panels import line
-from solver.arrays import Array
+from approximation.chebyshev import coefficients, mapped_points
+from solver.arrays import Array, BoolArray
 from solver.film.grading import GradedResponse, smooth_tails
 from solver.film.reflection import low, sideways, waves
 from solver.film.stack import Stack, StackError
@@ -44,6 +43,7 @@ _TAIL = 1e-11  # of the largest coefficient: what the last ones of a resolved ke
 _FINEST = 10  # halvings of the first panel under a graded layer, whose kernels are rough at 0
 _GRADED_END = 2000.0  # largest wavenumber times the thickness of a graded layer
 _GRADED_TAIL = 1e-8
+_HALVINGS = 6  # of panels that do not resolve: roots with a large real part put singularities beside the first ones
 _MOST = 20_000_000  # entries of one block of the transform: bounded memory
 _RESPONSES = 16  # kept: 0.1 MB each
 _KERNELS = 64  # kept: 0.1 MB each
@@ -137,21 +137,46 @@ def kernel(stack: Stack, reach: float) -> Kernel:
     while edges[-1] < reach:
         edges.append(1.35 * edges[-1] + width / 2)
     edges[-1] = max(reach, (edges[-2] + edges[-1]) / 2)
-    ends = np.array(edges)
-    x = line([_DEGREE + 1] * (ends.size - 1), ends.tolist())
     graded = _response(stack) if stack.top.graded else None
-    values = _transforms(stack, width, x) if graded is None else _graded(graded, width, x)
-    series = coefficients(values.reshape(-1, _DEGREE + 1, 19), axis=1)
-    size = np.max(np.abs(series), axis=(0, 1))
-    tail = np.max(np.abs(series[:, -2:]), axis=(0, 1))
-    if not np.all(np.isfinite(series)) or np.any(
-        tail > (_TAIL if graded is None else _GRADED_TAIL) * np.max(size[:10])
-    ):
+    ends, series = _resolved(stack, width, np.array(edges), graded)
+    return Kernel(stack, width, ends, series, graded)
+
+
+def _resolved(stack: Stack, width: float, ends: Array, graded: GradedResponse | None) -> tuple[Array, Array]:
+    """Ends of panels, those whose series have not decayed halved until all have, and the series."""
+    least = _TAIL if graded is None else _GRADED_TAIL
+    series = _series(stack, width, ends[:-1], ends[1:], graded)
+    for _ in range(_HALVINGS):
+        large = _undecayed(series, least)
+        if not np.any(large):
+            return ends, series
+        middles = (ends[:-1] + ends[1:]) / 2
+        starts, stops = np.repeat(ends[:-1], 1 + large), np.repeat(ends[1:], 1 + large)
+        first = np.flatnonzero(large) + np.arange(np.count_nonzero(large))  # of the halves, among the new panels
+        stops[first], starts[first + 1] = middles[large], middles[large]
+        halves = np.sort(np.concatenate([first, first + 1]))
+        series = np.repeat(series, 1 + large, axis=0)
+        series[halves] = _series(stack, width, starts[halves], stops[halves], graded)
+        ends = np.append(starts, stops[-1])
+    if np.any(_undecayed(series, least)):
         raise StackError(
             "kernel: its table does not resolve this stack: layers too different in thickness or stiffness "
             "(or a speed next to the critical one)"
         )
-    return Kernel(stack, width, ends, series, graded)
+    return ends, series
+
+
+def _series(stack: Stack, width: float, starts: Array, stops: Array, graded: GradedResponse | None) -> Array:
+    """Chebyshev coefficients of all channels on panels; (panel, degree + 1, 19)."""
+    x = np.concatenate([mapped_points(_DEGREE + 1, *pair) for pair in zip(starts, stops, strict=True)])
+    values = _transforms(stack, width, x) if graded is None else _graded(graded, width, x)
+    return coefficients(values.reshape(-1, _DEGREE + 1, 19), axis=1)
+
+
+def _undecayed(series: Array, least: float) -> BoolArray:
+    """Panels whose last coefficients are not below ``least`` of the largest of K anywhere; (panel,)."""
+    size = np.max(np.abs(series[:, :, :10]))
+    return np.asarray(~(np.max(np.abs(series[:, -2:]), axis=(1, 2)) <= least * size))
 
 
 @lru_cache(_RESPONSES)

@@ -30,6 +30,7 @@ ACROSS = (44, 72, 44)  # nodes of the panels beside, under and beside the contac
 DOWN = 16
 INTERFACE = REGIONS["interface"].across
 _NEAR = 2.0  # thicknesses, where the two panels of the interface beside the contact meet
+_ALIKE = 1e-9  # relative difference up to which two tops are equals
 _CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width: the next is of its square
 _CHUNK = 256  # cases at a time: bounded memory
 
@@ -114,7 +115,7 @@ class PeakTable:
         pulled = tension > 0
         return InterfacePeaks(
             np.maximum(shear, other),
-            np.where(shear >= other, place, other_place),
+            np.where(shear >= other * (1 - _ALIKE), place, other_place),
             np.where(pulled, tension, 0.0),
             np.where(pulled, tension_place, np.nan),
         )
@@ -186,8 +187,9 @@ def _largest(values: Array, half: Array, spans: Spans) -> tuple[Array, Array]:
         start, end = ends[:, panel].T
         tops.append(top)
         places.append(((start + end) / 2 + (end - start) / 2 * local) / half)
-    best = np.argmax(tops, 0), np.arange(half.size)
-    return np.array(tops)[best], np.array(places)[best]
+    alike = np.array(tops) >= np.max(tops, 0) - _ALIKE * np.abs(np.max(tops, 0))
+    best = np.argmax(alike, 0), np.arange(half.size)  # of equals the first from the leading side
+    return np.max(tops, 0), np.array(places)[best]
 
 
 def _largest_measure(stresses: Array, measure: Measure) -> Array:

@@ -7,11 +7,8 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.stack import StackError
-from solver.material.composite import fibrous, laminate
 from solver.material.constants import UNITS, Material
-
-#: Composites of two phases by their volume fraction.
-MIXTURES = {"fibrous": fibrous, "laminate": laminate}
+from solver.material.laws import made
 
 #: Constants in the order of ``solver.material.constants.UNITS``; None where unknown: NaN never equals itself.
 Constants = tuple[float | None, ...]
@@ -41,7 +38,7 @@ class PowerLaw:
     Attributes
     ----------
     composite
-        ``fibrous`` or ``laminate``.
+        One of ``solver.names.MIXTURES``.
     phases
         Constants of phase one and phase two.
     surface, base
@@ -72,4 +69,4 @@ class PowerLaw:
         """The composite at depths over thickness, 0 to 1."""
         fraction = self.surface + (self.base - self.surface) * depth**self.exponent
         one, two = (material_from(constants, "phase") for constants in self.phases)
-        return MIXTURES[self.composite](one, two, fraction)
+        return made(self.composite, (one, two), fraction)

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array
-from surrogate.data.inputs import Input, Scale, gauss_points
+from approximation.arrays import Array, Indices
+from approximation.chebyshev import gauss_points
+from surrogate.data.inputs import Input, Scale
 
 # How far a level may lie from its Chebyshev-Gauss position, as a share of the half-range.
 LEVEL_TOLERANCE = 1e-10
@@ -178,9 +178,7 @@ def _check_levels(one: Input, levels: Array, chebyshev: bool) -> None:
         )
 
 
-def _full(
-    array: xr.DataArray, factors: Sequence[str], shape: tuple[int, ...], order: Mapping[str, NDArray[np.intp]]
-) -> Array:
+def _full(array: xr.DataArray, factors: Sequence[str], shape: tuple[int, ...], order: Mapping[str, Indices]) -> Array:
     present = [factor for factor in factors if factor in array.dims]
     values = np.asarray(array.transpose(*present).values, dtype=np.float64)
     for axis, factor in enumerate(present):

@@ -6,10 +6,12 @@ from functools import cache
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+import xarray as xr
+from numpy.typing import ArrayLike
 from scipy.special import expit, logit
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Indices
+from approximation.chebyshev import gauss_points
 
 Scale = Literal["linear", "log", "logit"]
 SCALES: tuple[str, ...] = get_args(Scale)
@@ -114,14 +116,6 @@ class Input:
         return f"[{self.low:g}, {self.high:g}]" + (f" {self.units}" if self.units else "")
 
 
-def gauss_points(count: int) -> Array:
-    """Return the zeros of the Chebyshev polynomial T_count, ascending, shape (count,)."""
-    if count != int(count) or count < 1:
-        raise ValueError(f"a level count must be a whole number >= 1, got {count!r}")
-    # the sine of an odd function's argument makes the points exactly antisymmetric
-    return np.sin(np.pi * np.arange(1 - count, count, 2) / (2 * count))
-
-
 def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear") -> Array:
     """Return the Chebyshev-Gauss levels of a range, ascending.
 
@@ -170,7 +164,7 @@ def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
 
 
 @cache
-def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, NDArray[np.intp], NDArray[np.intp]]:
+def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, Indices, Indices]:
     """Low ends and widths on the inputs' own scales, (d, 1) each, and which inputs are on a log and a logit scale."""
     low = np.array([[one.low] for one in inputs]).reshape(-1, 1)
     width = [
@@ -181,3 +175,25 @@ def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, NDArray[np.intp], 
     ]  # fmt: skip
     of = {scale: np.flatnonzero([one.scale == scale for one in inputs]) for scale in SCALES}
     return low, np.reshape(width, (-1, 1)), of["log"], of["logit"]
+
+
+def stored_inputs(stored: xr.Dataset, prefix: str = "") -> tuple[Input, ...]:
+    """Return the inputs of a model in a file.
+
+    Parameters
+    ----------
+    stored : Dataset
+        The file.
+    prefix : str
+        Of the names of a model that is a member of another.
+
+    Raises
+    ------
+    ValueError
+        No input, a name twice, or one that is no `Input`.
+    """
+    names = ("input", "low", "high", "scale", "input_units", "input_long_name")
+    columns = [stored[f"{prefix}{name}"].values.tolist() for name in names]
+    if len(set(columns[0])) != len(columns[0]) or not columns[0]:
+        raise ValueError("input names must be unique")
+    return tuple(Input(*row) for row in zip(*columns, strict=True))

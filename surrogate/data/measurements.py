@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Indices
 
 #: Rows that a model is corrected by, at most: the cost grows with their cube.
 MOST_ROWS = 1000
@@ -33,8 +32,8 @@ class Measurements:
     """
 
     points: Array
-    row: NDArray[np.intp]
-    output: NDArray[np.intp]
+    row: Indices
+    output: Indices
     value: Array
     error: Array
 
@@ -46,7 +45,7 @@ class Measurements:
         if len({*zip(self.row.tolist(), self.output.tolist(), strict=True)}) < len(self.row):
             raise ValueError("an output is measured twice in a row")
 
-    def of(self, output: int) -> NDArray[np.intp]:
+    def of(self, output: int) -> Indices:
         """Places of the values of one output."""
         return np.flatnonzero(self.output == output)
 

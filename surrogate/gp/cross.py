@@ -13,17 +13,15 @@ from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Indices
 
-Indices = NDArray[np.intp]
 #: The steps of an approximation: it yields indices (n, d), is sent their blocks (n, b, p), and returns what it found.
 Steps = Generator[Indices, Array, "Crossed"]
 
-# Fresh entries that judge a sweep; indices of the modes behind at first; what chosen rows may leave of others, as a
-# share of the tolerance, at first and sweep by sweep.
+# FRESH entries judge every sweep. A sweep asks for BEHIND indices of the modes behind. The rows that it keeps give all
+# others to LEFT of the tolerance in the first sweep; each further sweep multiplies that share by FINER.
 FRESH, BEHIND = 24, 2
 LEFT, FINER = 0.1, 0.5
 

@@ -6,10 +6,10 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Indices
 from surrogate.data.factorial import LEVEL_TOLERANCE, output_names, text_attrs
 from surrogate.data.inputs import Input
-from surrogate.gp.cross import Cross, Crossed, Indices, run
+from surrogate.gp.cross import Cross, Crossed, run
 from surrogate.gp.factors import cosine_basis
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.tensortrain import TensorTrain, compress
@@ -136,6 +136,7 @@ class CrossGP(GridGP):
         self.outputs_ = tuple(self._names(X))
         self.attrs_ = {name: text_attrs(X[name]) for name in self.outputs_}
         self.calibration_ = self.correction_ = None
+        self.cases_ = int(found.entries * np.prod([self.levels[name] for name in self.whole]))
         names = [one.name for one in self.inputs]
         self.order_ = tuple(names.index(name) for name in (*self.crossed, *self.whole))
         self.error_ = dict(zip(self.outputs_, found.error.tolist(), strict=True))
@@ -193,7 +194,7 @@ class CrossGP(GridGP):
         split = compress(rest.reshape(-1, *rest.shape[2:]), small * float(np.sqrt(last.size))).cores
         first = split[0].reshape(*last.shape[:2], -1)
         whole = TensorTrain((*cores, first, *split[1:]))
-        return whole.only(range(last.shape[-1]), small * float(np.sqrt(self._cases())))
+        return whole.only(range(last.shape[-1]), small * float(np.sqrt(self._places())))
 
     def _standardise(self, train: TensorTrain, found: Crossed) -> None:
         """Take the outputs' means and standard deviations from the train, then kernels and variance as on a grid."""
@@ -206,11 +207,11 @@ class CrossGP(GridGP):
             gram[:, 0] -= mean * line
             line[:, 0] = 0
             gram[:, :, 0] -= mean * line
-        spread = np.sqrt(np.trace(grams[0], axis1=1, axis2=2) / self._cases())
+        spread = np.sqrt(np.trace(grams[0], axis1=1, axis2=2) / self._places())
         spread[spread <= 0] = 1.0
         self.offset_, self.scale_ = found.offset, found.scale * spread
         for gram, size in zip(grams, sizes, strict=True):
-            gram /= (spread**2 * (self._cases() / size))[:, None, None]
+            gram /= (spread**2 * (self._places() / size))[:, None, None]
         back = np.argsort(self.order_)
         points = [one.to_unit(levels) for one, levels in zip(self.inputs_, self.levels_, strict=True)]
         self._choose(points, [grams[k] for k in back])

@@ -6,20 +6,24 @@ from typing import Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Indices
 from surrogate.data.factorial import Factorial, check_levels, complete_factorial
 from surrogate.data.inputs import Input
+from surrogate.data.packing import rounded
+from surrogate.face.core import Single
+from surrogate.face.model import GaussianProcess
+from surrogate.face.plain import plain_inputs, plain_outputs
 from surrogate.gp.correction import Correction, correct
 from surrogate.gp.factors import ChebyshevFactor, Factor, Features, StationaryFactor, cosine_basis, polynomial_basis
 from surrogate.gp.hyperparameters import amplitudes, length_bounds, most_predictive, rho_bounds
-from surrogate.gp.model import GaussianProcess
 from surrogate.gp.single import Process, SinglePoint
 from surrogate.gp.tensortrain import TensorTrain, compress
 
 Kernel = Literal["chebyshev", "rbf", "matern32", "matern52"]
 KERNELS: tuple[str, ...] = get_args(Kernel)
+# Points of the box at which states of an exported train are measured.
+DRAWS = 256
 # As good as the end of a decay: an affine factor has no parameter to tell it.
 AFFINE_DECAY = 1e-3
 
@@ -109,7 +113,7 @@ class GridGP(GaussianProcess):
         data = self._factorial(X)
         self.inputs_, self.levels_ = data.inputs, data.levels
         self.outputs_, self.attrs_ = tuple(data.outputs), data.attrs
-        self.calibration_ = self.correction_ = None
+        self.cases_, self.calibration_, self.correction_ = self._places(), None, None
         points = [one.to_unit(levels) for one, levels in zip(data.inputs, data.levels, strict=True)]
         coefficients, grams = self._coefficients(data, points)
         self._choose(points, grams)
@@ -147,7 +151,7 @@ class GridGP(GaussianProcess):
             coefficients, self.offset_[p], self.scale_[p] = _transform(values, bases, own)
             kept.append(_chop(coefficients, own, self._allowed() / len(points)))
         for gram, t in zip(grams, points, strict=True):
-            gram /= self._cases() / len(t)
+            gram /= self._places() / len(t)
         return kept, grams
 
     def _compress(self, coefficients: Sequence[Array]) -> None:
@@ -162,12 +166,13 @@ class GridGP(GaussianProcess):
         weights = [self.factors_[k].weights[: modes[k]] for k in self.order_]
         self.train_ = compress(ordered, float(np.sqrt(self._allowed()))).scaled(weights)
 
-    def _cases(self) -> int:
+    def _places(self) -> int:
+        """Number of places of the grid."""
         return int(np.prod([len(levels) for levels in self.levels_]))
 
     def _allowed(self) -> float:
         """Squared error allowed to dropping high modes, and as much again to the tensor train."""
-        return self.compression**2 * self._cases() / 2
+        return self.compression**2 * self._places() / 2
 
     def _factor(self, k: int, t: Array, grams: Array) -> Factor:
         fixed = (self.hyperparameters or {}).get(self.inputs_[k].name)
@@ -261,7 +266,7 @@ class GridGP(GaussianProcess):
         plain = self.train_.scaled([1 / scale for scale in weights])
         least = np.maximum(errors, 1e-15)
         eased = TensorTrain((*plain.cores[:-1], plain.cores[-1][..., list(columns)] / least))
-        cut = eased.only(range(len(least)), float(np.sqrt(self._cases())))
+        cut = eased.only(range(len(least)), float(np.sqrt(self._places())))
         self.train_ = TensorTrain((*cut.cores[:-1], cut.cores[-1] * least)).scaled(weights)
 
     @property
@@ -269,7 +274,8 @@ class GridGP(GaussianProcess):
         """Number of parts of the variance: one a factor."""
         return len(self.inputs_)
 
-    def _mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+        """Return means and, with weights (parts, p), variances at scaled coordinates (d, B): (p, B) each."""
         features = self._features(t)
         mean = self.train_.evaluate([features[k].mean for k in self.order_])
         mean *= self.scale_[:, None]
@@ -280,21 +286,46 @@ class GridGP(GaussianProcess):
             return mean, None
         return mean, self._unit_variance(features, weights) * (self.variance_ * self.scale_**2)[:, None]
 
-    def _single(self) -> SinglePoint | None:
+    def single(self) -> Single | None:
+        """Return the short way of one query alone, None with other kernels than "chebyshev"."""
         if self.kernel != "chebyshev":
             return None
         made_of = self.train_, self.correction_, self.calibration_
         if not all(now is then for now, then in zip(made_of, self._laid_out[0], strict=True)):
-            factors = tuple(factor for factor in self.factors_ if isinstance(factor, ChebyshevFactor))
             size = self.variance_ * self.scale_**2
             process = Process(
-                self.inputs_, factors, self.order_, self.train_, self.offset_, self.scale_, self.amplitude_, size,
-                self.correction_, self.calibration_,
+                self.inputs_, self._chebyshev(), self.order_, self.train_, self.offset_, self.scale_, self.amplitude_,
+                size, self.correction_, self.calibration_,
             )  # fmt: skip
             self._laid_out = made_of, SinglePoint(process)
         return self._laid_out[1]
 
-    def _slopes(self, t: Array) -> Array:
+    def plain(self) -> dict[str, Any] | None:
+        """Return all that mean, deviation and interval need; None with other kernels than "chebyshev"."""
+        if self.kernel != "chebyshev":
+            return None
+        t = np.random.default_rng(0).uniform(-1, 1, (DRAWS, len(self.order_)))
+        features = [
+            self.factors_[k].features(t[:, k], n).mean for k, n in zip(self.order_, self.train_.modes, strict=True)
+        ]
+        return {
+            "inputs": plain_inputs(self.inputs_),
+            "order": list(self.order_),
+            "cores": rounded(self.train_.cores, features),
+            "factors": [factor.plain() for factor in self._chebyshev()],
+            "offset": self.offset_,
+            "scale": self.scale_,
+            "correction": None if self.correction_ is None else self.correction_.plain(),
+            "amplitude": self.amplitude_,
+            "variance": self.variance_ * self.scale_**2,
+            **plain_outputs(self),
+        }
+
+    def _chebyshev(self) -> tuple[ChebyshevFactor, ...]:
+        return tuple(factor for factor in self.factors_ if isinstance(factor, ChebyshevFactor))
+
+    def slopes(self, t: Array) -> Array:
+        """Return the derivatives of the means by the scaled coordinates (d, B): (d, p, B)."""
         features, slopes = self._features(t), self._features(t, slopes=True)
         parts = self.train_.gradient([features[k].mean for k in self.order_], [slopes[k].mean for k in self.order_])
         found = np.asarray(parts[np.argsort(self.order_)] * self.scale_[:, None])
@@ -306,7 +337,8 @@ class GridGP(GaussianProcess):
         plain.correction_ = None
         return plain
 
-    def _corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: NDArray[np.intp]) -> Array:
+    def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
+        """Learn the correction of the means, see `surrogate.gp.correction`; other kernels have none."""
         if self.kernel != "chebyshev":
             return errors
         counts = tuple(map(len, self.levels_))
@@ -314,7 +346,8 @@ class GridGP(GaussianProcess):
         self.correction_, left = correct(errors, t, counts, decays, groups)
         return left
 
-    def _slope_variances(self, t: Array, weights: Array) -> Array:
+    def slope_variances(self, t: Array, weights: Array) -> Array:
+        """Return the weighted variances of these derivatives, (d, p, B)."""
         features, slopes = self._features(t), self._features(t, slopes=True)
         if self.correction_ is not None:
             slopes = [self.correction_.steepened(k, slope) for k, slope in enumerate(slopes)]

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.gp.factors import Factor
 
 # Largest share of the variation along a factor that its amplitude may claim, and the steps of the first, coarse search.

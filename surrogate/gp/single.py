@@ -4,16 +4,15 @@ A block of queries spends its time in arithmetic; one query spends it in startin
 all factors stand in one vector, and every part of the answer is a gather from it and one product with a matrix.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import log
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import eval_chebyt
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.gp.correction import Correction
 from surrogate.gp.factors import ChebyshevFactor
@@ -21,7 +20,6 @@ from surrogate.gp.tensortrain import TensorTrain
 from surrogate.intervals.conformal import Calibration
 from surrogate.intervals.guard import SLABS
 
-Indices = NDArray[np.intp]
 # 0 in the lowest slab, 2 in the highest, 1 between: places in the guard of corners.
 _EDGE = np.array([0, *[1] * (SLABS - 2), 2])
 
@@ -81,10 +79,10 @@ class SinglePoint:
     def __call__(self, point: Sequence[float], with_std: bool) -> tuple[Array, Array | None] | None:
         """Return means and, where wanted, standard deviations, (p,) each; None for a point outside of the box."""
         t = []
-        for x, (low, high, width, logarithmic) in zip(point, self._inputs, strict=True):
+        for x, (low, high, way, width) in zip(point, self._inputs, strict=True):
             if not low <= x <= high:
                 return None
-            unit = 2 * (log(x / low) if logarithmic else x - low) / width - 1
+            unit = 2 * way(x) / width - 1
             t.append(min(max(unit, -1.0), 1.0))
         scaled = np.array(t)
         T = self._rows.polynomials(scaled)
@@ -209,7 +207,12 @@ class _SingleStretch:
         return np.asarray(np.sqrt(variance + self._floor) * np.exp(scale))
 
 
-def _mapping(one: Input) -> tuple[float, float, float, bool]:
-    """The ends of an input, its width on its own scale, and whether that is logarithmic."""
-    logarithmic = one.scale == "log"
-    return one.low, one.high, log(one.high / one.low) if logarithmic else one.high - one.low, logarithmic
+def _mapping(one: Input) -> tuple[float, float, Callable[[float], float], float]:
+    """The ends of an input; on its scale, the distance of a value from the lower end, and that of the upper end."""
+    low, high = one.low, one.high
+    if one.scale == "log":
+        return low, high, lambda x: log(x / low), log(high / low)
+    if one.scale == "logit":
+        start = log(low / (1 - low))
+        return low, high, lambda x: log(x / (1 - x)) - start, log(high / (1 - high)) - start
+    return low, high, lambda x: x - low, high - low

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 
 
 @dataclass(frozen=True)

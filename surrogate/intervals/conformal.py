@@ -22,12 +22,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Indices
 from surrogate.intervals.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
 from surrogate.intervals.guard import SLABS, Guard, fill, unguarded
 from surrogate.intervals.quantile import quantile_regression
 from surrogate.intervals.sharing import places
-from surrogate.intervals.trend import Indices, additive, products, values
+from surrogate.intervals.trend import additive, products, values
 
 MINIMUM = 40
 FOLDS = 5
@@ -158,7 +158,7 @@ class Calibration:
         return cls(weights, floor, trend, degree.astype(np.intp), within, guard, distribution)
 
 
-def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: NDArray[np.intp]) -> Calibration:
+def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: Indices) -> Calibration:
     """Calibrate on held-out cases.
 
     Parameters
@@ -213,7 +213,7 @@ def _sizes(errors: Array, parts: Sequence[Array]) -> tuple[Array, Array, Array]:
     return weights, floor, logarithms
 
 
-def _fitted(logarithms: Array, t: Array, groups: NDArray[np.intp]) -> tuple[Indices, Array]:
+def _fitted(logarithms: Array, t: Array, groups: Indices) -> tuple[Indices, Array]:
     """Degrees of the local scale's terms, (m, d), and its coefficients for logarithms of errors (p, n): (m, p)."""
     apart, (d, cases) = places(t, groups), t.shape
     few = max((degree for least, degree in DEGREES if cases >= least), default=0)
@@ -276,7 +276,7 @@ def _components(variances: Array, squares: Array) -> Array:
     return np.asarray(weights / size)
 
 
-def _cross_fitted(A: Array, ratio: Array, trend: Array, groups: NDArray[np.intp]) -> Array:
+def _cross_fitted(A: Array, ratio: Array, trend: Array, groups: Indices) -> Array:
     """Residuals of the trend, every fold's from a fit to the others: (n,)."""
     _, number = np.unique(groups, return_inverse=True)
     fold = np.random.default_rng(0).permutation(number.max() + 1)[number] % FOLDS

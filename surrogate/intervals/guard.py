@@ -9,15 +9,15 @@ from itertools import combinations
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Indices
+from surrogate.intervals.distribution import NOMINAL
 
 SLABS = 10
 # Places of cases below which the own quantile of a slab or a corner says too little, and the shares of the cases that
 # hold beyond: a corner has few, and needs room for their error.
 SLAB_PLACES, CORNER_PLACES = 20, 8
-SLAB_LEVEL, CORNER_LEVEL = 0.95, 0.98
+SLAB_LEVEL, CORNER_LEVEL = NOMINAL, 0.98
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def unguarded(inputs: int, outputs: int) -> Guard:
     return Guard(np.zeros((inputs, SLABS, outputs)), np.zeros((pairs, 3, 3, outputs)))
 
 
-def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, groups: NDArray[np.intp]) -> None:
+def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, groups: Indices) -> None:
     """Set the guard of one output so that the scores of every cell hold.
 
     Parameters
@@ -87,12 +87,12 @@ def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, group
             array[(*place, output)] = max(0.0, float(own[rank - 1]) - level)
 
 
-def slabs(t: Array) -> NDArray[np.intp]:
+def slabs(t: Array) -> Indices:
     """Return the index of the slab of equal width: any shape."""
     return np.clip(((t + 1) / 2 * SLABS).astype(np.intp), 0, SLABS - 1)
 
 
-def _cells(slab: NDArray[np.intp]) -> Iterator[tuple[tuple[int, ...], NDArray[np.intp]]]:
+def _cells(slab: Indices) -> Iterator[tuple[tuple[int, ...], Indices]]:
     """Every cell: its place in the guard's arrays, and its cases."""
     for factor, own in enumerate(slab):
         for number in range(SLABS):
@@ -103,6 +103,6 @@ def _cells(slab: NDArray[np.intp]) -> Iterator[tuple[tuple[int, ...], NDArray[np
                 yield (pair, a, b), np.flatnonzero((_edge(slab[i]) == a) & (_edge(slab[j]) == b))
 
 
-def _edge(slab: NDArray[np.intp]) -> NDArray[np.intp]:
+def _edge(slab: Indices) -> Indices:
     """0 in the lowest slab, 2 in the highest, 1 between."""
     return np.asarray((slab > 0).astype(np.intp) + (slab == SLABS - 1))

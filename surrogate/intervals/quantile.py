@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.special import ndtr
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 
 # The smoothing ends at this share of the residuals' upper spread, where its bias no longer matters.
 BANDWIDTH = 0.1

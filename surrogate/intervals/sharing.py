@@ -1,12 +1,11 @@
-"""Held-out cases that share some inputs: cheaper to solve, they tell less than as many apart."""
+"""Groups of held-out cases that share some inputs: the cases of a group count as one place of these inputs."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Indices
 
 
-def sharing(t: Array) -> NDArray[np.intp]:
+def sharing(t: Array) -> Indices:
     """Return the group of every case, (n,): cases share those coordinates, (d, n), that have at most n/2 values."""
     few = [row for row in t if len(np.unique(row)) <= t.shape[1] / 2]
     if not few:
@@ -14,7 +13,7 @@ def sharing(t: Array) -> NDArray[np.intp]:
     return np.unique(np.stack(few), axis=1, return_inverse=True)[1].reshape(-1)
 
 
-def places(t: Array, groups: NDArray[np.intp]) -> NDArray[np.intp]:
+def places(t: Array, groups: Indices) -> Indices:
     """Return how many places the cases have along every input, (d,): the groups, where these share it, or the cases."""
     count, cases = len(np.unique(groups)), t.shape[1]
     return np.array([count if len(np.unique(row)) <= count else cases for row in t])

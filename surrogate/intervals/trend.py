@@ -4,11 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
-from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array
-
-Indices = NDArray[np.intp]
+from approximation.arrays import Array, Indices
 
 
 def additive(highest: Sequence[int]) -> Indices:

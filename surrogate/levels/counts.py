@@ -15,7 +15,7 @@ from types import MappingProxyType
 import numpy as np
 import xarray as xr
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.factorial import complete_factorial
 from surrogate.data.inputs import Input
 from surrogate.gp.factors import cosine_basis

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 
 # Coefficients below this share of the largest are rounding of the data.
 NOISE = 1e-13

@@ -3,9 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Indices
 from surrogate.data.factorial import output_names
-from surrogate.gp.cross import Indices
 from surrogate.gp.crossgp import CrossGP
 from surrogate.gp.factors import cosine_basis
 from surrogate.levels.counts import Decays

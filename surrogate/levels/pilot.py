@@ -7,7 +7,7 @@ from types import MappingProxyType
 import numpy as np
 import xarray as xr
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.levels.counts import LevelChoice, choose, decays
 from surrogate.levels.decay import Decay

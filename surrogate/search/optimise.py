@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import NonlinearConstraint, minimize
 from scipy.stats import qmc
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Flags
 
 _FEASIBLE = 1e-9  # largest excess, in units of the limits, that counts as none: SLSQP's own accuracy
 _NEARLY = 1e-6  # an excess that next to nothing of the objective takes away
@@ -111,7 +111,54 @@ def improve(problem: Problem, x: Array, scale: float) -> Optimum:
         # the least excess may be far from the best design, and a climb from there may fail: not the first thing to try
         start = local.relax(best.x)
         best = _best(problem, [best.x, start, local.climb(start)])
-    return _with_widest_margins(local, best)
+    return _within(problem, _with_widest_margins(local, best))
+
+
+def retreat(problem: Problem, x: Array) -> Array:
+    """Step back into the limits: Newton steps along the gradients of what exceeds them, each the shortest in the box.
+
+    Parameters
+    ----------
+    problem
+        Whose limits.
+    x
+        A point that exceeds them by little; (d,).
+
+    Returns
+    -------
+    numpy.ndarray
+        The point (d,) after the last step; where the rows leave no way back, it still exceeds them.
+    """
+    exceeding: Flags = np.zeros(0, dtype=bool)
+    for _ in range(_STEPS):
+        rows = problem.value(x[None])[1][0]
+        if not np.any(rows > 0):
+            break
+        exceeding = (rows > 0) | (exceeding if exceeding.size else False)
+        x = x + _shortest(problem.slope(x)[1][exceeding], -rows[exceeding], x)
+    return x
+
+
+def _shortest(jacobian: Array, rise: Array, x: Array) -> Array:
+    """The shortest step from x by which rows rise so far; a variable that would leave the box stops at its end."""
+    step, free = np.zeros(len(x)), np.ones(len(x), dtype=bool)
+    while free.any():
+        step[free] = np.linalg.lstsq(jacobian[:, free], rise - jacobian[:, ~free] @ step[~free], rcond=None)[0]
+        ends = np.clip(x + step, -1.0, 1.0) - x
+        leaving = free & (ends != step)
+        if not leaving.any():
+            break
+        step[leaving], free = ends[leaving], free & ~leaving
+    return step
+
+
+def _within(problem: Problem, best: Optimum) -> Optimum:
+    """The same behind its limits: what a search counts as no excess, a verdict may not."""
+    largest = best.excess.max(initial=0.0)
+    if not best.feasible or largest <= 0:
+        return best
+    other = _judge(problem, retreat(problem, best.x))
+    return other if other.excess.max() < largest else best
 
 
 def _with_widest_margins(local: "_Local", best: Optimum) -> Optimum:

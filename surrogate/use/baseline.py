@@ -8,11 +8,12 @@ import xarray as xr
 from numpy.polynomial.chebyshev import chebvander
 from scipy.fft import dct
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.factorial import complete_factorial
 from surrogate.data.inputs import Input
 from surrogate.data.points import named_points
-from surrogate.gp.model import GaussianProcess
+from surrogate.face.model import GaussianProcess
+from surrogate.transforms.transformed import groups_of
 
 # Elements of the largest intermediate array, which bounds memory.
 ELEMENTS = 2**22
@@ -58,17 +59,17 @@ def baseline(
     model: GaussianProcess, training: xr.Dataset, points: Mapping[str, Any] | xr.Dataset, outputs: Sequence[str]
 ) -> xr.Dataset:
     """Interpolate what a grid or grouped model was trained on: over its own inputs, or its axes and scaled outputs."""
-    grouping, named = model.grouping, named_points(points, model.inputs_)
+    grouping, named = groups_of(model), named_points(points, model.inputs_)
     if grouping is None:
         return chebyshev_interpolation(training, list(model.inputs_), points, outputs)
     axes = {one.name: training[one.name] for one in grouping.axes}
-    at = xr.DataArray(grouping.coordinates(named.X), dims=("point", "axis"))
+    at = xr.DataArray(grouping.products.values(named.X), dims=("point", "axis"))
     columns = {one.name: at.isel(axis=k) for k, one in enumerate(grouping.axes)}
     found = chebyshev_interpolation(
         grouping.reduced(training, outputs).assign_coords(axes), grouping.axes, columns, outputs
     )
-    told = grouping.told(np.stack([found[name].values for name in outputs]), named.X, outputs)
-    return named.dataset({name: (row, training[name].attrs) for name, row in zip(outputs, told, strict=True)})
+    rows = grouping.scales(outputs).untransform(np.stack([found[name].values for name in outputs]), named.X)
+    return named.dataset({name: (row, training[name].attrs) for name, row in zip(outputs, rows, strict=True)})
 
 
 def coefficients(values: Array) -> Array:

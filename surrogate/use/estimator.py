@@ -5,16 +5,16 @@ from typing import Literal, Self, get_args, overload
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array, Indices
 from surrogate.data.factorial import follows_chebyshev
 from surrogate.data.inputs import Input
+from surrogate.face.model import GaussianProcess
 from surrogate.gp.gridgp import GridGP
-from surrogate.gp.model import GaussianProcess
-from surrogate.scattered.scattergp import KernelName, ScatterGP
+from surrogate.gp.scattergp import KernelName, ScatterGP
 
 Design = Literal["auto", "factorial", "scattered"]
 
@@ -160,7 +160,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
     def _shaped(self, values: Array) -> Array:
         return values[:, 0] if self._single else values
 
-    def _grid(self, names: list[str], levels: list[Array], values: Array, places: NDArray[np.intp]) -> GaussianProcess:
+    def _grid(self, names: list[str], levels: list[Array], values: Array, places: Indices) -> GaussianProcess:
         sizes = [len(some) for some in levels]
         ordered = np.empty_like(values)
         ordered[places] = values
@@ -181,7 +181,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         return ScatterGP(self.kernel, self.inputs, outputs, self.nugget).fit(data)
 
 
-def _places(columns: Array, levels: Sequence[Array]) -> NDArray[np.intp] | None:
+def _places(columns: Array, levels: Sequence[Array]) -> Indices | None:
     """The place of every case in the full product of the levels, (n,); None unless every combination is there once."""
     sizes = tuple(len(some) for some in levels)
     if int(np.prod([float(size) for size in sizes])) != len(columns):

@@ -11,11 +11,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from surrogate.data.arrays import Array, Flags
+from approximation.arrays import Array, Flags, Indices
 from surrogate.data.inputs import Input
-from surrogate.gp.model import GaussianProcess
+from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL
 
 _FIRST = {1: 256, 2: 48, 3: 16}  # cells an input at first, by the number of inputs
@@ -137,7 +136,7 @@ class Inversion:
         change = [np.abs(np.gradient(grid, axis=along)).reshape(mean.shape) / 2 for along in range(k)]
         return _Cells(centre, np.full(centre.shape, 1 / count), mean, std, np.stack(change, 1))
 
-    def _halved(self, parents: "_Cells", along: NDArray[np.intp]) -> "_Cells":
+    def _halved(self, parents: "_Cells", along: Indices) -> "_Cells":
         """Every cell halved along one input; an output changes within a child as it does from the parent to it."""
         rows = np.arange(len(along))
         half = parents.half.copy()

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_solve
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.measurements import Measurements
-from surrogate.measured.draws import Draw, mixture, moments
+from surrogate.transforms.measured.draws import Draw, mixture, moments
 from surrogate.use.residuals import DRAWS, Residuals
 
 #: Takes scaled constants (k,); gives the model's means at the measured values (n,) and their derivatives (n, k).

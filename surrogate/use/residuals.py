@@ -14,9 +14,9 @@ from scipy.optimize import Bounds, minimize
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal, norm
 
-from surrogate.data.arrays import Array, Flags
-from surrogate.measured.discrepancy import Discrepancy
-from surrogate.measured.draws import Draw
+from approximation.arrays import Array, Flags
+from surrogate.transforms.measured.discrepancy import Discrepancy
+from surrogate.transforms.measured.draws import Draw
 
 #: Prior of a discrepancy's amplitude over the size of its output: the density falls as a^-1/2, faster from here on.
 AMPLITUDE = 0.2

@@ -13,13 +13,13 @@ import xarray as xr
 from numpy.polynomial.legendre import leggauss
 from scipy.stats import qmc
 
-from surrogate.curves.curvegp import CurveGP
-from surrogate.data.arrays import Array
-from surrogate.data.inputs import gauss_points
+from approximation.arrays import Array
+from approximation.chebyshev import gauss_points
+from surrogate.face.model import GaussianProcess
 from surrogate.gp.factors import cosine_basis
 from surrogate.gp.gridgp import GridGP
-from surrogate.gp.groupedgp import GroupedGP
-from surrogate.gp.model import GaussianProcess
+from surrogate.transforms.curves.curvegp import CurveGP
+from surrogate.transforms.groupedgp import GroupedGP
 
 # Gauss-Legendre nodes a mode: exact for the Chebyshev kernel, whose features have twice as many modes.
 NODES_A_LEVEL = 2

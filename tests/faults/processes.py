@@ -12,6 +12,7 @@ from typing import Literal
 
 import psutil
 
+from tests.patience import PATIENCE
 from tests.workflow.conftest import Project
 
 Victim = Literal["job", "snakemake"]
@@ -72,4 +73,4 @@ def kill_within(project: Project, run: subprocess.Popen[bytes], victim: Victim, 
 
 def wait_for_orphans(project: Project) -> None:
     """Wait until nothing works in the project's folder any more."""
-    psutil.wait_procs(working(project), timeout=120)
+    psutil.wait_procs(working(project), timeout=PATIENCE)

@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from tests.patience import PATIENCE
+
 CONF = Path("/etc/slurm/slurm.conf")
 MARK = "# written by the tests of meecontact"
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "sinfo", "runuser")
@@ -47,10 +49,10 @@ PartitionName=main Nodes={{host}} Default=YES MaxTime=INFINITE State=UP
 def missing() -> str:
     """Why no Slurm can be started here; empty where one can."""
     if os.geteuid() != 0:
-        return "Slurm: needs root"
+        return "no Slurm (root may start one)"
     absent = [name for name in PROGRAMS if shutil.which(name) is None]
     if absent:
-        return f"Slurm: {', '.join(absent)} missing (Debian: munge slurmctld slurmd slurm-client)"
+        return f"no Slurm: {', '.join(absent)} missing (Debian: munge slurmctld slurmd slurm-client)"
     if CONF.exists() and MARK not in CONF.read_text(encoding="utf-8"):
         return f"Slurm: {CONF} is somebody else's"
     return ""
@@ -84,7 +86,7 @@ def cluster(folder: Path) -> Iterator[None]:
         for process in reversed(started):
             process.terminate()
         for process in started:
-            process.wait(timeout=60)
+            process.wait(timeout=PATIENCE)
         CONF.unlink()
 
 

@@ -18,6 +18,7 @@ from storage.blocks import write_blocks
 from storage.netcdf import read_whole, write_whole
 from storage.sealed import seal
 from surrogate import FormatError
+from tests.patience import PATIENCE
 
 
 def sample() -> xr.Dataset:
@@ -87,7 +88,7 @@ def test_a_root_of_a_metre_is_stored_as_a_scaled_quantity(units: str, stored: st
                 assert (again["f"].attrs["units"], again["f"].attrs["long_name"]) == (units, "intensity")
 
 
-@pytest.mark.skipif(not shutil.which("ncdump"), reason="no ncdump on this machine")
+@pytest.mark.skipif(not shutil.which("ncdump"), reason="no ncdump (Debian: netcdf-bin)")
 def test_the_systems_own_ncdump_reads_the_values_of_a_large_array(tmp_path: Path) -> None:
     data = xr.Dataset({"f": ("x", np.repeat(np.arange(10.0), 1000))})
     write_whole(data, tmp_path / "a.nc")
@@ -233,7 +234,7 @@ def test_a_killed_writer_never_leaves_a_file_under_the_final_name(tmp_path: Path
     process = subprocess.Popen([sys.executable, "-c", script, str(tmp_path / "a.nc")], stdout=subprocess.PIPE)
     assert process.stdout is not None
     process.stdout.readline()
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + PATIENCE
     while not any(one.stat().st_size > 2**20 for one in tmp_path.iterdir()) and time.monotonic() < deadline:
         time.sleep(0.001)
     os.kill(process.pid, signal.SIGKILL)

@@ -7,12 +7,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from approximation.chebyshev import gauss_points
 from approximation.measure import Measure
 from approximation.panels import Panels
-from surrogate import CurveGP, GridGP, GroupedGP, Input
-from surrogate.curves.curves import Curves, Largest
-from surrogate.data.inputs import gauss_points
-from surrogate.gp.grouping import Group, Grouping, Scaling
+from surrogate import CurveGP, GridGP, Group, GroupedGP, Grouping, Input, Scaling
+from surrogate.transforms.curves.basis import Curves, Largest
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from surrogate import Group, Grouping, Input, Scaling
-from surrogate.gp.grouping import span
+from surrogate.transforms.inputs import span
 
 INPUTS = (
     Input("mixture", 0.05, 0.9),

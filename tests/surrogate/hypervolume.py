@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.search.pareto import non_dominated
 
 

@@ -74,7 +74,7 @@ def test_every_file_speaks_for_itself_to_foreign_programs(ran: Project) -> None:
         )
 
 
-@pytest.mark.skipif(not shutil.which("ncdump"), reason="no ncdump on this machine")
+@pytest.mark.skipif(not shutil.which("ncdump"), reason="no ncdump (Debian: netcdf-bin)")
 def test_the_systems_own_ncdump_reads_every_value(ran: Project) -> None:
     for path in sorted((ran.folder / "results/small").rglob("*.nc")):
         done = subprocess.run(["ncdump", str(path)], capture_output=True, text=True, check=False)

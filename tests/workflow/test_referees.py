@@ -19,7 +19,7 @@ from workflow.study.model import load
 
 PYTHON = Path(sys.prefix) / "referees/bin/python"
 SMALL = "results/small"
-pytestmark = pytest.mark.skipif(not PYTHON.exists(), reason="no referees here: `make referees` installs them")
+pytestmark = pytest.mark.skipif(not PYTHON.exists(), reason="no referees (`make referees` installs them)")
 
 FILM = """\
 title: Films in groups

@@ -46,7 +46,7 @@ def learn(options: argparse.Namespace) -> None:
         Options, rows or a surrogate that do not fit each other; in one line, and nothing is written.
     """
     from surrogate import save  # scikit-learn and the solver: not for every command
-    from surrogate.measured.corrected import CorrectedGP
+    from surrogate.transforms.measured.corrected import CorrectedGP
     from workflow.cli import questions
     from workflow.cli.measuredtable import read_measured
     from workflow.learning import measured

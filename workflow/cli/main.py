@@ -13,7 +13,8 @@ import numpy as np
 import xarray as xr
 
 from solver import FactorError, Material, MaterialError, PrecisionWarning, solve, solve_interior
-from solver.names import ALL_QUANTITIES, FILM_QUANTITIES, QUANTITIES
+from solver.body import kind_of
+from solver.names import ALL_QUANTITIES
 from storage.files import output
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
@@ -114,7 +115,9 @@ def _parser() -> _Parser:
     )
     command.add_argument("--at", metavar="NAME=VALUE,...", help="one point, printed")
     command.add_argument("-o", "--output", type=Path, metavar="OUT.csv")
-    command.add_argument("--level", type=float, metavar="SHARE", help="of cases that intervals hold; default: 0.95")
+    command.add_argument(
+        "--level", type=float, metavar="SHARE", help="of cases that intervals hold; default: the study's"
+    )
     command.add_argument("--extrapolate", action="store_true", help="answer outside the trained box too, flagged")
     command.add_argument(
         "--exact", metavar="STUDY", help="also the exact answers, by the formula: the study that it came from"
@@ -188,7 +191,7 @@ def _solve(options: argparse.Namespace) -> None:
     positions = None if options.positions is None else numbers("--positions", options.positions)
     points = len(positions or [0.0])
     out = _solved(options, lambda factors, own: solve(factors, positions, materials=own, peaks=options.peaks), points)
-    asked = [*QUANTITIES, *(FILM_QUANTITIES if "thickness" in out.coords else [])]
+    asked = list(kind_of([str(name) for name in out.coords]).quantities)
     missing = [name for name in asked if name not in out]
     if missing:
         print(f"left out, as some case has no such quantity: {', '.join(missing)}", file=sys.stderr)
@@ -224,10 +227,11 @@ def _material(options: argparse.Namespace) -> None:
 
 def _design(options: argparse.Namespace) -> None:
     from workflow.cli import questions  # scikit-learn and the searches: not for every command
+    from workflow.design.told import table
 
     with busy("searching"):
         answer = questions.ask(options.results, vars(options))
-    print(questions.as_json(answer) if options.json else _shown(questions.as_text(answer)))
+    print(table.as_json(answer) if options.json else _shown(table.as_text(answer)))
 
 
 def _invert(options: argparse.Namespace) -> None:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from solver import solve
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers
 from surrogate import Group, Grouping, Input, Scaling
-from surrogate.gp.grouping import middle
 from surrogate.levels.counts import decays
+from surrogate.transforms.inputs import middle
 from workflow.study import grouped
 from workflow.study.categories import Kinds, output
 from workflow.study.datum import length
@@ -53,7 +53,7 @@ def factors(study: Study, axes: Mapping[str, Array]) -> dict[str, xr.DataArray |
     found |= {name: value for name, value in study.numbers.items() if name not in study.factors}
     waiting = list(study.products)
     while waiting:
-        ready = [name for name in waiting if _others(study, leads, name) <= found.keys()]
+        ready = [name for name in waiting if all(other in found for other in _others(study, leads, name))]
         if not ready:
             raise ValueError(f"groups: {', '.join(waiting)}: each needs a factor that another varies")
         for name in ready:
@@ -67,8 +67,9 @@ def factors(study: Study, axes: Mapping[str, Array]) -> dict[str, xr.DataArray |
     return {name: found[name] for name in study.factors}
 
 
-def _others(study: Study, leads: Mapping[str, str], axis: str) -> set[str]:
-    return set(study.products[axis].powers) - {leads[axis]}
+def _others(study: Study, leads: Mapping[str, str], axis: str) -> list[str]:
+    """The factors of a product but its first, in its order: divided by one after the other, the order decides bits."""
+    return [name for name in study.products[axis].powers if name != leads[axis]]
 
 
 def grouping(

@@ -91,33 +91,17 @@ def spoken(expression: Expression, text: str) -> str:
     return text
 
 
-def objective(text: str) -> str:
-    """What is wanted, in words.
+def stated(one: statements.Objective | statements.Limit) -> str:
+    """What is wanted or bounded, in words, and what a deviation is taken over.
 
     Examples
     --------
-    >>> objective("abs(charge_sensitivity)")
+    >>> stated(statements.objective("abs(charge_sensitivity)"))
     'charge per force'
-    """
-    one = statements.objective(text, maximise=False)  # which also a deviation may be
-    return _deviation(one, one.text)
-
-
-def limited(limit: statements.Limit) -> str:
-    """What a limit bounds, in words.
-
-    Examples
-    --------
-    >>> limited(statements.limit("trailing_tension <= 50 MPa"))
+    >>> stated(statements.limit("trailing_tension <= 50 MPa"))
     'tension behind the contact'
     """
-    return _deviation(limit, limit.text.partition("<" if limit.upper else ">")[0].strip())
-
-
-def _deviation(one: statements.Objective | statements.Limit, text: str) -> str:
-    """A statement's expression in words, and what a deviation is taken over."""
-    inner = text.removeprefix("deviation(").rpartition(")")[0].partition(" over ")[0] if one.deviation else text
-    words = spoken(one.expression, inner.strip())
+    words = spoken(one.expression, one.inner)
     over = f" over {listed([title(name) for name in one.over])}" if one.over else ""
     return f"deviation of {words}{over}" if one.deviation else words
 
@@ -142,7 +126,7 @@ def bound(limit: statements.Limit, at: float, units: str) -> str:
     'tension behind the contact at most 50 MPa with probability 0.9'
     """
     chance = "" if limit.probability is None else f" with probability {limit.probability:g}"
-    return f"{limited(limit)} at {'most' if limit.upper else 'least'} {shown(at, units, 4)}{chance}"
+    return f"{stated(limit)} at {'most' if limit.upper else 'least'} {shown(at, units, 4)}{chance}"
 
 
 def value(name: str, number: float, digits: int = 4) -> str:

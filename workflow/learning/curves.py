@@ -9,12 +9,13 @@ import xarray as xr
 from solver.curves import FOLLOWS, REGIONS, described
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
-from surrogate.curves.curvegp import CurveGP
-from surrogate.curves.curves import Curves, Largest
+from surrogate.face.model import GaussianProcess
 from surrogate.gp.gridgp import GridGP
-from surrogate.gp.groupedgp import GroupedGP
-from surrogate.gp.grouping import Grouping, Scaling
-from surrogate.gp.model import GaussianProcess
+from surrogate.transforms.curves.basis import Curves, Largest
+from surrogate.transforms.curves.curvegp import CurveGP
+from surrogate.transforms.groupedgp import GroupedGP
+from surrogate.transforms.groups import Grouping
+from surrogate.transforms.outputs import Scaling
 from workflow.dataset import factorial, similar
 from workflow.study import categories
 from workflow.study.categories import output

@@ -9,7 +9,7 @@ from solver import MaterialError
 from surrogate import GaussianProcess
 from surrogate.data.measurements import MOST_ROWS, Measurements
 from surrogate.intervals.distribution import NOMINAL, Normal
-from surrogate.measured.corrected import CorrectedGP
+from surrogate.transforms.measured.corrected import CorrectedGP
 from surrogate.use import learning
 from workflow.learning.effects import Effects
 from workflow.learning.taught import Taught
@@ -65,7 +65,7 @@ def learn(
             f"{len(rows.outputs)} discrepancies); measure more, or name fewer constants with --uncertain"
         )
     nominal = model.predict_array(rows.points)
-    lower, upper = model.interval_array(rows.points)
+    lower, upper = model.interval_array(rows.points, NOMINAL)
     mean = nominal[rows.row, rows.output]
     _check_size(model, rows, mean)
     effects = Effects(study, model, constants, say)

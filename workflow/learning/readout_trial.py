@@ -5,6 +5,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate import GaussianProcess
+from surrogate.intervals.distribution import NOMINAL
 from surrogate.use.inversion import Inversion
 from workflow.dataset import factorial
 from workflow.study.categories import output
@@ -13,7 +14,7 @@ from workflow.study.readout import Readout, error
 
 Array = NDArray[np.float64]
 
-_LEVEL = 0.95  # of the intervals
+_LEVEL = NOMINAL  # of the intervals
 
 
 def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
@@ -37,7 +38,7 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     measured = exact + _errors(readout, exact) * random.standard_normal(exact.shape)
     kinds = {name: readout.kinds[name] for name in study.categories}
     asked = [output(one, kinds) for one in names]
-    own = model.only(asked) if study.on_film else model  # of the many outputs that films have, only those
+    own = model.only(asked) if study.kind.tabled else model  # of the many outputs that films have, only those
     inversion = Inversion(own, [one.name for one in inputs], asked, readout.held)
     found = [inversion.estimate(row, one) for row, one in zip(measured, _errors(readout, measured), strict=True)]
     mean, low, high = (np.stack([getattr(one, key) for one in found], -1) for key in ("mean", "low", "high"))

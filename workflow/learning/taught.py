@@ -68,7 +68,7 @@ class Taught:
         lines += [f"{d['output']}: {d['verdict']}" for d in one["discrepancies"]]
         lines.append(
             f"each row predicted from the others: {100 * left['share_within_95']:.1f} % of the values within 95 % "
-            f"intervals, errors {left['rms_after']:.3g} of what they were before"
+            f"intervals, errors {left['rms_after']:.2g} of what they were before"
         )
         return lines
 

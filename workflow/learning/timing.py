@@ -42,7 +42,7 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
         "cases": float(study.cases),
         "queries": float(count),
         "outputs": float(len(study.outputs)),
-        **(_films(plain) if study.on_film else _half_planes(plain, points)),
+        **(_films(plain) if study.kind.tabled else _half_planes(plain, points)),
         "surrogate_fit": (_once if study.crossed else seconds)(lambda: training.fit(study, quantities)),
         "surrogate_mean_per_query": seconds(lambda: model.predict_array(X)) / count,
         "surrogate_mean_std_per_query": seconds(lambda: model.predict_array(X, return_std=True)) / count,

@@ -8,6 +8,7 @@ from storage.described import described
 from surrogate import CrossGP, GaussianProcess, GridGP, GroupedGP
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.levels import counts, lines
+from surrogate.transforms.transformed import groups_of
 from surrogate.use import validation
 from workflow.dataset import batches, factorial
 from workflow.learning import curves
@@ -20,10 +21,10 @@ COMPRESSION = 0.02
 def compression(study: Study) -> float:
     """Error allowed to the compressed mean: far below the tolerance, and no smaller, since queries cost less so.
 
-    What films have in two dozen outputs on each base would otherwise need ranks of some hundreds.
+    A film has two dozen outputs on each base; with a smaller error the ranks of their train would be some hundreds.
     """
     allowed = 1e-3 * study.validation.tolerance
-    return allowed if study.on_film else min(1e-9, allowed)
+    return allowed if study.kind.tabled else min(1e-9, allowed)
 
 
 def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
@@ -39,6 +40,8 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     else:
         model = crossing(study) if study.crossed else process(study, study.learned)
     model.made_from_ = study.physics
+    if study.surrogate.level is not None:
+        model.level_ = study.surrogate.level
     return model.fit(data)
 
 
@@ -84,7 +87,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     """
     points = {name: cases[name] for name in study.factors}
     cases, quantities = factorial.learned(study, cases), factorial.learned(study, quantities)
-    by = model.grouping
+    by = groups_of(model)
     if study.crossed:
         decays = lines.decays(crossing(study), quantities)
     else:

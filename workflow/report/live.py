@@ -29,7 +29,7 @@ def drawable(study: Study) -> bool:
 def closed_pressure(study: Study, kinds: Kinds) -> bool:
     """Whether the contact pressure of a combination of the categories follows in closed form."""
     profile = {**study.fixed, **kinds}.get("profile", "cylinder")
-    return set(study.outputs) >= _PRESSURE and profile == "cylinder" and not study.on_film
+    return set(study.outputs) >= _PRESSURE and profile == "cylinder" and not study.kind.tabled
 
 
 def body(study: Study, kinds: Kinds) -> dict[str, Any]:

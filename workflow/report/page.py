@@ -12,6 +12,7 @@ from solver.names import ALL_QUANTITIES, CHOICES
 from storage.netcdf import read_whole
 from surrogate import load
 from workflow.dataset import factorial
+from workflow.design.verdict import netcdf
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, title
@@ -93,7 +94,7 @@ def page(
         "meanings": _MEANINGS,
         "hanging": hangs,
         "datum": length(study),
-        "on_film": study.on_film,
+        "kind": study.kind,
         "together": factorial.TOGETHER,
         "tabled": study.tabled,
         "film_beside": study.effects.film if study.effects else {},
@@ -123,13 +124,13 @@ def page(
         content["validation"] = tables.validation(folder)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = by_quantity(study, times)
-        found = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
+        found = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
         content["datum_changes"] = datum_effect.changes(study)
         content["designs"] = [
             tables.design(answer)
             | {
                 "on_datum": datum_effect.of_design(study, target, answer),
-                "edge": datum_effect.singular_zone(study, target, answer),
+                "edge": datum_effect.singular_zone(study, answer),
             }
             for target, answer in zip(study.design.values(), found, strict=True)
         ]
@@ -175,7 +176,7 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
 def _problem(study: Study) -> Markup:
     """The drawing of a study's bodies: a half-plane, a film, or both where films are shown beside it."""
     effects = study.effects
-    of_films = study.on_film or (effects is not None and "thickness" in effects.baseline)
+    of_films = study.kind.layered or (effects is not None and "thickness" in effects.baseline)
     beside = effects is not None and bool(effects.film)
     drawings = [] if of_films else [element(problem.draw(), "problem", problem.TITLE)]
     drawings += [_film(study)] if of_films or beside else []

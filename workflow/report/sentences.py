@@ -6,7 +6,7 @@ from typing import Any
 import xarray as xr
 
 from solver.names import ALL_QUANTITIES
-from workflow.design.spoken import UNREACHABLE, Verdict, unread
+from workflow.design.told.words import UNREACHABLE, Verdict, unread
 from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, listed
@@ -26,7 +26,7 @@ def reached(verdicts: Mapping[str, Verdict]) -> str:
 
 def study(study: Study) -> str:
     """What was varied."""
-    where = f"{len(study.body)} layers" if len(study.body) > 1 else "a film" if study.on_film else "a half-plane"
+    where = f"{len(study.body)} layers" if len(study.body) > 1 else "a film" if study.kind.layered else "a half-plane"
     if not study.factors:
         varied = listed([titles.title(name) for name in study.effects.vary]) if study.effects else "nothing"
         return f"On {where}, one factor at a time is varied: {varied}."

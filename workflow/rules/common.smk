@@ -8,8 +8,8 @@ from functools import cache
 from itertools import count
 
 from workflow.dataset import batches
-from workflow.design import unreached
-from workflow.run import crate, lock, provenance
+from workflow.design.told import unreached
+from workflow.run import crate, lock, provenance, sources
 from workflow.study import location, partition, planned
 from workflow.study import model as studies
 from workflow.study.contents import PHYSICS
@@ -18,6 +18,7 @@ from workflow.study.sections import CHECK_GROUPS, CONVERGING
 # jobs look for modules where this process does
 sys.path.insert(0, str(provenance.ROOT))
 
+SOURCES = sources.digests()  # as they are planned with: a job that finds others refuses
 STUDIES = set()  # those that this run needs
 DESIGNED = set()  # those whose designs it needs
 RESULTS = workflow.modifier.path_modifier.replace_prefix("results")  # where a module's `prefix:` puts them

@@ -7,6 +7,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+from workflow.run import lock, sources
+
 if TYPE_CHECKING:
     from snakemake.iocontainers import Snakemake
 
@@ -17,10 +19,17 @@ def start(script: Mapping[str, Any]) -> "Snakemake":
     """The job of a script, by its ``globals()``: Snakemake's with its log, or a stand-in for a script that runs alone.
 
     Alone it takes the file to make as its argument, and logs to the terminal: see `workflow.run.standin`.
+
+    Raises
+    ------
+    ChangedError
+        What the script has imported is not what it was when the run of this job began.
     """
     if "snakemake" in script:
-        _log_to(script["snakemake"].log[0])
-        return script["snakemake"]
+        job: Snakemake = script["snakemake"]
+        _log_to(job.log[0])
+        sources.check(lock.sources(Path(job.output[0])), script["__file__"])
+        return job
     from workflow.run import standin  # all of Snakemake: seconds, and not for its own jobs
 
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")

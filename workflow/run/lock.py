@@ -28,8 +28,21 @@ class BusyError(RuntimeError):
     """Another process runs the same study."""
 
 
-def claim(studies: Mapping[str, Mapping[str, Any]], results: str | Path = RESULTS) -> None:
-    """Reserve studies, each with its frozen content, for this process until it ends, however it ends.
+def claim(
+    studies: Mapping[str, Mapping[str, Any]],
+    results: str | Path = RESULTS,
+    sources: Mapping[str, str] | None = None,
+) -> None:
+    """Reserve studies for this process until it ends, however it ends.
+
+    Parameters
+    ----------
+    studies
+        The frozen content of each by its name.
+    results
+        Folder of all results.
+    sources
+        `workflow.run.sources.digests` of those that the jobs are planned with.
 
     Raises
     ------
@@ -44,7 +57,13 @@ def claim(studies: Mapping[str, Mapping[str, Any]], results: str | Path = RESULT
             path.parent.mkdir(parents=True, exist_ok=True)
             _held[path] = file = _locked(name, path)
             file.truncate(0)
-            json.dump({"host": socket.gethostname(), "process": os.getpid(), "study": content}, file)
+            held = {
+                "host": socket.gethostname(),
+                "process": os.getpid(),
+                "study": content,
+                "sources": dict(sources or {}),
+            }
+            json.dump(held, file)
             file.flush()
         except OSError as error:
             raise OSError(error.errno, error.strerror, str(Path(results) / name / _LOCK)) from None
@@ -63,6 +82,12 @@ def release() -> None:
 def begun(name: str, results: str | Path = RESULTS) -> Any:
     """The frozen content with which the run of a study began; None where there is no run."""
     return _read(Path(results) / name / _LOCK).get("study")
+
+
+def sources(output: Path) -> dict[str, str]:
+    """Digests of the sources with which the run began that makes this file; none where there is no run."""
+    locks = (folder / _LOCK for folder in output.absolute().parents)
+    return next((_read(path).get("sources", {}) for path in locks if path.is_file()), {})
 
 
 def sweep(folder: Path, orphans: Iterable[Path]) -> None:

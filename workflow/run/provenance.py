@@ -13,9 +13,9 @@ from pathlib import Path
 from storage.files import write_text
 from storage.sealed import sha256
 from workflow.run import crate
+from workflow.run.sources import ROOMS as ROOMS
+from workflow.run.sources import ROOT as ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
-ROOMS = ("approximation", "storage", "solver", "surrogate", "workflow", "verification")
 PACKAGES = ("meecontact", "numpy", "scipy", "xarray", "netCDF4", "scikit-learn", "snakemake", "pydantic", "matplotlib")
 
 

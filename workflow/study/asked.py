@@ -27,7 +27,7 @@ def check_quantities(study: Contents) -> None:
         if not study.groups or name not in study.outputs:
             needs = "is not one of surrogate.outputs" if study.groups else "needs groups"
             raise ValueError(f"surrogate: log: {name!r} {needs}")
-    if study.surrogate.fields and study.on_film:
+    if study.surrogate.fields and study.kind.tabled:
         raise ValueError("surrogate: fields: only those of half-planes are learned")
     if study.surrogate.fields and any(study.fixed.get(name, usual) != usual for name, usual in _SMOOTH.items()):
         raise ValueError("surrogate: fields: only those under a cylinder that conducts in both fields are learned")
@@ -103,7 +103,7 @@ def check_tolerance(study: Contents, where: str, name: str, target: Target) -> N
 
 def lack(study: Contents, name: str) -> str:
     """Why no case has a quantity or factor, where the body is why."""
-    return "is a film's: a half-plane has none" if name in _OF_FILMS and not study.on_film else ""
+    return "is a film's: a half-plane has none" if name in _OF_FILMS and not study.kind.layered else ""
 
 
 def check_values(study: Contents, where: str, name: str, values: Sequence[float | str]) -> None:

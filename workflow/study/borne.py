@@ -4,9 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from solver import Material, aluminium_scandium_nitride, find
+from solver import Material, find
 from solver.film.stack import RIGID
-from solver.names import CHOICES
+from solver.material.laws import made
+from solver.names import CHOICES, MIXTURES
 from workflow.language.constants import borne_by_base, plain
 
 #: Entries of a layer, or factors, that say what it is made of.
@@ -62,8 +63,8 @@ def borne(name: str, given: Mapping[str, Any], materials: Mapping[str, Material]
     if "material" in given:
         return _least(limit, [find(str(given["material"]), materials)], "")
     kind = str(given.get("composite", CHOICES["composite"][0]))
-    if kind == "AlScN":
-        return _least(limit, [aluminium_scandium_nitride(0.0)], "")
+    if kind not in MIXTURES:
+        return _least(limit, [made(kind, (), 0.0)], "")
     one, two = (find(phase, materials) for phase in phases)
     fraction = given.get("volume_fraction")
     parts = [one] if fraction == 1 else [two] if fraction == 0 else [one, two]

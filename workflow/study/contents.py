@@ -12,8 +12,9 @@ import xarray as xr
 from pydantic import Field, PrivateAttr
 
 from solver import Material
+from solver.body import Kind, kind_of
 from solver.curves import FOLLOWS
-from solver.names import ALL_PEAKS, ALL_QUANTITIES, TABLED
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
 from workflow.language.constants import BORNE, DEVICE
 from workflow.language.factors import FACTORS
 from workflow.study import grouped, layered
@@ -93,15 +94,17 @@ class Contents(Strict):
         return self._absent
 
     @property
-    def on_film(self) -> bool:
-        """Whether the cases are films on a base."""
-        return bool(self.body) or "thickness" in self.factors or "thickness" in self.fixed
+    def kind(self) -> Kind:
+        """The kind of body of its cases: what they can be asked for, and what that costs."""
+        usual = self.fixed.get("profile", CHOICES["profile"][0])
+        profile = self.categories["profile"][0] if "profile" in self.categories else usual
+        return kind_of({*self.factors, *self.fixed, *([BODY] if self.body else [])}, profile)
 
     @property
     def tabled(self) -> list[str]:
         """The axes for whose every value the solver makes tables of films."""
-        names = (*TABLED, *layered.tabled(self.body))
-        return [name for name in self.factors if self.on_film and name in names]
+        names = (*self.kind.tabled, *layered.tabled(self.body))
+        return [name for name in self.factors if name in names]
 
     @property
     def axes(self) -> dict[str, Axis]:
@@ -189,7 +192,7 @@ class Contents(Strict):
     @property
     def added(self) -> frozenset[str]:
         """Quantities whose logarithm of the datum is added exactly: of a film's groups, the depth on its base."""
-        return frozenset({"depth"} if self.on_film else set()) & self._hanging
+        return frozenset({"depth"} if self.kind.datum == "by_base" else set()) & self._hanging
 
     @property
     def regions(self) -> list[str]:

@@ -37,8 +37,8 @@ def hanging(study: Contents) -> frozenset[str]:
     What does on a film depends on its base and interface: the solver says so, at a point where no charge is likely to
     be 0, and for which a study that was checked has tables.
     """
-    if not study.on_film:
-        return HANGING
+    if study.kind.datum != "by_base":
+        return HANGING if study.kind.datum == "relative" else frozenset()
     here = inner(study, 0.7) | {name: study.factors[name].high for name in study.tabled}
     datum = (here.pop("datum", None) or length(study) or 1.0) * np.array([1.0, 10.0])
     fixed = {name: value for name, value in study.fixed.items() if name != "datum"}

@@ -15,7 +15,7 @@ from scipy.linalg import null_space
 from solver.similarity import Weight, weight_of
 from surrogate import Input
 from surrogate.data.inputs import Scale
-from surrogate.gp.grouping import span
+from surrogate.transforms.inputs import span
 from workflow.language.expressions import Expression, Name, Operation, Power
 from workflow.language.factors import FACTORS
 from workflow.language.grammar import parse

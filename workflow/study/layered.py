@@ -7,11 +7,12 @@ import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from solver import Layer, Material, MaterialError, Stack, aluminium_scandium_nitride, fibrous, find, laminate
+from solver import Layer, Material, MaterialError, Stack, find
 from solver.film.stack import RIGID
+from solver.material.laws import made
 from solver.names import BODY, COMPOSITES, Factor
 from workflow.language.factors import FACTORS, OF_A_LAYER, own_kind
-from workflow.study.types import Number, Strict
+from workflow.study.types import CompositeName, Number, Strict
 
 #: Factors that say what is below the layers.
 OF_THE_BASE = ("base", "base_modulus", "base_poisson")
@@ -33,7 +34,7 @@ class BodyLayer(Strict):
     """A layer; its numbers may be names of factors: the top layer's own, in others these or ``<word>_<its own>``."""
 
     material: str | None = Field(None, description="name of a material; or else a composite")
-    composite: Literal["fibrous", "laminate", "AlScN"] | None = Field(None, description="of the study's phases")
+    composite: CompositeName | None = Field(None, description="of the study's phases")
     volume_fraction: Number | str | None = Field(None, description="of a composite: a number, or a factor's name")
     scandium_fraction: Number | str | None = Field(None, description="of AlScN: a number, or a factor's name")
     thickness: Number | str = Field(description="a number [m], or a factor's name")
@@ -80,11 +81,9 @@ class BodyLayer(Strict):
         at = self.at(values)
         if self.material is not None:
             material = found(self.material)
-        elif self.composite == "AlScN":
-            material = aluminium_scandium_nitride(at["scandium_fraction"])
         else:
-            mixed = fibrous if self.composite == "fibrous" else laminate
-            material = mixed(found(phases[0]), found(phases[1]), at["volume_fraction"])
+            kind = str(self.composite)
+            material = made(kind, (found(phases[0]), found(phases[1])), at[COMPOSITES[kind]])
         return Layer(material, at["thickness"], self.below.electric, self.below.magnetic)
 
     def words(self) -> str:
@@ -202,21 +201,21 @@ def _stack(layers: Layers, at: dict[str, Any], materials: Mapping[str, Material]
     def found(name: str) -> Material:
         return find(name, materials)
 
-    made = []
+    whole = []
     for number, layer in enumerate(layers):
         try:
-            made.append(layer.made(at, found, phases))
+            whole.append(layer.made(at, found, phases))
         except MaterialError as error:
             raise MaterialError(f"body.{number}: {error}") from None
     if "base" not in at:
-        return Stack(made, Material.isotropic(at["base_modulus"], at["base_poisson"], name="base"))
+        return Stack(whole, Material.isotropic(at["base_modulus"], at["base_poisson"], name="base"))
     if at["base"] == RIGID:
-        return Stack(made, RIGID)
+        return Stack(whole, RIGID)
     try:
         base = found(str(at["base"]))
     except MaterialError as error:
         raise MaterialError(f"base: {str(error).removeprefix('material: ')} and {RIGID}") from None
-    return Stack(made, base)
+    return Stack(whole, base)
 
 
 def _array(name: str, value: Any) -> xr.DataArray:

@@ -99,6 +99,9 @@ class Surrogate(Strict):
     )
     kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
     outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
+    level: Number | None = Field(
+        None, gt=0, le=0.999, description="share of the cases that intervals hold where none is said; null: 0.95"
+    )
     curves: bool = Field(
         True, description="learn largest stresses by the curves that they follow from, which have no kinks as they have"
     )
@@ -178,10 +181,9 @@ class Effects(Strict):
         film = self.film if factor in OF_A_FILM else {}
         case: dict[str, Any] = {**self.baseline, **film, factor: self.vary[factor]}
         profiles = case.get("profile", "cylinder")
-        taken = {
-            name for profile in np.atleast_1d(profiles) for names in PROFILES.get(str(profile), ()) for name in names
-        }
-        of_others = {name for names in PROFILES.values() for name in (*names[0], *names[1])} - taken - {factor}
+        known = [str(profile) for profile in np.atleast_1d(profiles) if str(profile) in PROFILES]
+        taken = {name for profile in known for name in PROFILES[profile].takes}
+        of_others = {name for outline in PROFILES.values() for name in outline.takes} - taken - {factor}
         fractions = dict.fromkeys(COMPOSITES.values())
         kinds = np.atleast_1d(case.get("composite", list(COMPOSITES)))
         of_others |= set(fractions) - {COMPOSITES.get(str(kind)) for kind in kinds} - {factor}

@@ -5,7 +5,7 @@ from typing import Any
 import xarray as xr
 
 from solver import solve
-from solver.names import ALL_QUANTITIES, FILM_PEAKS, PEAKS
+from solver.names import ALL_QUANTITIES
 from solver.similarity import Weight, weight_of
 from workflow.study import datum, grouped
 from workflow.study.contents import Contents
@@ -50,8 +50,9 @@ def hanging_on_datum(study: Contents) -> frozenset[str]:
     if grouped.unlike(list(study.products.values()), list(study.factors), fixed) is None:
         return frozenset()
     hanging = datum.hanging(study)
-    untold = hanging - ({"depth"} if study.on_film else set())
-    asked = [name for name in study.surrogate.outputs or ([] if study.on_film else study.quantities) if name in untold]
+    by_base = study.kind.datum == "by_base"
+    untold = hanging - ({"depth"} if by_base else set())
+    asked = [name for name in study.surrogate.outputs or ([] if by_base else study.quantities) if name in untold]
     if asked:
         raise ValueError(
             f"groups: {', '.join(asked)} hang on the datum, which is in no group: give one with it, as "
@@ -71,7 +72,7 @@ def lacked(study: Contents) -> frozenset[str]:
     ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in study.factors.items()}
     ends |= {name: xr.DataArray(ends[name], dims="end") for name in study.tabled}
     found = study.solved(solve, {**study.fixed, **study.categories, **ends})
-    peaks = set(FILM_PEAKS if study.on_film else PEAKS)
+    peaks = set(study.kind.peaks)
     if "rigid" in study.categories.get("base", [study.fixed.get("base")]):
         peaks -= {name for name in peaks if name.startswith("base_")}
     if len(study.body) > 1:
@@ -107,6 +108,12 @@ def check_size(study: Contents) -> None:
     if cases * study.surrogate.fields > MOST_LEARNED:
         raise ValueError(
             f"surrogate: fields: {cases} cases x {study.surrogate.fields} angles are more than {MOST_LEARNED}"
+        )
+    level, held_out = study.surrogate.level, study.validation.calibration
+    if level is not None and level > 1 - 2 / (held_out + 1):
+        raise ValueError(
+            f"surrogate: level: {level:g} is more than {1 - 2 / (held_out + 1):.4g}, all that {held_out} cases of "
+            "validation: calibration tell"
         )
 
 

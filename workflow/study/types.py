@@ -5,7 +5,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from solver.names import ALL_QUANTITIES, CHOICES, INTERIOR, INTERIOR_ON_REQUEST, MATERIALS
+from solver.names import ALL_QUANTITIES, CHOICES, COMPOSITES, INTERIOR, INTERIOR_ON_REQUEST, MATERIALS
 from workflow.language.factors import FACTORS, own_kind
 from workflow.language.spelling import nearest
 
@@ -29,6 +29,9 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 CategoryName = Annotated[str, _one_of([*MATERIALS, *CHOICES], "category")]
 FactorName = Annotated[str, _one_of(list(FACTORS), "factor")]
 InputName = Annotated[str, _one_of([*MATERIALS, *CHOICES, *FACTORS], "factor")]
+CompositeName = Annotated[
+    str, _one_of(list(COMPOSITES), "composite"), Field(json_schema_extra={"enum": list(COMPOSITES)})
+]
 QuantityName = Annotated[str, _one_of(list(ALL_QUANTITIES), "quantity")]
 FieldName = Annotated[str, _one_of([*INTERIOR, *INTERIOR_ON_REQUEST], "field of the interior")]
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from solver import Material, find
 from solver.film.stack import RIGID
 from solver.material.constants import UNITS, VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
+from solver.names import MIXTURES
 from workflow.language.spelling import nearest
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -133,7 +134,7 @@ def _phases(study: Study) -> list[str]:
     own: list[str | None] = [layer.composite for layer in study.body]
     if not study.body and "material" not in study.fixed and "material" not in study.categories:
         own = [*study.categories.get("composite", [str(study.fixed.get("composite", "fibrous"))])]
-    return list(study.phases) if any(kind not in (None, "AlScN") for kind in own) else []
+    return list(study.phases) if any(kind in MIXTURES for kind in own) else []
 
 
 def _constants(name: str, material: Material) -> list[Constant]:

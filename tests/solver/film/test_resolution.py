@@ -14,9 +14,11 @@ from solver.halfplane.surface import HalfPlane
 from tests.solver.film.films import BTO, CFO, FIBROUS, STEEL
 
 SOFT = solver.Material.isotropic(5e9, 0.35)
+STEEP = "roots with a large real part"
 STACKS = {
     "fibrous on rigid": Stack((Layer(FIBROUS, 1.0),)),
     "BaTiO3 on a base 32 times softer": Stack((Layer(BTO, 1.0),), SOFT),
+    STEEP: Stack((Layer(solver.find("PMN-PT 67:33"), 1.0, "grounded"),), STEEL),
     "permittivities 140 times apart": Stack((Layer(BTO, 1.0), Layer(CFO, 1.0)), STEEL),
 }
 
@@ -29,13 +31,14 @@ def system(stack: Stack, friction: float, most: float, accuracy: float = 1.0) ->
 @pytest.mark.parametrize("friction", [0.0, 1.0])
 @pytest.mark.parametrize("name", STACKS)
 def test_default_resolution_is_1e_8_up_to_30_thicknesses(name: str, friction: float) -> None:
-    """Load, displacement and potentials; edge intensities 3e-8, edge stresses 1e-6."""
+    """Load, displacement and potentials; edge intensities 3e-8, edge stresses 1e-6; at steep roots 100 times that."""
+    slack = 100.0 if name == STEEP else 1.0
     half = np.array([0.01, 0.3, 30.0])
     found, finer = (at(system(STACKS[name], friction, 30.0, accuracy), half) for accuracy in (1.0, 1.5))
     for which, error in ((slice(0, 1), 1e-9), (outputs.DISPLACEMENT, 1e-9), (outputs.INTENSITY, 3e-8),
                          (outputs.EDGE_STRESS, 1e-6)):  # fmt: skip
         miss = np.max(np.abs(found[:, which, 0] - finer[:, which, 0]), -1)
-        assert np.all(miss <= error * np.max(np.abs(finer[:, which, 0]), -1)), (which, miss)
+        assert np.all(miss <= slack * error * np.max(np.abs(finer[:, which, 0]), -1)), (which, miss)
 
 
 @pytest.mark.parametrize("most", [3.0, 30.0])

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from surrogate.data.arrays import Array
+from approximation.arrays import Array
 from surrogate.gp.cross import Cross, Crossed, interpolation, run
 
 SIZES = (7, 6, 5, 4)

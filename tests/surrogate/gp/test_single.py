@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from surrogate import GridGP
+from surrogate import GridGP, Input
+from surrogate.data.inputs import Scale
 from tests.surrogate import functions
 
 COUNTS = (9, 5, 5, 5, 2)
@@ -39,6 +40,15 @@ def test_a_point_alone_has_the_numbers_that_it_has_in_a_block(name: str, request
     room = 1e-13 * np.ptp(mean, axis=0)
     assert (np.abs(np.concatenate([one for one, _ in alone]) - mean) <= room).all()
     np.testing.assert_allclose(np.concatenate([one for _, one in alone]), std, rtol=1e-9)
+
+
+@pytest.mark.parametrize("scale", ["linear", "log", "logit"])
+def test_a_point_alone_lies_where_its_scale_puts_it(scale: Scale) -> None:
+    x = Input("x", 0.05, 0.9, scale)
+    model = GridGP(inputs=[x]).fit(xr.Dataset({"f": ("x", np.sin(5 * x.levels(24)))}, {"x": x.levels(24)}))
+    for value in (0.05, 0.3, 0.7, 0.9):
+        found = model.predict_array(np.array([[value]])).item()
+        assert found == pytest.approx(np.sin(5 * value), abs=1e-6)  # 24 levels; on another scale 0.2
 
 
 @pytest.mark.parametrize("name", ["plain", "calibrated"])

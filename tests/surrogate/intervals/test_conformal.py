@@ -10,8 +10,8 @@ import pytest
 import xarray as xr
 from scipy.optimize import linprog
 
+from approximation.arrays import Array, Flags
 from surrogate import GridGP, ScatterGP, load, save
-from surrogate.data.arrays import Array, Flags
 from surrogate.intervals.conformal import Calibration, calibrate
 from surrogate.intervals.quantile import quantile_regression
 from surrogate.intervals.sharing import sharing

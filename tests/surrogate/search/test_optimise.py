@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from surrogate.search.optimise import Optimum, Problem, maximise
+from surrogate.search.optimise import Optimum, Problem, improve, maximise, retreat
 
 Array = NDArray[np.float64]
 
@@ -109,3 +109,31 @@ def test_a_free_choice_goes_to_the_largest_margin() -> None:
 
     found = maximise(Problem(2, value, slope))
     np.testing.assert_allclose(found.x, [1.0, 0.25], atol=1e-5)
+
+
+@given(st.floats(0.1, 0.9), st.floats(0, 2 * np.pi), st.floats(1e-14, 1e-6))
+def test_a_point_beyond_a_limit_steps_back_onto_it_the_shortest_way(square: float, angle: float, beyond: float) -> None:
+    """On the disc of the worst scenario that way is along the radius."""
+    problem, size = linear_on_a_disc(square + 0.2), np.sqrt(square)
+    towards = np.array([np.cos(angle), np.sin(angle)])
+    back = retreat(problem, towards * size * (1 + beyond))
+    np.testing.assert_allclose(back, towards * size, rtol=0, atol=1e-15 + beyond**2)
+
+
+def test_a_retreat_ends_at_the_box() -> None:
+    """The way back from beyond a line leads out of the box for the first variable, then along its side."""
+    normal = np.array([1.0, -0.1])
+
+    def value(X: Array) -> tuple[Array, Array]:
+        return X[:, :1], (X @ normal)[:, None] + 1.01
+
+    problem = Problem(2, value, lambda x: (np.array([[1.0, 0.0]]), normal[None]))
+    np.testing.assert_allclose(retreat(problem, np.array([-0.999, 0.0])), [-1.0, 0.1], atol=1e-14)
+
+
+def test_what_a_climb_ends_with_keeps_its_limits_to_rounding() -> None:
+    """A start that exceeds a limit by what the search counts as none, and is better by as little, is not kept."""
+    problem = linear_on_a_disc(0.5)
+    best = improve(problem, maximise(problem, scan=256).x * (1 + 2e-10), 1.0)
+    assert best.feasible
+    assert best.excess.max() <= 1e-15

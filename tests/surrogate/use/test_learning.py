@@ -15,9 +15,9 @@ from scipy.stats import multivariate_normal
 from storage.netcdf import read_whole, write_whole
 from surrogate import FormatError, GridGP, Input, load, save
 from surrogate.data.measurements import Measurements
-from surrogate.measured.corrected import CorrectedGP
-from surrogate.measured.discrepancy import Discrepancy
-from surrogate.measured.draws import Draw
+from surrogate.transforms.measured.corrected import CorrectedGP
+from surrogate.transforms.measured.discrepancy import Discrepancy
+from surrogate.transforms.measured.draws import Draw
 from surrogate.use.learning import Learnt, NotSettledError, learn
 from surrogate.use.residuals import Residuals
 

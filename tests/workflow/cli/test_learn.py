@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from surrogate import load, save
-from surrogate.measured.corrected import CorrectedGP
+from surrogate.transforms.measured.corrected import CorrectedGP
 from tests.workflow.learning.test_measured import study_of
 from workflow.cli import main
 from workflow.dataset import factorial

@@ -16,6 +16,7 @@ import pytest
 
 import surrogate
 from solver import solve
+from tests.patience import PATIENCE
 from tests.workflow.conftest import Project
 
 AT = {"volume_fraction": 0.55, "friction": 0.2, "radius": 0.05, "load": 3e4}
@@ -43,13 +44,13 @@ def address(ran: Project, trained: Path) -> Iterator[str]:
 def asked(address: str, path: str, **body: object) -> Any:
     """The answer to a request of UM-Bridge's protocol, version 1.0."""
     request = urllib.request.Request(address + path, data=json.dumps(body).encode())
-    with urllib.request.urlopen(request, timeout=30) as answer:
+    with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
         return json.load(answer)
 
 
 def test_the_surrogate_answers_with_its_derivatives(address: str, trained: Path) -> None:
     truth = surrogate.load(trained)
-    with urllib.request.urlopen(address + "/Info", timeout=30) as answer:
+    with urllib.request.urlopen(address + "/Info", timeout=PATIENCE) as answer:
         assert json.load(answer) == {"protocolVersion": 1.0, "models": ["surrogate", "exact"]}
     assert asked(address, "/InputSizes", name="surrogate") == {"inputSizes": [len(truth.inputs_)]}
     assert asked(address, "/OutputSizes", name="surrogate") == {"outputSizes": [len(truth.outputs_)]}
@@ -90,7 +91,7 @@ def test_the_exact_solution_answers(address: str, trained: Path) -> None:
 )  # fmt: skip
 def test_a_wrong_request_costs_one_line(address: str, path: str, body: bytes, told: str) -> None:
     with pytest.raises(urllib.error.HTTPError) as refused:
-        urllib.request.urlopen(urllib.request.Request(address + path, data=body), timeout=30)
+        urllib.request.urlopen(urllib.request.Request(address + path, data=body), timeout=PATIENCE)
     assert refused.value.code == 400
     assert told in refused.value.read().decode()
     refused.value.close()

@@ -11,12 +11,14 @@ from typing import Any
 
 import pytest
 
+from tests.patience import PATIENCE
+
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
 
 def needs_browser(test: Callable[..., None]) -> Callable[..., None]:
     """Mark a test of the layer ``browser``, and leave it out where there is none."""
-    skipped = pytest.mark.skipif(BROWSER is None, reason="no Chromium: the browser tests are left out")
+    skipped = pytest.mark.skipif(BROWSER is None, reason="no Chromium (Debian: chromium)")
     return pytest.mark.browser(skipped(test))  # type: ignore[no-any-return]
 
 
@@ -53,7 +55,11 @@ def _probed(page: str, folder: Path, *flags: str) -> Any:
     quiet = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
     quiet += ["--disable-quic", "--disable-component-update", "--disable-sync", f"--user-data-dir={folder / 'profile'}"]
     done = subprocess.run(
-        [BROWSER, *quiet, *flags, "--dump-dom", file.as_uri()], capture_output=True, text=True, timeout=120, check=True
+        [BROWSER, *quiet, *flags, "--dump-dom", file.as_uri()],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=True,
     )
     found = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
     assert found, done.stdout[:2000]

@@ -24,21 +24,21 @@ def test_slabs_reach_the_solver_and_its_data() -> None:
     } <= files
     assert not files & {
         "workflow/report/page.py",
-        "workflow/design/search.py",
+        "workflow/design/search/targets.py",
         "workflow/report/figures/style.py",
         "workflow/cli/main.py",
     }
-    assert not files & {"surrogate/gp/gridgp.py", "surrogate/search/optimise.py", "surrogate/gp/persistence.py"}
+    assert not files & {"surrogate/gp/gridgp.py", "surrogate/search/optimise.py", "surrogate/face/persistence.py"}
 
 
 def test_a_design_reaches_solver_and_surrogate() -> None:
     files = reached("target.py")
-    assert {"solver/halfplane/contact.py", "surrogate/search/optimise.py", "workflow/design/search.py"} <= files
+    assert {"solver/halfplane/contact.py", "surrogate/search/optimise.py", "workflow/design/search/targets.py"} <= files
     assert "workflow/report/page.py" not in files
 
 
 def test_models_that_are_imported_when_asked_for_are_reached() -> None:
-    assert {"surrogate/gp/gridgp.py", "surrogate/gp/persistence.py"} <= reached("sensitivity.py")
+    assert {"surrogate/gp/gridgp.py", "surrogate/face/persistence.py"} <= reached("sensitivity.py")
     assert "surrogate/gp/gridgp.py" in reached("training.py")
 
 
@@ -53,7 +53,7 @@ def test_jobs_without_models_and_figures_start_without_their_libraries(module: s
 
 
 def test_the_page_does_not_reach_the_design_search() -> None:
-    assert "workflow/design/search.py" not in reached("report.py")
+    assert "workflow/design/search/targets.py" not in reached("report.py")
 
 
 def test_the_hash_follows_the_bytes() -> None:

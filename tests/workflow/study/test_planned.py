@@ -157,6 +157,34 @@ def test_every_script_that_needs_a_study_takes_the_one_it_was_planned_with() -> 
     assert checked >= 14
 
 
+def rerun(before: Study, after: Study) -> set[str]:
+    """Rules whose parameter changes from one state of a study to another."""
+    changed = set()
+    for rule, _, text in rules():
+        if read := re.search(r"^        study=sections\((.*)\)", text, re.MULTILINE):
+            words = [one.strip(' "') for one in read[1].split(",") if one]
+            names = [name for word in words for name in (PHYSICS if word == "*PHYSICS" else (word,))]
+            if planned.parameter(before, *names) != planned.parameter(after, *names):
+                changed.add(rule)
+    return changed
+
+
+def test_an_edit_reruns_what_the_documents_say() -> None:
+    """A new target all targets, and nothing that was solved or learned; a level more the random cases too."""
+    study = load(ROOT / "config/quickstart.yaml")
+    more = study.model_copy(update={"design": {**study.design, "another": study.design["sensor"]}})
+    found = rerun(study, more)
+    assert "target" in found
+    assert not found & {"slab", "cases", "surrogate", "validation", "readout"}
+    friction = study.factors["friction"]
+    finer = friction.model_copy(update={"levels": (friction.levels or 0) + 1})
+    assert {"slab", "cases", "surrogate", "target"} <= rerun(
+        study, study.model_copy(update={"factors": {**study.factors, "friction": finer}})
+    )
+    for page in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")):
+        assert "reruns exactly" not in " ".join(page.read_text(encoding="utf-8").split()), page
+
+
 def test_a_node_of_a_cluster_works_on_the_study_of_the_start(copy: Callable[[str], Project], ran: Project) -> None:
     project, slab = copy("node"), "results/small/fields/slab_0.nc"
     lock.claim(

@@ -1,0 +1,40 @@
+"""The laws by which composites are made: one entry each, whose name and factor stand in ``solver.names.COMPOSITES``."""
+
+from collections.abc import Callable, Sequence
+
+from approximation.arrays import Array
+from solver.material.alloy import aluminium_scandium_nitride
+from solver.material.composite import fibrous, laminate
+from solver.material.constants import Material, MaterialError
+from solver.names import COMPOSITES
+
+#: The two phases of a composite; none of one that is not in ``solver.names.MIXTURES``.
+Phases = Sequence[Material]
+
+_LAWS: dict[str, Callable[[Phases, float | Array], Material]] = {
+    "fibrous": lambda phases, fraction: fibrous(phases[0], phases[1], fraction),
+    "laminate": lambda phases, fraction: laminate(phases[0], phases[1], fraction),
+    "AlScN": lambda _, fraction: aluminium_scandium_nitride(fraction),
+}
+
+
+def made(composite: str, phases: Phases, fraction: float | Array) -> Material:
+    """The composite of a name.
+
+    Parameters
+    ----------
+    composite
+        A name in ``solver.names.COMPOSITES``.
+    phases
+        Phase one and phase two; what is not in ``solver.names.MIXTURES`` needs none.
+    fraction
+        The factor that the law takes, ``COMPOSITES[composite]`` [1]; (...).
+
+    Raises
+    ------
+    MaterialError
+        A composite that has no law, and what the law itself refuses.
+    """
+    if composite not in _LAWS:
+        raise MaterialError(f"composite: {composite!r} is not one of {', '.join(COMPOSITES)}")
+    return _LAWS[composite](phases, fraction)

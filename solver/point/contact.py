@@ -1,0 +1,127 @@
+"""Contacts of revolution at known radii: from forces and charges to displacements and potentials, and the tangents.
+
+Displacements are over C a^e and loads over C a^(e+1), C r^e the profile (1 and e = 0 of a disc): the half-space's are
+constants. Edges of a contact between curved surfaces are smooth: that and the charges make three linear equations.
+Moving the edge at fixed displacements changes the loads by what it releases (Irwin), d loads / d log a = pi^2 edges^T N
+strengths, which needs no derivative of a table.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array, BoolArray
+from solver.point.halfspace import Stiffness
+from solver.point.profile import Shape
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Contacts of given radii under charges or held potentials.
+
+    Parameters
+    ----------
+    stiffness
+        What the contacts answer.
+    shape
+        The punch.
+    given
+        Charges -(T, J) over C a^(e+1), or potentials over C a^e where held, of both fields; (..., 2).
+    held
+        Which potentials are held; (2,).
+    force
+        -P over C a^(e+1); (...). A disc's only: other punches have the force that their radius asks for.
+    """
+
+    stiffness: Stiffness
+    shape: Shape
+    given: Array
+    held: tuple[bool, bool] = (False, False)
+    force: Array | None = None
+
+    @cached_property
+    def _rows(self) -> Array:
+        """The three conditions on (u0, g); (..., 3, 4)."""
+        loads, edges = self.stiffness.loads, self.stiffness.edges
+        rows = np.array(loads)
+        if not self.shape.flat:
+            rows[..., 0, :] = edges[..., 0, :]
+        for field, held in enumerate(self.held):
+            if held:
+                rows[..., 1 + field, :] = np.eye(4)[1 + field]
+        return rows
+
+    @cached_property
+    def displacement(self) -> Array:
+        """u0 = (-depth, V, Psi) over C a^e; (..., 3)."""
+        normal = np.zeros(self.given.shape[:-1]) if self.force is None else self.force
+        right = np.concatenate([normal[..., None], self.given], -1) - self._profile * self._rows[..., 3]
+        return np.asarray(np.linalg.solve(self._rows[..., :3], right[..., None])[..., 0])
+
+    @property
+    def _profile(self) -> float:
+        """1 of a curved punch: that of a disc has no part."""
+        return 0.0 if self.shape.flat else 1.0
+
+    @cached_property
+    def causes(self) -> Array:
+        """(u0, g); (..., 4)."""
+        there = np.full((*self.displacement.shape[:-1], 1), self._profile)
+        return np.concatenate([self.displacement, there], -1)
+
+    @cached_property
+    def loads(self) -> Array:
+        """(P, T, J) over C a^(e+1); (..., 3)."""
+        return np.asarray(-np.einsum("...ij,...j->...i", self.stiffness.loads, self.causes))
+
+    @cached_property
+    def strengths(self) -> Array:
+        """Strengths of (sigma_yy, D_y, B_y) at the edge over C a^(e-1); (..., 3)."""
+        found = np.einsum("...ij,...j->...i", self.stiffness.edges, self.causes)
+        if not self.shape.flat:
+            found[..., 0] = 0.0
+        return np.asarray(found)
+
+    @cached_property
+    def _released(self) -> Array:
+        """-d loads / d log a at fixed displacements, over C a^(e+1); (..., 3)."""
+        own = np.einsum("...ij,...j->...i", self.stiffness.compliance, self.strengths)
+        return np.asarray(np.pi**2 * np.einsum("...ji,...j->...i", self.stiffness.edges[..., :3], own))
+
+    @cached_property
+    def _opening(self) -> Array:
+        """d (strength of the pressure) / d log a at fixed displacements, over C a^(e-1); (...)."""
+        s = self.stiffness
+        rates = np.einsum("...j,...j->...", s.edge_rates[..., 0, :], self.causes)
+        return np.asarray(rates + self.shape.exponent * s.edges[..., 0, 3])
+
+    @cached_property
+    def force_rate(self) -> Array:
+        """dP / d log a with the charges or potentials as they are, over C a^(e+1); (...). Not of a disc."""
+        right = -np.concatenate([self._opening[..., None], np.where(self.held, 0.0, self._released[..., 1:])], -1)
+        moved = np.linalg.solve(self._rows[..., :3], right[..., None])[..., 0]
+        followed = np.einsum("...j,...j->...", self.stiffness.loads[..., 0, :3], moved)
+        return np.asarray(-followed - self._released[..., 0])
+
+    @cached_property
+    def tangent(self) -> Array:
+        """-d(P, T, J) / d(-depth, V, Psi) over a, the edge going where it must; (..., 3, 3)."""
+        own = self.stiffness.loads[..., :3]
+        if self.shape.flat:
+            return own
+        edge = self.stiffness.edges[..., None, 0, :3] / self._opening[..., None, None]
+        return np.asarray(own - self._released[..., :, None] * edge)
+
+    @cached_property
+    def fixed(self) -> Array:
+        """-d(T, J) / d(V, Psi) over a at a fixed radius, with a smooth edge or the force of a disc; (..., 2, 2)."""
+        own = self.stiffness.loads[..., :3]
+        row = own[..., 0, :] if self.shape.flat else self.stiffness.edges[..., 0, :3]
+        follows = row[..., None, 1:] / row[..., :1, None]
+        return np.asarray(own[..., 1:, 1:] - own[..., 1:, :1] * follows)
+
+
+def conducting(field: int, conducts: BoolArray) -> bool:
+    """Whether a punch conducts a field in every case."""
+    return bool(np.all(conducts[..., field]))

@@ -1,0 +1,57 @@
+"""Tractions below a level and a curved punch at given radii, tested with the functions they consist of (points, 4).
+
+With x = sqrt(1 - s^2/a^2) a traction is sum_n c_n P_2n(x) / (abs(P_2n(0)) x), whose transform is a^2 c_n j_2n(ka):
+
+    a sum_n A_mn c_n = u0 delta_m0 + <g>_m,    A_mn = N pi / (2 (4 n + 1)) delta_mn + K_mn.
+
+The half-space's coefficients, known in closed form, are apart: what the layers add has few terms, whatever the profile.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.point.profile import Shape
+
+
+@dataclass(frozen=True, eq=False)
+class Added:
+    """What layers and base add to the coefficients of the half-space.
+
+    Parameters
+    ----------
+    compliance
+        N of the contact over (y, phi, psi): that of the top and of the punch; (3, 3). A field that the punch does not
+        conduct has no entries but its own on the diagonal.
+    interactions
+        K; (radius, 3, 3, n, n), with the same entries.
+    shape
+        The punch.
+    """
+
+    compliance: Array
+    interactions: Array
+    shape: Shape
+
+    @cached_property
+    def halfspace(self) -> Array:
+        """a c of the half-space, of u0 in each channel and of g = (r/a)^exponent; (3, n, 4)."""
+        count = self.interactions.shape[-1]
+        inverse = np.linalg.inv(self.compliance)
+        found = np.zeros((3, count, 4))
+        found[:, 0, :3] = 2 / np.pi * inverse
+        moments = 2 / np.pi * (4 * np.arange(count) + 1) * self.shape.moments(count)
+        found[:, :, 3] = inverse[:, :1] * moments
+        return found
+
+    @cached_property
+    def coefficients(self) -> Array:
+        """a c without the half-space's; (radius, 3, n, 4)."""
+        count = self.interactions.shape[-1]
+        own = np.einsum("ij,mn->imjn", self.compliance, np.diag(np.pi / 2 / (4 * np.arange(count) + 1)))
+        layers = np.moveaxis(self.interactions, 2, 3).reshape(-1, 3 * count, 3 * count)
+        right = -layers @ self.halfspace.reshape(3 * count, 4)
+        solved = np.linalg.solve(own.reshape(3 * count, 3 * count) + layers, right)
+        return np.asarray(solved.reshape(-1, 3, count, 4))

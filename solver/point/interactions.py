@@ -1,0 +1,46 @@
+"""What layers and base add to the half-space of the top, between the functions of a contact's tractions (points, 4).
+
+    K_mn(a) = int_0^inf Delta(s/a) j_2m(s) j_2n(s) ds,    Delta = Y_top - Y0 over (y, phi, psi).
+
+Delta is the plane's: a surface wave has the same multiplier in space. On a base that insulates the magnetic field the
+flux leaves sideways: psi is then a logarithm far away, and zero at the distance of all layers' thickness.
+"""
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.kernel import strip, wavenumbers
+from solver.film.reflection import sideways, waves
+from solver.film.stack import Stack
+from solver.point.bessel import even_orders
+
+_BLOCK = 2_000_000  # values of the Bessel functions held at once
+
+
+def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
+    """K of a stack at radii [m] in the units of the stack; (radius, 3, 3, count, count).
+
+    Parameters
+    ----------
+    stack
+        Homogeneous layers on a base.
+    radii
+        a [m]; (radius,).
+    count
+        Number of functions.
+    odd
+        1 for the functions of odd orders, those of a force along the surface.
+    """
+    k, weights = wavenumbers(stack, 2 * float(np.max(radii)), strip(stack))
+    difference = weights * np.moveaxis(waves(stack, k)[0].difference[:, 1:, 1:], 0, -1)
+    found: Array = np.empty((radii.size, 3, 3, count, count))
+    step = max(_BLOCK // (count * k.size), 1)
+    for start in range(0, radii.size, step):
+        some = radii[start : start + step]
+        orders = np.moveaxis(even_orders(some[:, None] * k, count, odd), 0, 1)  # (radius, n, k)
+        for i, j in zip(*np.triu_indices(3), strict=True):
+            entry = (orders * difference[i, j]) @ np.swapaxes(orders, -1, -2)
+            found[start : start + step, i, j] = found[start : start + step, j, i] = entry
+    if not odd and (spread := sideways(stack)):
+        found[:, 2, 2, 0, 0] -= np.sum(weights * spread / k * np.exp(-k * stack.thickness / 2))
+    return np.asarray(found * radii[:, None, None, None, None])

@@ -1,0 +1,165 @@
+"""Cases of one kind of punch on one kind of body, in SI: contacts with charges, without, and at zero potential."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array, BoolArray
+from solver.point.body import Film, HalfSpace, Loading
+from solver.point.contact import State
+from solver.point.pressure import SAMPLES, added_forms, climbed, halfspace_form, halfspace_peak
+from solver.point.table import Window
+
+
+@dataclass(frozen=True, eq=False)
+class Pressed:
+    """Punches of revolution, pressed by forces.
+
+    Parameters
+    ----------
+    body
+        What they press on.
+    scale
+        Units of the body: u = scale u', t = t' / scale; (case, 4) or (4,).
+    coefficient
+        C of the profile C r^e [m^(1-e)]; (case,). A disc's radius [m].
+    force
+        P [N]; (case,).
+    charges
+        T [C] and J [Wb]; (case, 2).
+    conducts
+        Whether the punch conducts (electric, magnetic); (case, 2) or (2,).
+    """
+
+    body: HalfSpace | Film
+    scale: Array
+    coefficient: Array
+    force: Array
+    charges: Array
+    conducts: BoolArray
+
+    @property
+    def units(self) -> Array:
+        """Units of (y, phi, psi); (case, 3)."""
+        return np.broadcast_to(self.scale[..., 1:], (self.force.size, 3))
+
+    def contact(self, charges: Array | None = None, held: tuple[bool, bool] = (False, False)) -> "Contact":
+        """The contacts under charges, or potentials where held; without any by default.
+
+        Raises
+        ------
+        ContactError
+            No contact, several, or one beyond the resolved range.
+        """
+        flat = self.body.shape.flat
+        given = np.zeros((self.force.size, 2)) if charges is None else charges
+        units = self.units[:, 1:]
+        own = np.where(held, given / units, given * units)
+        loading = Loading(self.coefficient / self.units[:, 0], self.force * self.units[:, 0], own, held)
+        radius = self.coefficient if flat else self.body.radius(loading)
+        return Contact(self, radius, loading.state(self.body.stiffness(radius), self.body.shape, radius))
+
+    @cached_property
+    def charged(self) -> "Contact":
+        """With the charges of the cases."""
+        return self.contact(self.charges)
+
+    @cached_property
+    def uncharged(self) -> "Contact":
+        """Without charges."""
+        return self.contact() if np.any(self.charges) else self.charged
+
+    @cached_property
+    def grounded(self) -> "Contact":
+        """With both potentials held at zero."""
+        return self.contact(held=(True, True))
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Contacts of known radii.
+
+    Parameters
+    ----------
+    pressed
+        The cases.
+    radius
+        a [m]; (case,).
+    state
+        Displacements, potentials, loads, tangents over their scales.
+    """
+
+    pressed: Pressed
+    radius: Array
+    state: State
+
+    @property
+    def _size(self) -> Array:
+        """C a^e, 1 of a disc, in the units of the body; (case,)."""
+        shape = self.pressed.body.shape
+        if shape.flat:
+            return np.ones_like(self.radius)
+        return self.pressed.coefficient / self.pressed.units[:, 0] * self.radius**shape.exponent
+
+    @property
+    def displacement(self) -> Array:
+        """u0 = (-depth, V, Psi) [m, V, A]; (case, 3)."""
+        return self.state.displacement * self._size[:, None] * self.pressed.units
+
+    @property
+    def loads(self) -> Array:
+        """(P, T, J) [N, C, Wb]; (case, 3)."""
+        return self.state.loads * (self._size * self.radius)[:, None] / self.pressed.units
+
+    @property
+    def intensities(self) -> Array:
+        """Edge intensities lim sqrt(2 pi distance) (sigma_yy, D_y, B_y), SI; (case, 3)."""
+        strength = self.state.strengths * (self._size / self.radius)[:, None]
+        return np.asarray(np.sqrt(np.pi * self.radius)[:, None] * strength / self.pressed.units)
+
+    @property
+    def tangent(self) -> Array:
+        """-d(P, T, J) / d(-depth, V, Psi), SI; (case, 3, 3)."""
+        return self._in_units(self.state.tangent, self.pressed.units)
+
+    @property
+    def fixed(self) -> Array:
+        """-d(T, J) / d(V, Psi) at a fixed contact, SI; (case, 2, 2)."""
+        return self._in_units(self.state.fixed, self.pressed.units[:, 1:])
+
+    def _in_units(self, values: Array, units: Array) -> Array:
+        return np.asarray(values * self.radius[:, None, None] / (units[:, :, None] * units[:, None, :]))
+
+    @property
+    def peak_pressure(self) -> Array:
+        """Largest pressure below a curved punch [Pa]; (case,)."""
+        body = self.pressed.body
+        of_one: Array = np.asarray(2 / np.pi * np.linalg.inv(self.state.stiffness.compliance)[..., 0, 0])
+        own = of_one * halfspace_peak(body.shape) if isinstance(body, HalfSpace) else self._peak_on(body, of_one)
+        return np.asarray(own * self._size / self.radius / self.pressed.units[:, 0])
+
+    def _peak_on(self, film: Film, of_one: Array) -> Array:
+        """Largest pressure over C a^(e-1) on a film: at the centre, or else climbed to."""
+        causes, form = self.state.causes, halfspace_form(film.shape, SAMPLES)
+        added = film.gathered(self.radius, lambda of, at, places: of.pressures(at, causes[places]))
+        values = of_one[:, None] * form + added
+        best = np.argmax(values, -1)
+        found = values[np.arange(best.size), best]
+        beside = best < SAMPLES.size - 1
+        for places, of in film.windows(self.radius):
+            some = places[beside[places]]
+            if some.size:
+                log_ratio = np.log(self.radius[some] / film.thickness[some])
+                low, high = SAMPLES[np.maximum(best[some] - 1, 0)], SAMPLES[best[some] + 1]
+                found[some] = self._climbed(of, log_ratio, causes[some], of_one[some], (low, high))
+        return np.asarray(found)
+
+    def _climbed(self, of: Window, at: Array, causes: Array, of_one: Array, between: tuple[Array, Array]) -> Array:
+        coefficients = of.tractions(at, causes)[:, 0]
+
+        def pressure(x: Array) -> Array:
+            added = np.sum(coefficients * added_forms(x, coefficients.shape[1]), -1)
+            return np.asarray(of_one * halfspace_form(of.kind.shape, x) - added)
+
+        return climbed(pressure, *between)

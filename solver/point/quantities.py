@@ -1,0 +1,78 @@
+"""Quantities of point contacts by their names.
+
+A tangent in the voltage holds the magnetic potential, one in the magnetic potential the voltage; those of open circuits
+hold both charges.
+"""
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.point.pressed import Contact, Pressed
+from solver.point.pressure import finite
+
+_INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
+_RESPONSES = (
+    (
+        "voltage", "voltage_per_force", "charge_sensitivity", "stroke_per_volt", "blocked_force_per_volt",
+        "contact_capacitance",
+    ),
+    (
+        "magnetic_potential", "magnetic_potential_per_force", "flux_sensitivity", "stroke_per_ampere",
+        "blocked_force_per_ampere", "contact_permeance",
+    ),
+)  # fmt: skip
+
+
+def quantities(pressed: Pressed) -> dict[str, Array]:
+    """Quantities of ``solver.names`` that every case has, SI; (case,) each.
+
+    Raises
+    ------
+    ContactError
+        No contact, several, or one beyond the resolved range.
+    """
+    contact = pressed.charged
+    tangent = contact.tangent
+    out = {"contact_radius": contact.radius}
+    if finite(pressed.body.shape):
+        out["peak_pressure"] = contact.peak_pressure
+    out |= {
+        "depth": -contact.displacement[:, 0],
+        "contact_stiffness": tangent[:, 0, 0],
+        "contact_stiffness_open": _open(tangent),
+    }
+    for field in (0, 1):
+        if np.all(pressed.conducts[..., field]):
+            out[_INTENSITIES[field]] = contact.intensities[:, 1 + field]
+            out |= dict(zip(_RESPONSES[field], _responses(pressed, contact, tangent, field), strict=True))
+    return out
+
+
+def _responses(pressed: Pressed, contact: Contact, tangent: Array, field: int) -> tuple[Array, ...]:
+    j = 1 + field
+    free = np.linalg.inv(_scaled(pressed.uncharged.tangent))
+    units = _sizes(pressed.uncharged.tangent)
+    return (
+        contact.displacement[:, j],
+        -free[:, j, 0] * units[:, j] * units[:, 0],
+        pressed.grounded.loads[:, j] / pressed.force,
+        tangent[:, 0, j] / tangent[:, 0, 0],
+        -tangent[:, 0, j],
+        -contact.fixed[:, field, field],
+    )
+
+
+def _open(tangent: Array) -> Array:
+    """dP / d depth at fixed charges [N/m]; (case,)."""
+    units = _sizes(tangent)
+    return np.asarray(1 / (np.linalg.inv(_scaled(tangent))[:, 0, 0] * units[:, 0] ** 2))
+
+
+def _sizes(tangent: Array) -> Array:
+    """Inverse roots of the diagonal, by which rows and columns are brought to order one; (case, 3)."""
+    return np.asarray(1 / np.sqrt(np.abs(np.diagonal(tangent, axis1=-2, axis2=-1))))
+
+
+def _scaled(tangent: Array) -> Array:
+    sizes = _sizes(tangent)
+    return np.asarray(tangent * sizes[:, :, None] * sizes[:, None, :])

@@ -1,0 +1,218 @@
+"""What contacts on a film answer over their radius: Chebyshev in log a, in windows of half a decade (points, 4).
+
+By dimension only P R/h^3 of a sphere, P/(tan beta h^2) of a cone and their kind matter, so that one axis is enough. The
+interactions of a stack are found once and serve every punch: its profile, its elasticity, what it conducts.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import product
+
+import numpy as np
+
+from approximation.chebyshev import coefficients, mapped_points
+from solver.arrays import Array
+from solver.film.table import LEAST, MOST
+from solver.film.windows import Kind
+from solver.point.contact import State
+from solver.point.galerkin import Added
+from solver.point.halfspace import Stiffness, conducted, halfspace
+from solver.point.interactions import interactions
+from solver.point.pressure import SAMPLES, added_forms
+from solver.point.profile import Shape
+
+_A_DECADE = 2  # windows, those of the plane
+_OVERLAP = 1.05  # of a window with its neighbours
+_NODES = 20  # radii of a window: 1e-13 between them
+_RUNGS = 9
+_KEPT, _KERNELS = 512, 24
+_FIRST, _SMOOTH, _KINKED = 12, 9.0, 14.0  # number of functions: of a small contact, and what a wide one adds
+
+
+@dataclass(frozen=True)
+class PointKind:
+    """What cases share that one set of tables answers.
+
+    Attributes
+    ----------
+    film
+        Layers and base, the top layer of unit thickness.
+    conducts
+        Whether the punch conducts (electric, magnetic).
+    shape
+        The profile of the punch.
+    punch
+        N_p of an elastic punch [1/Pa], 0 of a rigid one.
+    """
+
+    film: Kind
+    conducts: tuple[bool, bool]
+    shape: Shape
+    punch: float = 0.0
+
+    @property
+    def scale(self) -> Array:
+        """Units of the stack: u = scale u', t = t' / scale; (4,)."""
+        return self.film.stack().scale
+
+    @property
+    def compliance(self) -> Array:
+        """N of the contact in the units of the stack; (3, 3)."""
+        return contact_compliance(self.film.stack().media[0].compliance[1:, 1:], self)
+
+    def stiffness(self, added: Array) -> Stiffness:
+        """Of the half-space and of what the layers add to loads, edges and their rates (..., 3, 3, 4)."""
+        own = halfspace(self.compliance, self.shape)
+        return Stiffness(
+            np.broadcast_to(own.compliance, (*added.shape[:-3], 3, 3)),
+            own.loads + added[..., 0, :, :], own.edges + added[..., 1, :, :], added[..., 2, :, :],
+        )  # fmt: skip
+
+
+def contact_compliance(compliance: Array, kind: PointKind) -> Array:
+    """N of the body with that of the punch, without what the punch does not conduct; (3, 3)."""
+    both = np.array(compliance)
+    both[0, 0] += kind.punch / kind.scale[1] ** 2
+    return conducted(both, np.array(kind.conducts))
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """Contacts on one film of unit thickness, over half a decade of radii and a little more.
+
+    Parameters
+    ----------
+    kind
+        The film and the punch.
+    number
+        Of the window, counted in half decades from 1.
+    """
+
+    kind: PointKind
+    number: int
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """log a at both ends."""
+        return ends(self.number)
+
+    @cached_property
+    def nodes(self) -> Array:
+        """log a of the radii that are solved, rising; (node,)."""
+        return mapped_points(_NODES, *self.ends)
+
+    @cached_property
+    def added(self) -> Array:
+        """Coefficients that the layers add, at the nodes; (node, 3, n, 4)."""
+        masked = _masked(kernel(self.kind.film, self.number, self.kind.shape.exponent % 2 == 0), self.kind)
+        return Added(self.kind.compliance, masked, self.kind.shape).coefficients
+
+    @cached_property
+    def _series(self) -> Array:
+        """Chebyshev coefficients of loads, edge strengths and pressures at samples; (node, output)."""
+        added, count = self.added, self.added.shape[2]
+        loads = 2 * np.pi * added[:, :, 0]
+        edges = np.einsum("aind,n->aid", added, (-1.0) ** np.arange(count))
+        pressures = -np.einsum("and,sn->asd", added[:, 0], added_forms(SAMPLES, count))
+        flat = np.concatenate([part.reshape(len(added), -1) for part in (loads, edges, pressures)], -1)
+        return coefficients(flat)
+
+    @cached_property
+    def _read(self) -> Array:
+        """Those of loads, edge strengths and the derivatives of these in log a; (node, 36)."""
+        return np.concatenate([self._series[:, :24], self._derived(self._series[:, 12:24])], -1)
+
+    @property
+    def resolved(self) -> float:
+        """Last coefficients over the largest of the half-space's and their own: the error of reading."""
+        own = halfspace(self.kind.compliance, self.kind.shape)
+        size = np.concatenate([np.abs(own.loads).ravel(), np.abs(own.edges).ravel()])
+        size = np.maximum(size, np.max(np.abs(self._series[:, :24]), 0))
+        return float(np.max(np.abs(self._series[-2:, :24]) / np.where(size > 0, size, 1.0)))
+
+    def read(self, log_radius: Array) -> Array:
+        """What the layers add to loads, edges and their rates, at radii within the window; (case, 3, 3, 4)."""
+        return np.asarray(self.polynomials(log_radius) @ self._read).reshape(-1, 3, 3, 4)
+
+    @property
+    def rungs(self) -> Array:
+        """log a between which forces are bracketed, the ends among them; (rung,)."""
+        return np.linspace(*self.ends, _RUNGS)
+
+    def forces(self, log_radius: Array, held: tuple[bool, bool]) -> tuple[Array, Array]:
+        """P over C a^(e+1) and d log P / d log a of contacts without charges, or with potentials held at zero."""
+        series, rates = self._forces[held]
+        polynomials = self.polynomials(log_radius)
+        return np.exp(polynomials @ series), polynomials @ rates + self.kind.shape.exponent + 1
+
+    @cached_property
+    def _forces(self) -> dict[tuple[bool, bool], tuple[Array, Array]]:
+        """Chebyshev coefficients of log P and of its derivative, by the potentials that are held."""
+        stiffness, found = self.kind.stiffness(self.read(self.nodes)), dict[tuple[bool, bool], tuple[Array, Array]]()
+        for electric, magnetic in product((False, True), repeat=2):
+            held = electric, magnetic
+            state = State(stiffness, self.kind.shape, np.zeros((self.nodes.size, 2)), held)
+            series = coefficients(np.log(state.loads[..., 0]))
+            found[held] = series, self._derived(series)
+        return found
+
+    def _derived(self, series: Array) -> Array:
+        """Chebyshev coefficients of the derivative in log a."""
+        low, high = self.ends
+        derived = np.polynomial.chebyshev.chebder(series) * 2 / (high - low)
+        return np.concatenate([derived, np.zeros((1, *derived.shape[1:]))])
+
+    def pressures(self, log_radius: Array, causes: Array) -> Array:
+        """What the layers add to the pressure at ``SAMPLES``; (case, sample)."""
+        read = (self.polynomials(log_radius) @ self._series[:, 24:]).reshape(-1, SAMPLES.size, 4)
+        return np.asarray(np.einsum("csd,cd->cs", read, causes))
+
+    def tractions(self, log_radius: Array, causes: Array) -> Array:
+        """Coefficients that the layers add to the tractions, times a; (case, 3, n)."""
+        read = np.tensordot(self.polynomials(log_radius), coefficients(self.added), 1)
+        return np.asarray(np.einsum("cind,cd->cin", read, causes))
+
+    def polynomials(self, log_radius: Array) -> Array:
+        """Chebyshev polynomials at log a; (case, node)."""
+        low, high = self.ends
+        local = np.clip((2 * log_radius - low - high) / (high - low), -1.0, 1.0)
+        return np.asarray(np.polynomial.chebyshev.chebvander(local, _NODES - 1), dtype=np.float64)
+
+
+def ends(number: int) -> tuple[float, float]:
+    """log a at both ends of a window."""
+    step, beyond = np.log(10) / _A_DECADE, np.log(_OVERLAP)
+    low, high = np.clip([number * step - beyond, (number + 1) * step + beyond], np.log(LEAST), np.log(MOST))
+    return float(low), float(high)
+
+
+@lru_cache(_KEPT)
+def window(kind: PointKind, number: int) -> Window:
+    """The window of a kind, made once."""
+    return Window(kind, number)
+
+
+@lru_cache(_KERNELS)
+def kernel(film: Kind, number: int, smooth: bool) -> Array:
+    """Interactions of a film at the radii of a window; (node, 3, 3, n, n).
+
+    Parameters
+    ----------
+    film
+        The film, its top layer of unit thickness.
+    number
+        Of the window.
+    smooth
+        Whether the profile is smooth at its apex: a kink takes more functions.
+    """
+    stack = film.stack()
+    radii = np.exp(mapped_points(_NODES, *ends(number)))
+    reach = float(np.max(radii)) / min(float(stack.media[0].slowest), 1.0)
+    count = _FIRST + int((_SMOOTH if smooth else _KINKED) * np.sqrt(reach))
+    return interactions(stack, radii, count)
+
+
+def _masked(interactions_of_all: Array, kind: PointKind) -> Array:
+    """Interactions without what couples fields that the punch does not conduct."""
+    ahead = np.moveaxis(interactions_of_all, (1, 2), (-2, -1))
+    return np.moveaxis(conducted(ahead, np.array(kind.conducts)), (-2, -1), (1, 2))

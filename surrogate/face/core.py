@@ -1,0 +1,99 @@
+"""What a model must give: means, distributions and gradients in scaled coordinates, and its state."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, Self
+
+import xarray as xr
+
+from approximation.arrays import Array, Indices
+from surrogate.data.inputs import Input
+
+#: From the physical coordinates of one point, and whether standard deviations are wanted, to means and them, (p,) each;
+#: None for a point outside of the box.
+Single = Callable[[Sequence[float], bool], tuple[Array, Array | None] | None]
+
+
+class Core(ABC):
+    """A model of p outputs over d inputs, asked at B points in scaled coordinates, (d, B).
+
+    Attributes
+    ----------
+    engine : str
+        Name of the kind in files.
+    inputs_ : tuple of Input
+        Inputs of the fitted model.
+    outputs_ : tuple of str
+        Names of its outputs.
+    attrs_ : dict
+        `units` and `long_name` of every output.
+    cases_ : int
+        Number of cases that it was trained on.
+    """
+
+    engine: ClassVar[str]
+    inputs_: tuple[Input, ...]
+    outputs_: tuple[str, ...]
+    attrs_: dict[str, dict[str, str]]
+    cases_: int
+
+    @property
+    @abstractmethod
+    def parts(self) -> int:
+        """Number of parts that the variance is the sum of."""
+
+    @abstractmethod
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+        """Return mean and variance, (p, B) each.
+
+        `weights`, shape (parts, p), multiply the parts of the variance; without them there is no variance.
+        """
+
+    @abstractmethod
+    def slopes(self, t: Array) -> Array:
+        """Return the derivatives of the means by the scaled coordinates, (d, p, B)."""
+
+    @abstractmethod
+    def slope_variances(self, t: Array, weights: Array) -> Array:
+        """Return the weighted variances of these derivatives, (d, p, B)."""
+
+    @abstractmethod
+    def state(self) -> xr.Dataset:
+        """Return what a file must hold beside inputs, outputs, probes and calibration."""
+
+    @classmethod
+    @abstractmethod
+    def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
+        """Return the model of a state; ValueError names what is inconsistent."""
+
+    def single(self) -> Single | None:
+        """Return the short way of one query alone, None where there is none."""
+        return None
+
+    def only(self, outputs: Sequence[str]) -> Self:
+        """Return a model that gives these outputs, and as few others as it can, for less."""
+        return self
+
+    def thinned(self, errors: Mapping[str, float]) -> Self:
+        """Return a model that costs less to ask for, with root-mean-square errors of some outputs, in their units."""
+        return self
+
+    def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
+        """Learn to correct the means from held-out cases; return what is left of the error of each case, left out.
+
+        Parameters
+        ----------
+        dataset : Dataset
+            The cases; it may hold more than the outputs.
+        errors : ndarray, shape (p, n)
+            True minus predicted.
+        t : ndarray, shape (d, n)
+            Scaled coordinates of the cases.
+        groups : ndarray of int, shape (n,)
+            Number of the group of every case; the cases of one share some coordinates.
+        """
+        return errors
+
+    def plain(self) -> dict[str, Any] | None:
+        """Return all that mean, deviation and interval need, as what JSON can hold; None: only Python evaluates it."""
+        return None

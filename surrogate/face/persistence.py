@@ -1,0 +1,207 @@
+"""Models as data: netCDF files with everything that a prediction needs, nothing of which is executed."""
+
+from os import PathLike
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from approximation.arrays import Array
+from storage.described import described
+from storage.netcdf import FAILURES, read_whole, write_whole
+from storage.quarantine import try_to_read
+from storage.sealed import FormatError
+from surrogate.data.inputs import Input, stored_inputs
+from surrogate.data.meanings import MEANINGS, SOURCE
+from surrogate.face.engines import ENGINES, engine, members_of
+from surrogate.face.model import GaussianProcess
+from surrogate.intervals.conformal import Calibration
+from surrogate.intervals.distribution import NOMINAL
+
+FORMAT = "surrogate"
+VERSION = 4
+MAX_BYTES = 2**28  # unpacked; a model is a few MB at most, and a hostile file must not fill the memory
+PROBES = 8
+_PROBE_DIMS = {"point": ("probe", "input")} | dict.fromkeys(("mean", "std", "lower", "upper"), ("probe", "output"))
+PROBE_TOLERANCE = 1e-7
+
+
+def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
+    """Write a fitted model to a netCDF-4 file, whole or not at all; the same model gives the same bytes.
+
+    Raises
+    ------
+    FileNotFoundError
+        The folder does not exist.
+    OSError
+        No room or no permission, in the system's words, with the file.
+
+    Examples
+    --------
+    >>> import tempfile, surrogate
+    >>> from pathlib import Path
+    >>> made = surrogate.FactorialRegressor().fit([[0.0], [0.5], [1.0]], [1.0, 1.5, 3.0]).model_
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save(made, Path(folder) / "y.nc")
+    ...     [file.name for file in Path(folder).iterdir()]
+    ['y.nc']
+    """
+    points = probe_points(model.inputs_)
+    probes = {"point": points, **_answers(model, points)}
+    whole = nested(model).assign({f"probe_{name}": (_PROBE_DIMS[name], values) for name, values in probes.items()})
+    title = f"surrogate of {', '.join(model.outputs_)}"[:200]
+    whole.attrs |= {"format": FORMAT, "format_version": VERSION}
+    write_whole(described(whole, title, SOURCE, MEANINGS), path)
+
+
+def nested(model: GaussianProcess) -> xr.Dataset:
+    """Return a model as one data set: inputs, outputs, state and calibration, then the same of every member.
+
+    What a member has stands under names that begin with the member's: `smooth_axes_core_0` is the first core of the
+    model over axes that is the smooth model of the whole.
+    """
+    inputs, outputs, members = model.inputs_, model.outputs_, model.members
+    whole = xr.Dataset(
+        {
+            "low": ("input", [own.low for own in inputs]),
+            "high": ("input", [own.high for own in inputs]),
+            "scale": ("input", [own.scale for own in inputs]),
+            "input_units": ("input", [own.units for own in inputs]),
+            "input_long_name": ("input", [own.long_name for own in inputs]),
+            "output_units": ("output", [model.attrs_[name].get("units", "") for name in outputs]),
+            "output_long_name": ("output", [model.attrs_[name].get("long_name", "") for name in outputs]),
+        },
+        coords={"input": [own.name for own in inputs], "output": list(outputs)},
+        attrs={"engine": model.engine, "cases": model.cases_},
+    )
+    if model.level_ != NOMINAL:
+        whole.attrs["level"] = model.level_
+    if model.made_from_:
+        whole.attrs["made_from"] = model.made_from_
+    whole = whole.merge(model.state(), combine_attrs="no_conflicts")
+    learnt = model.calibration_
+    if learnt is not None and not any(member.calibration_ is learnt for member in members.values()):
+        whole = whole.assign(learnt.state())
+    for name, member in members.items():
+        whole = whole.merge(_prefixed(name, nested(member)), combine_attrs="no_conflicts")
+    return whole
+
+
+def _prefixed(name: str, member: xr.Dataset) -> xr.Dataset:
+    """A member's data set under names that begin with its own, as do their meanings."""
+    told = described(member, "", "", MEANINGS)
+    for variable in told.variables.values():
+        variable.attrs["long_name"] = f"{name} model: {variable.attrs.get('long_name', '')}"
+    renamed = told.rename({part: f"{name}_{part}" for part in {*told.variables, *told.dims}})
+    renamed.attrs = {f"{name}_{key}": value for key, value in member.attrs.items()}
+    return renamed
+
+
+def _member(name: str, stored: xr.Dataset) -> xr.Dataset:
+    """What `_prefixed` was made from."""
+    prefix = f"{name}_"
+    own = stored.drop_vars([part for part in stored.variables if not str(part).startswith(prefix)])
+    plain = own.rename({part: str(part).removeprefix(prefix) for part in {*own.variables, *own.dims}})
+    attrs = {str(key): value for key, value in stored.attrs.items()}
+    kept = {key.removeprefix(prefix): value for key, value in attrs.items() if key.startswith(prefix)}
+    return plain.assign_attrs(kept)
+
+
+def _answers(model: GaussianProcess, points: Array) -> dict[str, Array]:
+    """Means, standard deviations and ends of intervals at points (n, d): (n, p) each."""
+    mean, std = model.predict_array(points, return_std=True)
+    lower, upper = model.interval_array(points, NOMINAL)
+    return {"mean": mean, "std": std, "lower": lower, "upper": upper}
+
+
+def load(path: str | PathLike[str]) -> GaussianProcess:
+    """Read a model, which may come from anywhere, and verify it.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such file.
+    FormatError
+        One line with the file and the reason: truncated, altered, too large, more than plain numbers and texts, not a
+        model, of an unknown version, engine or kernel, inconsistent in its shapes, or its probe predictions do not come
+        out as stored.
+
+    Examples
+    --------
+    >>> import tempfile, surrogate
+    >>> from pathlib import Path
+    >>> made = surrogate.FactorialRegressor().fit([[0.0], [0.5], [1.0]], [1.0, 1.5, 3.0]).model_
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     surrogate.save(made, Path(folder) / "y.nc")
+    ...     again = load(Path(folder) / "y.nc")
+    >>> bool(again.predict({"x0": 0.3})["y0"] == made.predict({"x0": 0.3})["y0"])
+    True
+    """
+    try_to_read(path, MAX_BYTES)
+    stored = read_whole(path, max_bytes=MAX_BYTES)
+    attrs = stored.attrs
+    if attrs.get("format") != FORMAT:
+        raise FormatError(path, "not a surrogate model")
+    if attrs.get("format_version") != VERSION:
+        raise FormatError(
+            path, f"format version {attrs.get('format_version')} is not {VERSION}, the one known here: `make run` anew"
+        )
+    try:
+        _check_numbers(stored)
+        model = restored(stored, tuple(ENGINES))
+        answers = _answers(model, stored["probe_point"].transpose("probe", "input").values)
+    except FAILURES as error:
+        raise FormatError(path, f"inconsistent: {error}") from error
+    for part, found in answers.items():
+        expected = stored[f"probe_{part}"].transpose("probe", "output").values
+        room = PROBE_TOLERANCE * (np.abs(expected) + np.ptp(stored["probe_mean"].values, axis=0))
+        if found.shape != expected.shape or not (np.abs(found - expected) <= room).all():
+            raise FormatError(path, f"the stored predictions probe_{part} do not come out again")
+    return model
+
+
+def restored(stored: xr.Dataset, engines: tuple[str, ...]) -> GaussianProcess:
+    """Return the model that `nested` gave; ValueError names what is inconsistent, KeyError what is not there.
+
+    Parameters
+    ----------
+    stored : Dataset
+        A model and its members.
+    engines : tuple of str
+        Kinds that it may be.
+    """
+    name = str(stored.attrs["engine"])
+    kind, inputs, outputs = engine(name, engines), stored_inputs(stored), _outputs(stored)
+    members = {own: restored(_member(own, stored), members_of(name)) for own in kind.MEMBERS}
+    model = kind.restore(stored, inputs, outputs)
+    model.calibration_, model.cases_ = None, int(stored.attrs["cases"])
+    model.made_from_ = str(stored.attrs.get("made_from", ""))
+    model = model.over(members)
+    model.level_ = float(stored.attrs.get("level", NOMINAL))
+    own_calibration = Calibration.restore(stored, model.parts, len(inputs), len(outputs))
+    if own_calibration is not None:
+        model.calibration_ = own_calibration
+    model.check_level(model.level_)
+    return model
+
+
+def probe_points(inputs: tuple[Input, ...]) -> Array:
+    """Return a few points spread over the box, (PROBES, d): a Kronecker sequence."""
+    steps = np.sqrt(np.arange(2, 2 + len(inputs)) + 0.618)
+    share = (np.arange(1, PROBES + 1)[:, None] * steps) % 1
+    return np.stack([own.from_unit(2 * share[:, k] - 1) for k, own in enumerate(inputs)], axis=1)
+
+
+def _outputs(stored: xr.Dataset) -> dict[str, dict[str, str]]:
+    attrs: dict[str, dict[str, str]] = {}
+    for name in stored["output"].values.tolist():
+        column = stored.sel(output=name)
+        texts: dict[str, Any] = {key: column[f"output_{key}"].item() for key in ("units", "long_name")}
+        attrs[name] = {key: text for key, text in texts.items() if text}
+    return attrs
+
+
+def _check_numbers(stored: xr.Dataset) -> None:
+    for name, variable in stored.variables.items():
+        if variable.dtype.kind == "f" and not np.isfinite(variable.values).all():
+            raise ValueError(f"variable {name!r} is not finite")

@@ -1,0 +1,92 @@
+"""Answers at physical points: block by block, scaled by what held-out cases say."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from approximation.arrays import Array
+from surrogate.data.inputs import unit_coordinates
+from surrogate.face.core import Core
+from surrogate.intervals.conformal import Calibration
+
+# Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
+BLOCK = 2048
+
+
+class Physical(Core):
+    """A model asked at physical points, with calibrated standard deviations.
+
+    Attributes
+    ----------
+    calibration_ : Calibration or None
+        What `calibrate` has learnt; None before.
+    """
+
+    calibration_: Calibration | None
+
+    def all_mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
+        """Return the same as `mean_std` at any number of points, block by block: (p, n) each."""
+        mean = np.empty((len(self.outputs_), len(X)))
+        std = np.empty_like(mean) if with_std else None
+        for block in _slices(len(X)):
+            mean[:, block], deviation = self.mean_std(X[block], with_std)
+            if std is not None and deviation is not None:
+                std[:, block] = deviation
+        return mean, std
+
+    def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
+        """Return the means and calibrated standard deviations at physical points (B, d) of any place: (p, B) each."""
+        t, calibration = unit_coordinates(self.inputs_, X), self.calibration_
+        mean, variance = self.mean_variance(t, self._weights() if with_std else None)
+        if not with_std or variance is None:
+            return mean, None
+        return mean, np.sqrt(variance) if calibration is None else calibration.std(variance, t)
+
+    def variance(self, t: Array, weights: Array) -> Array:
+        """Return the variance of `mean_variance`, (p, B)."""
+        variance = self.mean_variance(t, weights)[1]
+        return np.zeros((len(self.outputs_), t.shape[1])) if variance is None else variance
+
+    def physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
+        """Turn derivatives by scaled coordinates into those by physical inputs.
+
+        Parameters
+        ----------
+        X : ndarray, shape (n, d)
+            Physical points.
+        scaled : callable
+            Takes scaled coordinates, (d, B); gives derivatives by them, (d, p, B).
+
+        Returns
+        -------
+        ndarray, shape (d, p, n)
+        """
+        slopes = np.empty((len(self.inputs_), len(self.outputs_), len(X)))
+        for block in _slices(len(X)):
+            slopes[..., block] = scaled(unit_coordinates(self.inputs_, X[block]))
+        return np.asarray(slopes * self.unit_slopes(X))
+
+    def unit_slopes(self, X: Array) -> Array:
+        """Return the derivatives of the scaled coordinates by the inputs at physical points (n, d): (d, 1, n)."""
+        return np.stack([own.unit_slope(X[:, k]) for k, own in enumerate(self.inputs_)])[:, None]
+
+    def physical(self, t: Array) -> Array:
+        """Return the physical points of scaled coordinates, (d, n): (n, d)."""
+        return np.stack([own.from_unit(row) for own, row in zip(self.inputs_, t, strict=True)], axis=1)
+
+    def slope_stds(self, t: Array) -> Array:
+        """Return the calibrated standard deviations of the derivatives by scaled coordinates (d, B): (d, p, B)."""
+        std = np.sqrt(np.maximum(self.slope_variances(t, self._weights()), 0))
+        return std if self.calibration_ is None else np.asarray(std * self.calibration_.stretch(t))
+
+    def _weights(self) -> Array:
+        return np.ones((self.parts, len(self.outputs_))) if self.calibration_ is None else self.calibration_.weights
+
+
+def _slices(count: int) -> Iterator[slice]:
+    return (slice(start, start + BLOCK) for start in range(0, count, BLOCK))
+
+
+def in_blocks(t: Array, asked: Callable[[Array], Array]) -> Array:
+    """Return what scaled coordinates (d, n) give, (p, n), asked for in blocks of (d, B) -> (p, B)."""
+    return np.concatenate([asked(t[:, block]) for block in _slices(t.shape[1])], axis=1)

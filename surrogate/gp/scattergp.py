@@ -1,0 +1,231 @@
+"""Gaussian processes for scattered designs: a few cases by scikit-learn's regressors, many by finite rank."""
+
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self, get_args
+
+import numpy as np
+import xarray as xr
+from sklearn.gaussian_process import GaussianProcessRegressor
+
+from approximation.arrays import Array
+from surrogate.data.factorial import output_names, text_attrs
+from surrogate.data.inputs import Input, unit_coordinates
+from surrogate.face.model import GaussianProcess
+from surrogate.gp.finiterank import FiniteRank
+from surrogate.gp.stationary import Stationary, regressor
+
+KernelName = Literal["auto", "rbf", "matern32", "matern52", "chebyshev"]
+KERNELS: tuple[str, ...] = get_args(KernelName)
+#: Cases above which "auto" is the kernel "chebyshev", whose cost is that of their number.
+MANY = 500
+
+
+class ScatterGP(GaussianProcess):
+    """Gaussian process on scattered cases, any number of outputs.
+
+    With the kernels "rbf", "matern32" and "matern52" the outputs are independent regressors of scikit-learn with a
+    length scale an input, free of noise but for a tiny nugget; the cost of a fit grows with the cube of the number of
+    cases. With "chebyshev", the kernel of `GridGP`, they are one process of finite rank (module `finiterank`), whose
+    cost grows with the number of cases. It estimates the noise of every output, and its standard deviation is that of a
+    new case, with its noise; `_std` of a gradient has no noise in it.
+
+    Parameters
+    ----------
+    kernel : {"auto", "rbf", "matern32", "matern52", "chebyshev"}
+        Correlation function; "auto" is "matern52" for up to 500 cases and "chebyshev" for more.
+    inputs : sequence of Input, optional
+        Inputs with box and scale; by default the variables that are not `outputs`, with the range of the cases.
+    outputs : sequence of str, optional
+        Outputs, by default the variables that are not `inputs`. One of the two must be given.
+    nugget : float
+        Added to the diagonal, relative to the variance of the output; "chebyshev" estimates it.
+    restarts : int
+        Restarts of the search for the maximum of the marginal likelihood; "chebyshev" has none.
+    random_state : int
+        Seed of the restarts, or of the choice of the cases from which the decay of "chebyshev" is learnt.
+    rank : int
+        Most features of "chebyshev"; there are at most half as many as cases. Time and memory grow with its square.
+
+    Attributes
+    ----------
+    process_ : Stationary or FiniteRank
+        What was fitted.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> from surrogate import Input, ScatterGP
+    >>> rng = np.random.default_rng(0)
+    >>> x, y = rng.uniform(-1, 1, (2, 5000))
+    >>> cases = xr.Dataset({"x": ("case", x), "y": ("case", y)})
+    >>> cases["f"] = ("case", np.exp(x * y) + 0.1 * rng.normal(size=5000))
+    >>> model = ScatterGP(inputs=[Input("x", -1, 1), Input("y", -1, 1)], rank=100).fit(cases)
+    >>> found = model.predict({"x": 0.5, "y": 0.4})
+    >>> bool(abs(found["f"] - np.exp(0.2)) < 0.02), bool(abs(found["f_std"] - 0.1) < 0.01)
+    (True, True)
+    """
+
+    engine: ClassVar[str] = "scatter"
+    process_: Stationary | FiniteRank
+
+    def __init__(
+        self,
+        kernel: KernelName = "auto",
+        inputs: Sequence[Input] | None = None,
+        outputs: Sequence[str] | None = None,
+        nugget: float = 1e-10,
+        restarts: int = 0,
+        random_state: int = 0,
+        rank: int = 2000,
+    ) -> None:
+        self.kernel = kernel
+        self.inputs = inputs
+        self.outputs = outputs
+        self.nugget = nugget
+        self.restarts = restarts
+        self.random_state = random_state
+        self.rank = rank
+
+    @property
+    def regressors_(self) -> list[GaussianProcessRegressor]:
+        """The fitted regressors, one an output; none with "chebyshev"."""
+        return self.process_.regressors if isinstance(self.process_, Stationary) else []
+
+    def fit(self, X: xr.Dataset) -> Self:
+        """Fit to scattered cases.
+
+        Parameters
+        ----------
+        X : Dataset
+            One dimension (such as `case`); inputs and outputs are variables over it.
+
+        Raises
+        ------
+        ValueError
+            An unknown kernel, a rank below one, a data set of other dimensions, missing variables, values that are not
+            finite, a case outside the box, fewer than two cases for "chebyshev"; one line that names it.
+        """
+        if self.kernel not in KERNELS:
+            raise ValueError(f"kernel {self.kernel!r} is none of {', '.join(KERNELS)}")
+        if self.rank < 1:
+            raise ValueError(f"rank {self.rank} must be at least 1")
+        inputs, names = self._roles(X)
+        columns = {name: _column(X, name) for name in [*(one.name for one in inputs), *names]}
+        for one in inputs:
+            low, high = columns[one.name].min(), columns[one.name].max()
+            if low < one.low or high > one.high:
+                wrong = low if low < one.low else high
+                raise ValueError(f"input {one.name!r} has the value {wrong:g} outside its range {one.range_text()}")
+        self.inputs_, self.outputs_ = tuple(inputs), tuple(names)
+        self.attrs_ = {name: text_attrs(X[name]) for name in names}
+        self.calibration_ = None
+        points = np.stack([columns[one.name] for one in inputs], axis=1)
+        values = np.stack([columns[name] for name in names], axis=1)
+        self.cases_, self.process_ = len(points), self._process(points, values)
+        return self
+
+    def _process(self, points: Array, values: Array) -> Stationary | FiniteRank:
+        cases, kernel = len(points), self.kernel
+        if kernel == "auto":
+            kernel = "chebyshev" if cases > MANY else "matern52"
+        if kernel != "chebyshev":
+            self.points_, self.values_ = points, values
+            return self._stationary(kernel, [None] * values.shape[1])
+        if cases < 2:
+            raise ValueError(f"the kernel 'chebyshev' needs at least 2 cases, got {cases}")
+        t = unit_coordinates(self.inputs_, points)
+        return FiniteRank.fit(t, values, min(self.rank, cases // 2), self.random_state)
+
+    def _stationary(self, kernel: str, thetas: Sequence[Array | None]) -> Stationary:
+        t, how = unit_coordinates(self.inputs_, self.points_).T, (self.nugget, self.restarts, self.random_state)
+        pairs = zip(self.values_.T, thetas, strict=True)
+        return Stationary(kernel, [regressor(kernel, t, values, theta, *how) for values, theta in pairs])
+
+    def state(self) -> xr.Dataset:
+        """Return what a file must hold beside inputs, outputs and probes."""
+        names = ("kernel", "nugget", "restarts", "random_state", "rank")
+        attrs = {name: getattr(self, name) for name in names}
+        if isinstance(self.process_, FiniteRank):
+            return self.process_.state().assign_attrs(attrs)
+        theta = np.stack([one.kernel_.theta for one in self.process_.regressors])
+        return xr.Dataset(
+            {
+                "point": (("case", "input"), self.points_),
+                "value": (("case", "output"), self.values_),
+                "theta": (("output", "theta_index"), theta),
+            },
+            attrs=attrs,
+        )
+
+    @classmethod
+    def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
+        """Return the model of a stored state; ValueError names what is inconsistent."""
+        attrs = stored.attrs
+        if attrs["kernel"] not in KERNELS:
+            raise ValueError(f"unknown kernel {attrs['kernel']!r}")
+        model = cls(
+            attrs["kernel"],
+            inputs,
+            tuple(outputs),
+            float(attrs["nugget"]),
+            int(attrs["restarts"]),
+            int(attrs["random_state"]),
+            int(attrs["rank"]),
+        )
+        model.inputs_, model.outputs_, model.attrs_ = inputs, tuple(outputs), outputs
+        if "feature_degree" in stored:
+            model.process_ = FiniteRank.restore(stored, len(inputs), len(outputs))
+            return model
+        model.points_ = stored["point"].transpose("case", "input").values
+        model.values_ = stored["value"].transpose("case", "output").values
+        theta = stored["theta"].transpose("output", "theta_index").values
+        if theta.shape[1] != len(inputs) + 1:
+            raise ValueError(f"theta has {theta.shape[1]} columns for {len(inputs)} inputs")
+        model.process_ = model._stationary("matern52" if model.kernel == "auto" else model.kernel, list(theta))
+        return model
+
+    def _roles(self, X: xr.Dataset) -> tuple[Sequence[Input], list[str]]:
+        if self.inputs is not None:
+            return self.inputs, output_names(X, self.outputs, exclude=[one.name for one in self.inputs])
+        if self.outputs is None:
+            raise ValueError(
+                "scattered cases do not tell inputs from outputs; give inputs=[Input(...), ...] or outputs=[...]"
+            )
+        names = [str(name) for name in X.data_vars if name not in self.outputs]
+        if not names:
+            raise ValueError("the data set has no variable beside the outputs")
+        columns = {name: _column(X, name) for name in names}
+        inputs = [
+            Input(name, float(v.min()), float(v.max()), "linear", **text_attrs(X[name])) for name, v in columns.items()
+        ]
+        return inputs, output_names(X, self.outputs, exclude=())
+
+    @property
+    def parts(self) -> int:
+        """Number of parts of the variance: one, or with "chebyshev" two, that of the function and the noise."""
+        return self.process_.parts
+
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+        """Return means and, with weights (parts, p), variances at scaled coordinates (d, B): (p, B) each."""
+        return self.process_.mean_variance(t, weights)
+
+    def slopes(self, t: Array) -> Array:
+        """Return the derivatives of the means by the scaled coordinates (d, B): (d, p, B)."""
+        return self.process_.slopes(t)
+
+    def slope_variances(self, t: Array, weights: Array) -> Array:
+        """Return the weighted variances of these derivatives, (d, p, B)."""
+        return self.process_.slope_variances(t, weights)
+
+
+def _column(X: xr.Dataset, name: str) -> Array:
+    if name not in X.variables:
+        raise ValueError(f"{name!r} is not in the data set; it has {', '.join(map(str, X.variables))}")
+    array = X[name]
+    if array.ndim != 1 or array.dtype.kind not in "iuf":
+        raise ValueError(f"{name!r} must be numbers over one dimension, got {array.dtype} over {array.dims}")
+    if array.dims != X[next(iter(X.data_vars))].dims:
+        raise ValueError(f"{name!r} is over {array.dims[0]!r}, unlike the other variables")
+    if not np.isfinite(array.values).all():
+        raise ValueError(f"{name!r} is not finite in {int((~np.isfinite(array.values)).sum())} of {array.size} cases")
+    return np.asarray(array.values, dtype=np.float64)

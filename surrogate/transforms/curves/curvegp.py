@@ -1,0 +1,318 @@
+"""Largest values of curves: the curves are learnt, which are smooth, and the maximum is taken after the query.
+
+A maximum over a curve is kinked where its place jumps from one hill to another, and no number of levels learns a kink
+well; the fields over the curve have none. They are learnt in the low-rank basis of the cases' singular vectors, every
+coefficient as an output of a Gaussian process of any kind, and the maximum of what is predicted is that of piecewise
+polynomials (module `panels`). Its derivatives follow from those of the coefficients: the place is stationary.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
+from dataclasses import replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+import xarray as xr
+
+from approximation.arrays import Array, Indices
+from surrogate.data.inputs import Input
+from surrogate.face.model import GaussianProcess
+from surrogate.face.physical import in_blocks
+from surrogate.face.plain import plain_outputs
+from surrogate.transforms.curves.basis import Basis, Curves, Largest
+from surrogate.transforms.curves.following import followed, following
+from surrogate.transforms.curves.landscape import Landscape
+from surrogate.transforms.curves.links import Links, learnt_name
+from surrogate.transforms.groups import Grouping
+from surrogate.transforms.outputs import Scaling
+from surrogate.transforms.transformed import Transformed, groups_of
+
+# Curves whose largest values are looked for at a time: their fields stay in cache.
+_BLOCK = 128
+_PROBES = 64
+
+
+class CurveGP(Transformed):
+    """Smooth outputs, and largest measures of curves, over the inputs of one Gaussian process.
+
+    Parameters
+    ----------
+    smooth : callable
+        Gives the process, not fitted, that learns what is smooth, by its outputs: plain ones, sizes, scores of curves.
+    curves : sequence of Curves
+        What is learnt of curves.
+    largest : mapping of str to Largest
+        Outputs that follow from them.
+    outputs : sequence of str
+        All outputs in order; those not in `largest` are plain variables of the data set.
+    attrs : mapping, optional
+        `units` and `long_name` of the outputs in `largest`.
+    logarithms : bool
+        Learn the logarithm of every size; else the size itself, by a process that knows better.
+    error : float
+        Root-mean-square error, relative to a field, that the low-rank basis and the compression of its scores may make.
+
+    Attributes
+    ----------
+    smooth_ : GaussianProcess
+        The fitted process.
+    bases_ : tuple of Basis
+        Basis of every element of `curves`.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> from surrogate import GridGP, Input
+    >>> from approximation.chebyshev import gauss_points
+    >>> a, points = Input("a", -1, 1), gauss_points(32)
+    >>> grid = xr.Dataset(coords={"a": a.levels(12), "point": np.arange(32)})
+    >>> x = xr.DataArray(points, dims="point")
+    >>> from approximation.panels import Panels
+    >>> hills = Curves(("height",), ("",), Panels((32,)), "point")
+    >>> highest = Largest(0, Measure(np.ones((1, 1)), np.zeros((1, 1, 1))))
+    >>> model = CurveGP(lambda names: GridGP(inputs=[a]), [hills], {"top": highest}, ["top"])
+    >>> model = model.fit(grid.assign(height=np.cos(3 * x) ** 2 + grid.a * x))  # two hills, as high at a = 0
+    >>> fine = np.linspace(-1, 1, 200_001)
+    >>> error = model.predict_array([[0.1]]).item() - (np.cos(3 * fine) ** 2 + 0.1 * fine).max()
+    >>> bool(abs(error) < 1e-9)
+    True
+    """
+
+    engine: ClassVar[str] = "curves"
+    MEMBERS = CALIBRATED = ("smooth",)
+    smooth_: GaussianProcess
+    bases_: tuple[Basis, ...]
+
+    def __init__(
+        self,
+        smooth: Callable[[Sequence[str]], GaussianProcess],
+        curves: Sequence[Curves],
+        largest: Mapping[str, Largest],
+        outputs: Sequence[str],
+        attrs: Mapping[str, dict[str, str]] | None = None,
+        logarithms: bool = True,
+        error: float = 1e-7,
+    ) -> None:
+        self.smooth, self.curves, self.largest = smooth, tuple(curves), dict(largest)
+        self.outputs, self.attrs, self.logarithms, self.error = tuple(outputs), attrs, logarithms, error
+
+    def fit(self, X: xr.Dataset) -> Self:
+        """Fit to a data set that holds the plain outputs, the sizes and the fields, as the process takes its own.
+
+        Raises
+        ------
+        ValueError
+            As that process; sizes that are not positive, fields that do not fit their panels.
+        """
+        plain = [name for name in self.outputs if name not in self.largest]
+        parts: dict[str, xr.DataArray] = {name: X[name] for name in plain}
+        for size in self._sizes():
+            if not (X[size] > 0).all():
+                raise ValueError(f"size {size!r} is not positive in some case")
+            parts[learnt_name(size, self.logarithms)] = (
+                X[size].copy(data=np.log(X[size].values)) if self.logarithms else X[size]
+            )
+        bases = []
+        for number, curves in enumerate(self.curves):
+            like: xr.DataArray = X[curves.fields[0]].isel({curves.dim: 0}, drop=True)
+            values = curves.shapes(X)
+            bases.append(Basis.of(values, self.error))
+            parts |= {
+                f"score {number} {k}": like.copy(data=row.reshape(like.shape)).drop_attrs()
+                for k, row in enumerate(bases[-1].scores(values))
+            }
+        kept = [str(name) for name in X.variables if name in X.dims or name in X.coords]
+        data = xr.Dataset(parts, {name: X[name] for name in kept if not set(X[name].dims) & self._dims()})
+        smooth = self.smooth(list(parts)).fit(data)
+        self.bases_, self.calibration_ = tuple(bases), None
+        allowed = {f"log {size}": self.error for size in self._sizes()}  # of a size itself, none
+        for number, basis in enumerate(bases):
+            allowed |= {f"score {number} {k}": basis.error(self.error) for k in range(len(basis.vectors))}
+        self.smooth_, self.cases_ = smooth.thinned(allowed), smooth.cases_
+        self._lay_out()
+        return self
+
+    def _lay_out(self) -> None:
+        smooth, attrs = self.smooth_, dict(self.attrs or {})
+        self.inputs_, self.outputs_ = smooth.inputs_, self.outputs
+        self.attrs_ = {
+            name: attrs.get(name, {}) if name in self.largest else smooth.attrs_[name] for name in self.outputs
+        }
+        self._links = Links(self.outputs, self.largest, self.curves, self.bases_, self.logarithms, smooth.outputs_)
+        self.grouping = self._grouped(groups_of(smooth))
+        self._landscapes = [
+            Landscape(basis, curves.panels) for basis, curves in zip(self.bases_, self.curves, strict=True)
+        ]
+        self._stand_witness()
+
+    def _stand_witness(self) -> None:
+        self._witness = self.smooth_.only([self._witnessed(name) for name in self.outputs])
+
+    def _grouped(self, smooth: Grouping | None) -> Grouping | None:
+        """The groups of the smooth process; what follows from curves scales as the size of these does."""
+        if smooth is None:
+            return None
+        known = {name: smooth.scalings[name] for name in self.outputs if name not in self.largest}
+        for name in self.largest:
+            size = smooth.scalings.get(learnt_name(self._links.size_of(name), self.logarithms), Scaling())
+            known[name] = replace(size, logarithm=0)
+        return replace(smooth, scalings={name: known[name] for name in self.outputs})
+
+    def _sizes(self) -> list[str]:
+        return sorted({size for curves in self.curves for size in curves.sizes if size})
+
+    def _dims(self) -> set[str]:
+        return {curves.dim for curves in self.curves}
+
+    def _witnessed(self, name: str) -> str:
+        """The smooth output whose variance tells how that of an output is spread over the box.
+
+        Variances of the scores differ by the weights of their parts, which the calibration finds; that score is taken
+        of which no part is small.
+        """
+        if name not in self.largest:
+            return name
+        smooth, rows = self.smooth_, self._links.scores[self.largest[name].curves]
+        t = np.random.default_rng(0).uniform(-1, 1, (len(self.inputs_), _PROBES))
+        parts = []
+        for part in np.eye(smooth.parts):
+            weights = np.repeat(part[:, None], len(smooth.outputs_), axis=1)
+            parts.append(smooth.variance(t, weights)[rows].mean(axis=1))
+        share = np.array([part / part.max() for part in parts if part.any()])
+        best = int(np.log(np.maximum(share, 1e-30)).sum(axis=0).argmax()) if share.size else 0
+        return smooth.outputs_[int(rows[best])]
+
+    # -- answers -------------------------------------------------------------------------------------------------------
+    @property
+    def parts(self) -> int:
+        """Number of parts of the variance: those of the process."""
+        return self.smooth_.parts
+
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+        """Return means and, with weights (parts, p), variances, as those of the witnesses: (p, B) each."""
+        smooth, _ = self.smooth_.mean_variance(t, None)
+        mean = self._followed(smooth)
+        if weights is None:
+            return mean, None
+        return mean, self._witness.variance(t, weights) * self._links.spread(smooth) ** 2
+
+    def _followed(self, smooth: Array) -> Array:
+        """All outputs, (p, B), of the smooth ones, (q, B)."""
+        out, links = np.empty((len(self.outputs), smooth.shape[1])), self._links
+        for k, row in links.plain:
+            out[k] = smooth[row]
+        for start in range(0, smooth.shape[1], _BLOCK):
+            some = slice(start, start + _BLOCK)
+            for number, measure, names in links.searches():
+                scores, land = smooth[links.scores[number], some], self._landscapes[number]
+                summit = land.summit(scores, measure)
+                for name in names:
+                    place = self.largest[name].place
+                    value = summit.value if place < 0 else land.read(scores, summit, place)
+                    out[self.outputs.index(name), some] = value * links.size(name, smooth[:, some])
+        return out
+
+    def slopes(self, t: Array) -> Array:
+        """Return the derivatives of the outputs by the scaled inputs (d, B): (d, p, B)."""
+        smooth, _ = self.smooth_.mean_variance(t, None)
+        slopes, links = self.smooth_.slopes(t), self._links
+        out = np.empty((len(t), len(self.outputs), t.shape[1]))
+        for k, row in links.plain:
+            out[:, k] = slopes[:, row]
+        mean = self._followed(smooth)
+        for number, measure, names in links.searches():
+            rows, land = links.scores[number], self._landscapes[number]
+            for start in range(0, t.shape[1], _BLOCK):
+                some = slice(start, start + _BLOCK)
+                summit = land.summit(smooth[rows, some], measure)
+                for name in names:
+                    by_score = land.sensitivity(smooth[rows, some], measure, summit, self.largest[name].place)
+                    slope = np.einsum("drb,rb->db", slopes[:, rows, some], by_score)
+                    slope *= links.size(name, smooth[:, some])
+                    k = self.outputs.index(name)
+                    if size := links.size_of(name):
+                        row = links.sizes[size]
+                        share = 1.0 if self.logarithms else 1 / smooth[row, some]
+                        slope += mean[k, some] * share * slopes[:, row, some]
+                    out[:, k, some] = slope
+        return out
+
+    def slope_variances(self, t: Array, weights: Array) -> Array:
+        """Return the weighted variances of the derivatives, (d, p, B), as those of the witnesses."""
+        smooth, _ = self.smooth_.mean_variance(t, None)
+        return self._witness.slope_variances(t, weights) * self._links.spread(smooth) ** 2
+
+    def _narrowed(self, outputs: Sequence[str]) -> Self:
+        part = copy(self)
+        part.outputs = tuple(outputs)
+        part.largest = {name: following for name, following in self.largest.items() if name in outputs}
+        return part
+
+    def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
+        return {"smooth": self._links.behind(outputs)}
+
+    def _unchanged(self) -> set[str]:
+        return set(self.outputs) - set(self.largest)
+
+    # -- calibration ---------------------------------------------------------------------------------------------------
+    def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
+        """Correct what is smooth, the curves too where the cases have them; a process over groups stays as it is.
+
+        Held-out cases hardly reach the ends of the groups' ranges, where what they tell of its error would be a guess.
+        """
+        plain = self.smooth_.uncalibrated()
+        smooth = in_blocks(t, lambda block: plain.mean_variance(block, None)[0])
+        known, left = np.zeros_like(smooth), errors.copy()
+        for k, row in self._links.plain:
+            known[row] = errors[k]
+        asked = {name for curves in self.curves for name in (*curves.fields, *curves.sizes) if name}
+        whole = asked <= dataset.keys()
+        true = smooth + known
+        if whole:
+            for size, row in self._links.sizes.items():
+                true[row] = np.log(dataset[size].values) if self.logarithms else dataset[size].values
+            for number, curves in enumerate(self.curves):
+                true[self._links.scores[number]] = self.bases_[number].scores(curves.shapes(dataset))
+            known = true - smooth
+        found = self.smooth_.corrected(dataset, known, t, groups)
+        self._stand_witness()
+        for k, row in self._links.plain:
+            left[k] = found[row]
+        if whole:
+            others = [k for k, name in enumerate(self.outputs) if name in self.largest]
+            truth = errors[others] + self._followed(smooth)[others]
+            left[others] = truth - self._followed(true - found)[others]
+        return left
+
+    # -- files ---------------------------------------------------------------------------------------------------------
+    def state(self) -> xr.Dataset:
+        """Return the curves and what follows from them; the process stands beside them, as `smooth`."""
+        arrays = following(self.curves, self.bases_, self.largest)
+        return xr.Dataset(arrays, attrs={"error": self.error, "logarithms": int(self.logarithms)})
+
+    @classmethod
+    def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
+        """Return the model of a stored state, without the process; ValueError names what is inconsistent."""
+        curves, bases, largest = followed(stored, list(outputs))
+        known = bool(stored.attrs["logarithms"]), float(stored.attrs["error"])
+        model = cls(_unfitted, curves, largest, list(outputs), outputs, *known)
+        model.bases_ = tuple(bases)
+        return model
+
+    def plain(self) -> dict[str, Any] | None:
+        """Return the plain process, and how the outputs, their intervals and deviations follow from it."""
+        smooth = self.smooth_.plain()
+        if smooth is None:
+            return None
+        rows = [self.smooth_.outputs_.index(name) for name in self._witness.outputs_]
+        return {
+            **smooth,
+            **plain_outputs(self),
+            "amplitude": smooth["amplitude"][:, rows],
+            "variance": smooth["variance"][rows],
+            "curves": self._links.described(np.hypot(smooth["offset"], smooth["scale"])) | {"witness": rows},
+        }
+
+
+def _unfitted(names: Sequence[str]) -> GaussianProcess:
+    raise ValueError("a model from a file is not fitted again")

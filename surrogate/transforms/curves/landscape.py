@@ -1,0 +1,182 @@
+"""Where a measure of curves is largest, what fields are there, and how both change with the scores of the curves.
+
+A scan of some points finds the hills, Newton's iteration climbs the highest ones on the polynomials of their panels.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from approximation.arrays import Array, Indices
+from approximation.chebyshev import gauss_points
+from approximation.measure import Measure
+from approximation.panels import Panels, jets, rows
+from approximation.summit import climb, held, hill
+from surrogate.transforms.curves.basis import Basis
+
+# Hills that are climbed, and how far below the highest they may lie: between points that are scanned one is higher.
+CLIMBED, RIVAL = 4, 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Summit:
+    """Where a measure is largest on each of some curves, (B,), in the panel's own coordinates.
+
+    Attributes
+    ----------
+    panel : ndarray of int
+        Number of the panel.
+    across, down : ndarray
+        Coordinates in [-1, 1].
+    value : ndarray
+        The measure there.
+    """
+
+    panel: Indices
+    across: Array
+    down: Array
+    value: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Landscape:
+    """Curves of a low-rank basis on panels.
+
+    Attributes
+    ----------
+    basis : Basis
+        What their scores mean.
+    panels : Panels
+        Where their points lie.
+    """
+
+    basis: Basis
+    panels: Panels
+
+    def summit(self, scores: Array, measure: Measure) -> Summit:
+        """Find where a measure is largest on the curves of scores, (rank, B)."""
+        scan, ones = self.panels.scan, np.concatenate([np.ones((1, scores.shape[1])), scores])
+        some = self._scanned[:, : measure.fields * scan.points.size]
+        fields = (ones.T.astype(some.dtype) @ some).reshape(scores.shape[1], measure.fields, -1)
+        hills = scan.hills(measure.values(fields))
+        every = np.arange(len(hills))
+        top = hills.argmax(axis=1)
+        floor = hills[every, top]
+        floor = floor - RIVAL * np.abs(floor)
+        curves, points = [every], [top]
+        for _ in range(CLIMBED - 1):
+            hills[every, top] = -np.inf
+            top = hills.argmax(axis=1)
+            rival = np.flatnonzero(hills[every, top] > floor)
+            if not rival.size:
+                break
+            curves.append(rival)
+            points.append(top[rival])
+        return self._highest(ones, measure, np.concatenate(curves), np.concatenate(points))
+
+    def read(self, scores: Array, summit: Summit, field: int) -> Array:
+        """Return a field at places on the curves of scores, (rank, B): (B,)."""
+        out, ones = np.empty(scores.shape[1]), np.concatenate([np.ones((1, scores.shape[1])), scores])
+        for number in np.unique(summit.panel).tolist():
+            own = np.flatnonzero(summit.panel == number)
+            fields = self._fields(ones[:, own], number, slice(field, field + 1))
+            out[own] = jets(fields, *self._rows(number, summit, own))[:, 0, 0, 0]
+        return out
+
+    def sensitivity(self, scores: Array, measure: Measure, summit: Summit, place: int) -> Array:
+        """Return how what is largest, or what a field is there, changes with the scores, (rank, B): (rank, B).
+
+        The measure at its maximum changes as at a place that stays; the place moves so that it stays stationary.
+
+        Parameters
+        ----------
+        scores : ndarray, shape (rank, B)
+            Of the curves.
+        measure, summit
+            What is largest, and where.
+        place : int
+            Number of the field that is read there; -1: the measure itself.
+        """
+        out = np.empty_like(scores)
+        ones = np.concatenate([np.ones((1, scores.shape[1])), scores])
+        for number in np.unique(summit.panel).tolist():
+            own = np.flatnonzero(summit.panel == number)
+            across, down = self._rows(number, summit, own)
+            each = np.einsum("rfdc,npc,nqd->nrfqp", self._by_panel[number], across, down, optimize=True)
+            jet = np.einsum("rn,nrfqp->nfqp", ones[:, own], each)
+            out[:, own] = self._sensitivity(jet, each[:, 1:], measure, place, summit, own).T
+        return out
+
+    def _sensitivity(
+        self, jet: Array, each: Array, measure: Measure, place: int, summit: Summit, own: Indices
+    ) -> Array:
+        """From jets of the curves, (n, field, 3, 3), and of what each score multiplies; (n, rank)."""
+        inner, parts = jet[:, : measure.fields], each[:, :, : measure.fields]
+        bent = measure.bent(inner[..., 0, 0])
+        if place < 0:
+            return np.asarray(np.einsum("nm,nrm->nr", bent.slope, parts[..., 0, 0]))
+        gradient, (uu, vv, uv) = hill(inner, bent)
+        down, across = self._shape
+        at = summit.across[own], summit.down[own]
+        fixed = np.stack([held(*one) for one in zip(at, gradient, (across, down), strict=True)], axis=1)
+        steep = inner[..., [0, 1], [1, 0]]
+        push = np.einsum("nm,nrms->nsr", bent.slope, parts[..., [0, 1], [1, 0]])
+        push += np.einsum("nms,nmk,nrk->nsr", steep, bent.bend, parts[..., 0, 0], optimize=True)
+        curvature = np.stack([uu, uv, uv, vv], axis=-1).reshape(-1, 2, 2)
+        free = ~fixed
+        curvature = np.where(free[:, :, None] & free[:, None], curvature, np.eye(2))
+        moved = -np.linalg.pinv(curvature, hermitian=True) @ np.where(free[..., None], push, 0.0)
+        return np.asarray(
+            each[:, :, place, 0, 0] + jet[:, place, 0, 1, None] * moved[:, 0] + jet[:, place, 1, 0, None] * moved[:, 1]
+        )
+
+    def _highest(self, ones: Array, measure: Measure, curves: Indices, points: Indices) -> Summit:
+        """The highest of the hills that some points of the scan lie on, for every curve."""
+        scan = self.panels.scan
+        panel = scan.panel[points]
+        start = scan.across[points], scan.down[points]
+        fields = np.empty((points.size, measure.fields, *self._shape))
+        for number in np.unique(panel).tolist():
+            own = np.flatnonzero(panel == number)
+            fields[own] = self._fields(ones[:, curves[own]], number, slice(measure.fields))
+        found = np.stack(climb(fields, measure, start))
+        order = np.lexsort((-found[2], curves))
+        best = order[np.searchsorted(curves[order], np.arange(ones.shape[1]))]
+        return Summit(panel[best], found[0, best], found[1, best], found[2, best])
+
+    def _rows(self, number: int, summit: Summit, own: Indices) -> tuple[Array, Array]:
+        down, across = self._shape
+        return rows(across, summit.across[own]), rows(down, summit.down[own])
+
+    def _fields(self, ones: Array, number: int, fields: slice) -> Array:
+        """Some fields on a panel, of curves by 1 and their scores, (1 + rank, n): (n, field, down, across)."""
+        own = self._by_panel[number][:, fields]
+        return (ones.T @ own.reshape(len(own), -1)).reshape(-1, *own.shape[1:])
+
+    @cached_property
+    def _whole(self) -> Array:
+        """Mean and vectors, (1 + rank, field, point)."""
+        return np.concatenate([self.basis.mean[None], self.basis.vectors])
+
+    @cached_property
+    def _scanned(self) -> NDArray[np.float32]:
+        """The same at the points of the scan: single precision tells where hills are."""
+        found = self._whole[..., self.panels.scan.points].reshape(len(self._whole), -1)
+        return np.ascontiguousarray(found, dtype=np.float32)
+
+    @property
+    def _shape(self) -> tuple[int, int]:
+        """Number of points down and across that every panel has here: the most of any."""
+        return max(self.panels.down), max(self.panels.across)
+
+    @cached_property
+    def _by_panel(self) -> list[Array]:
+        """The same at as many points of every panel: all are climbed at once; (1 + rank, field, down, across)."""
+        most_down, most_across = (gauss_points(count) for count in self._shape)
+        found = []
+        for down, across, part in self.panels.parts:
+            own = self._whole[..., part].reshape(*self._whole.shape[:2], down, across)
+            found.append(rows(down, most_down)[:, 0] @ own @ rows(across, most_across)[:, 0].T)
+        return found

@@ -1,0 +1,180 @@
+"""Which smooth outputs stand behind the outputs of a `CurveGP`, and how these scale by them."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from approximation.arrays import Array
+from approximation.measure import Measure
+from surrogate.data.packing import Rounded
+from surrogate.transforms.curves.basis import Basis, Curves, Largest
+
+# Rounding of fields of curves, in their sizes: what follows from them is still the same to 1e-9.
+STEP = 1e-12
+
+
+def learnt_name(size: str, logarithms: bool) -> str:
+    """Return the name of the smooth output that tells a size.
+
+    Parameters
+    ----------
+    size : str
+        Name of the size.
+    logarithms : bool
+        Whether its logarithm is learnt.
+    """
+    return f"log {size}" if logarithms else size
+
+
+class Links:
+    """Rows of smooth outputs behind p outputs.
+
+    Parameters
+    ----------
+    outputs : sequence of str
+        The outputs in order.
+    largest : mapping of str to Largest
+        Those that follow from curves.
+    curves, bases : sequence
+        What is learnt of curves, and the bases of their scores.
+    logarithms : bool
+        Whether the logarithms of sizes are learnt.
+    smooth : sequence of str
+        The q smooth outputs; of a model of some outputs, only what these need is there.
+
+    Attributes
+    ----------
+    plain : list of (int, int)
+        Outputs that are smooth themselves, and their rows.
+    sizes : dict of str to int
+        Rows of the sizes.
+    scores : list of list of int
+        Rows of the scores of every element of `curves`.
+    """
+
+    def __init__(
+        self,
+        outputs: Sequence[str],
+        largest: Mapping[str, Largest],
+        curves: Sequence[Curves],
+        bases: Sequence[Basis],
+        logarithms: bool,
+        smooth: Sequence[str],
+    ) -> None:
+        self._outputs, self._largest, self._curves, self._bases = outputs, largest, curves, bases
+        self._logarithms, self._smooth = logarithms, smooth
+        rows = {name: k for k, name in enumerate(smooth)}
+        self.plain = [(k, rows[name]) for k, name in enumerate(outputs) if name not in largest]
+        sizes = sorted({size for each in curves for size in each.sizes if size})
+        self.sizes = {size: rows[name] for size in sizes if (name := learnt_name(size, logarithms)) in rows}
+        self.scores = [
+            [rows[name] for k in range(len(basis.vectors)) if (name := f"score {number} {k}") in rows]
+            for number, basis in enumerate(bases)
+        ]
+
+    def searches(self) -> Iterator[tuple[int, Measure, list[str]]]:
+        """Numbers of curves, measures of them, and the outputs that each of these gives."""
+        searched = {(following.curves, following.measure): None for following in self._largest.values()}
+        for number, measure in sorted(searched, key=lambda search: search[0]):
+            yield (
+                number,
+                measure,
+                [
+                    name
+                    for name, following in self._largest.items()
+                    if following.measure is measure and following.curves == number
+                ],
+            )
+
+    def size_of(self, name: str) -> str:
+        """Return the name of the size that an output scales by, empty where there is none."""
+        following = self._largest[name]
+        return self._curves[following.curves].sizes[max(following.place, 0)]
+
+    def size(self, name: str, smooth: Array) -> Array:
+        """Return what an output scales by.
+
+        Parameters
+        ----------
+        name : str
+            The output.
+        smooth : ndarray, shape (q, B)
+            Smooth outputs.
+
+        Returns
+        -------
+        ndarray, shape (B,)
+        """
+        size = self.size_of(name)
+        if not size:
+            return np.ones(smooth.shape[1])
+        learnt = smooth[self.sizes[size]]
+        return np.asarray(np.exp(learnt) if self._logarithms else learnt)
+
+    def spread(self, smooth: Array) -> Array:
+        """Return every output's standard deviation over that of its witness, from smooth outputs (q, B): (p, B)."""
+        out = np.ones((len(self._outputs), smooth.shape[1]))
+        for k, name in enumerate(self._outputs):
+            if name in self._largest:
+                out[k] = self._typical(name) * self.size(name, smooth)
+        return out
+
+    def _typical(self, name: str) -> float:
+        """The same where the output's size is one."""
+        if name not in self._largest:
+            return 1.0
+        following = self._largest[name]
+        basis = self._bases[following.curves]
+        typical = 1 / np.sqrt(basis.mean.size)  # of a score's vector, over the scale of its field
+        return float(typical * (basis.scales[0] if following.place < 0 else np.ptp(basis.mean[following.place])))
+
+    def behind(self, outputs: Sequence[str]) -> list[str]:
+        """Return the smooth outputs that some outputs need: plain ones, sizes, scores."""
+        largest = {name: following for name, following in self._largest.items() if name in outputs}
+        sizes = sorted({self.size_of(name) for name in largest} - {""})
+        used = sorted({following.curves for following in largest.values()})
+        names = [name for name in outputs if name not in largest]
+        names += [learnt_name(size, self._logarithms) for size in sizes]
+        return names + [self._smooth[row] for number in used for row in self.scores[number]]
+
+    def described(self, spreads: Array) -> dict[str, Any]:
+        """Return links, measures and curves as plain values.
+
+        Parameters
+        ----------
+        spreads : ndarray, shape (q,)
+            Sizes of the smooth outputs, which tell how finely their vectors are rounded.
+        """
+        measures = list(dict.fromkeys(following.measure for following in self._largest.values()))
+        return {
+            "plain": self.plain,
+            "largest": [
+                {
+                    "output": list(self._outputs).index(name),
+                    "net": following.curves,
+                    "measure": measures.index(following.measure),
+                    "place": following.place,
+                    "size": self.sizes[size] if (size := self.size_of(name)) else -1,
+                }
+                for name, following in self._largest.items()
+            ],
+            "measures": [{"linear": own.linear.tolist(), "root": own.root.tolist()} for own in measures],
+            "logarithms": self._logarithms,
+            "nets": [
+                {
+                    "across": each.panels.across,
+                    "down": each.panels.down,
+                    "scores": rows,
+                    "whole": _whole(basis, spreads[rows]),
+                }
+                for each, basis, rows in zip(self._curves, self._bases, self.scores, strict=True)
+            ],
+            "spread": [self._typical(name) for name in self._outputs],
+        }
+
+
+def _whole(basis: Basis, spreads: Array) -> Rounded:
+    """Mean and vectors of curves, (1 + rank, point, field); ``spreads`` are the sizes of their scores."""
+    whole = np.concatenate([basis.mean[None], basis.vectors]).swapaxes(1, 2)
+    return Rounded(whole, 1 / np.concatenate([[1.0], spreads]), STEP * basis.scales)

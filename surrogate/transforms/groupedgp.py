@@ -1,0 +1,257 @@
+"""Surrogates over groups: fewer, better axes inside, the user's own inputs outside."""
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from typing import Any, ClassVar, Self
+
+import numpy as np
+import xarray as xr
+
+from approximation.arrays import Array
+from surrogate.data.inputs import Input, stored_inputs, unit_coordinates
+from surrogate.face.core import Single
+from surrogate.face.model import GaussianProcess
+from surrogate.face.plain import plain_inputs
+from surrogate.gp.gridgp import KERNELS, GridGP, Kernel
+from surrogate.transforms.groups import Grouping
+from surrogate.transforms.outputs import Scales, Scaling
+from surrogate.transforms.transformed import Transformed
+
+
+class GroupedGP(Transformed):
+    """A grid Gaussian process of scaled outputs over groups of inputs, asked by the inputs themselves.
+
+    The process learns what `Scales.transform` gives over the groups' axes; means, standard deviations, intervals,
+    gradients and the box are those of the outputs by the inputs. Any set of outputs will do, as many as a curve has
+    points: one data set over the axes serves all, and a `Scaling` each says by what product of powers it is multiplied.
+
+    Parameters
+    ----------
+    grouping : Grouping
+        Inputs, axes and scales; its `scalings` name the outputs.
+    kernel, hyperparameters, compression
+        As for `GridGP`, of the process over the axes.
+
+    Attributes
+    ----------
+    reduced_ : GaussianProcess
+        The process over the axes; `calibrate` corrects and calibrates it, on cases in the user's box.
+
+    Examples
+    --------
+    The period of a pendulum over its length and gravity, from three cases:
+
+    >>> import numpy as np, xarray as xr
+    >>> from surrogate import Group, GroupedGP, Grouping, Input, Scaling
+    >>> length, gravity, swing = Input("length", 0.1, 2, "log"), Input("gravity", 1, 20, "log"), Input("swing", 0, 0.5)
+    >>> grouping = Grouping(
+    ...     (length, gravity, swing), (Group(Input("relative_length", 0.005, 2, "log"), {"length": 1, "gravity": -1}),
+    ...     Group(swing, {"swing": 1})), {"period": Scaling({"length": 0.5, "gravity": -0.5})})
+    >>> axes = xr.Dataset(coords={one.name: one.levels(n) for one, n in zip(grouping.axes, (2, 6))})
+    >>> cases = axes.assign_coords(length=axes.relative_length * 9.81, gravity=9.81)  # any that have these values
+    >>> period = 2 * np.pi * np.sqrt(cases.length / cases.gravity) * (1 + cases.swing**2 / 16)
+    >>> model = GroupedGP(grouping).fit(cases.assign(period=period))
+    >>> round(float(model.predict({"length": 1.0, "gravity": 1.62, "swing": 0.2}).period), 6)
+    4.948878
+    """
+
+    engine: ClassVar[str] = "grouped"
+    MEMBERS = CALIBRATED = ("reduced",)
+    reduced_: GaussianProcess
+    grouping: Grouping
+    _scales: Scales
+    # the short way of one query alone, and that of the process over the axes which it goes by
+    _laid_out: tuple[Single | None, Single | None] = (None, None)
+
+    def __init__(
+        self,
+        grouping: Grouping,
+        kernel: Kernel = "chebyshev",
+        hyperparameters: Mapping[str, float] | None = None,
+        compression: float = 1e-12,
+    ) -> None:
+        self.grouping = grouping
+        self.kernel = kernel
+        self.hyperparameters = hyperparameters
+        self.compression = compression
+
+    def fit(self, X: xr.Dataset) -> Self:
+        """Fit to a complete factorial over the axes.
+
+        Parameters
+        ----------
+        X : Dataset
+            Dimensions are the groups' axes with their levels as coordinates; variables are the outputs, and every input
+            is a variable or coordinate over some of the dimensions: the cases that were solved, any with these values
+            of the groups.
+
+        Raises
+        ------
+        ValueError
+            As `GridGP.fit`; a missing input or output; the logarithm of what changes sign; inputs that do not have the
+            axes' values.
+        """
+        names = tuple(self.grouping.scalings)
+        for name in (*names, *(own.name for own in self.grouping.inputs)):
+            if name not in X.variables:
+                raise ValueError(f"{name!r} is not in the data set; it has {', '.join(map(str, X.variables))}")
+        self._check_axes(X)
+        axes = self.grouping.axes
+        data = self.grouping.reduced(X, names).assign_coords({axis.name: X[axis.name] for axis in axes})
+        process = GridGP(self.kernel, axes, names, self.hyperparameters, compression=self.compression)
+        self.reduced_, self.inputs_, self.outputs_ = process.fit(data), self.grouping.inputs, names
+        self.cases_ = self.reduced_.cases_
+        self._lay_out()
+        return self
+
+    def _lay_out(self) -> None:
+        if self.reduced_.inputs_ != self.grouping.axes or set(self.reduced_.outputs_) != {*self.grouping.scalings}:
+            raise ValueError("the process over the axes has other inputs or outputs")
+        self.outputs_, self.attrs_ = self.reduced_.outputs_, self.reduced_.attrs_
+        self.calibration_ = self.reduced_.calibration_
+        self._scales = self.grouping.scales(self.outputs_)
+
+    def _check_axes(self, X: xr.Dataset) -> None:
+        columns = xr.broadcast(*(X[own.name].reset_coords(drop=True) for own in self.grouping.inputs))
+        points = np.stack([column.values.ravel() for column in columns], axis=1)
+        for axis, values in zip(self.grouping.axes, self.grouping.products.values(points).T, strict=True):
+            if axis.name not in X.dims:
+                raise ValueError(f"axis {axis.name!r} is no dimension of the data set")
+            said = X[axis.name].broadcast_like(columns[0]).transpose(*columns[0].dims).values.ravel()
+            if np.abs(axis.to_unit(values) - axis.to_unit(said)).max() > 1e-8:
+                raise ValueError(f"the inputs of the data set do not have its values of the axis {axis.name!r}")
+
+    def calibrate(self, dataset: xr.Dataset) -> Self:
+        """Make means and distributions right on held-out cases in the box, as `GridGP.calibrate`, over the axes."""
+        points, truth = self.cases(dataset)
+        cases = xr.Dataset({**{name: column.reset_coords(drop=True) for name, column in points.items()}, **truth})
+        columns = xr.broadcast(*(cases[own.name] for own in self.inputs_))
+        values = self.grouping.products.values(np.stack([column.values.ravel() for column in columns], axis=1))
+        axes = {
+            axis.name: (columns[0].dims, column.reshape(columns[0].shape))
+            for axis, column in zip(self.grouping.axes, values.T, strict=True)
+        }
+        self.reduced_.calibrate(self.grouping.reduced(cases, self.outputs_).assign(axes))
+        self.calibration_ = self.reduced_.calibration_
+        return self
+
+    def _narrowed(self, outputs: Sequence[str]) -> Self:
+        part = copy(self)
+        part.grouping = self.grouping.only(outputs)
+        return part
+
+    def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
+        return {"reduced": outputs}
+
+    def _unchanged(self) -> set[str]:
+        return {name for name, scaling in self.grouping.scalings.items() if scaling == Scaling()}
+
+    def state(self) -> xr.Dataset:
+        """Return the groups; the process over the axes stands beside them, as `reduced`."""
+        return self.grouping.state(self.outputs_).assign_attrs(kernel=self.kernel, compression=self.compression)
+
+    @classmethod
+    def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
+        """Return the model of a stored state, without the process over the axes; ValueError as `Grouping.restore`."""
+        attrs = stored.attrs
+        if attrs["kernel"] not in KERNELS:
+            raise ValueError(f"unknown kernel {attrs['kernel']!r}")
+        grouping = Grouping.restore(stored, stored_inputs(stored, "reduced_"), inputs, tuple(outputs))
+        model = cls(grouping, attrs["kernel"], None, float(attrs["compression"]))
+        model.inputs_ = inputs
+        return model
+
+    def plain(self) -> dict[str, Any] | None:
+        """Return the plain process over the axes, the inputs, and what takes them to the axes and outputs back."""
+        plain = self.reduced_.plain()
+        if plain is None:
+            return None
+        names = (
+            "axis_power",
+            "axis_constant",
+            "scale_power",
+            "added_coefficient",
+            "added_power",
+            "logarithm",
+            "reference",
+        )
+        state = self.state()
+        groups = {name: state[name].values.tolist() for name in names}
+        return {**plain, "inputs": plain_inputs(self.inputs_), "axes": plain["inputs"], "groups": groups}
+
+    # -- answers -------------------------------------------------------------------------------------------------------
+    @property
+    def parts(self) -> int:
+        """Number of parts of the variance: one an axis."""
+        return self.reduced_.parts
+
+    def single(self) -> Single | None:
+        """Return the short way of one query alone, where the process over the axes has one."""
+        reduced = self.reduced_.single()
+        if reduced is not None and reduced is not self._laid_out[0]:
+            self._laid_out = reduced, self._alone(reduced)
+        return None if reduced is None else self._laid_out[1]
+
+    def _alone(self, reduced: Single) -> Single:
+        ends, axes, scales = [(own.low, own.high) for own in self.inputs_], self.grouping.products, self._scales
+
+        def answer(point: Sequence[float], with_std: bool) -> tuple[Array, Array | None] | None:
+            if not all(low <= x <= high for x, (low, high) in zip(point, ends, strict=True)):
+                return None
+            learnt = reduced(axes.at(point), with_std)
+            return None if learnt is None else scales.at(point, *learnt)
+
+        return answer
+
+    def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
+        """Return means and calibrated deviations at points (B, d), from those over the axes: (p, B) each."""
+        learnt, spread = self.reduced_.mean_std(self.grouping.products.values(X), with_std)
+        mean = self._scales.untransform(learnt, X)
+        return mean, None if spread is None else spread * self._scales.sizes(X, mean)
+
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+        """Return means and, with weights (parts, p), variances without the calibration: (p, B) each."""
+        X = self.physical(t)
+        axes = unit_coordinates(self.grouping.axes, self.grouping.products.values(X))
+        learnt, variance = self.reduced_.mean_variance(axes, weights)
+        mean = self._scales.untransform(learnt, X)
+        return mean, None if variance is None else variance * self._scales.sizes(X, mean) ** 2
+
+    def slopes(self, t: Array) -> Array:
+        """Return the derivatives of the means by the scaled inputs (d, B): (d, p, B)."""
+        X = self.physical(t)
+        mean = self.mean_std(X, False)[0]
+        along = self._chained(
+            X, self.reduced_.physical_slopes(self.grouping.products.values(X), self.reduced_.slopes), mean
+        )
+        added = self._scales.added_slopes(X) * self._scales.sizes(X, mean)
+        return np.asarray((along.sum(axis=1) + self._scales.steepness(X) * mean + added) / self.unit_slopes(X))
+
+    def slope_stds(self, t: Array) -> Array:
+        """Return the calibrated deviations of the derivatives: along the axes and of the scale, as independent."""
+        X = self.physical(t)
+        mean, std = self.mean_std(X, True)
+        own = self.reduced_.physical_slopes(self.grouping.products.values(X), self.reduced_.slope_stds)
+        return self._together(X, own, mean, std)
+
+    def slope_variances(self, t: Array, weights: Array) -> Array:
+        """Return the weighted variances of the derivatives, (d, p, B), without the calibration."""
+        X = self.physical(t)
+
+        def stds(axes: Array) -> Array:
+            return np.sqrt(np.maximum(self.reduced_.slope_variances(axes, weights), 0))
+
+        own = self.reduced_.physical_slopes(self.grouping.products.values(X), stds)
+        mean, variance = self.mean_variance(t, weights)
+        return self._together(X, own, mean, None if variance is None else np.sqrt(variance)) ** 2
+
+    def _together(self, X: Array, own: Array, mean: Array, std: Array | None) -> Array:
+        squares = (self._chained(X, own, mean) ** 2).sum(axis=1)
+        if std is not None:
+            squares += (self._scales.steepness(X) * std) ** 2
+        return np.asarray(np.sqrt(squares) / self.unit_slopes(X))
+
+    def _chained(self, X: Array, own: Array, mean: Array) -> Array:
+        """Derivatives by the inputs of what depends on every axis: (axes, p, n) -> (d, axes, p, n)."""
+        chain = self.grouping.products.jacobian(X).transpose(1, 0, 2)[:, :, None]
+        return np.asarray(chain * own * self._scales.sizes(X, mean))

@@ -1,0 +1,244 @@
+"""A surrogate that measured rows have corrected: its constants moved, discrepancies added, both uncertain."""
+
+from collections.abc import Mapping, Sequence
+from typing import ClassVar, NoReturn, Self
+
+import numpy as np
+import xarray as xr
+
+from approximation.arrays import Array
+from surrogate.data.inputs import Input, unit_coordinates
+from surrogate.data.measurements import MOST_ROWS, Measurements
+from surrogate.face.model import GaussianProcess
+from surrogate.intervals.distribution import NOMINAL, Normal
+from surrogate.transforms.measured.discrepancy import Discrepancy
+from surrogate.transforms.measured.draws import Draw, mixture, moments
+from surrogate.transforms.transformed import Transformed
+
+_MOST_DRAWS = 64  # that a file may hold
+
+
+class CorrectedGP(Transformed):
+    """A nominal surrogate, the effects of uncertain constants on it, and what measured rows say of both.
+
+    An output is that of the nominal model, plus the effect of the constants about which it was linearised, plus its
+    derivatives by the constants times these, plus the discrepancy of a measured output. The intervals hold the nominal
+    model's own error, that of the effects, and what is left unknown of constants and discrepancies.
+
+    Parameters
+    ----------
+    nominal : GaussianProcess
+        The surrogate at the constants' prior means.
+    effect : GaussianProcess
+        Of the same inputs; for every output in order its change at ``about``, then its derivative by every constant.
+    constants : mapping
+        Prior of every constant in words, by its name, in order.
+    about : ndarray, shape (k,)
+        Scaled constants of that change and of these derivatives.
+    draws : sequence of Draw
+        Posterior of constants and discrepancies.
+    rows : Measurements
+        What was measured.
+    effect_std : ndarray, shape (p,)
+        Standard deviation of the effects' own error.
+    learnt : str
+        What the rows have taught, in words; kept in the file.
+    """
+
+    engine: ClassVar[str] = "corrected"
+    MEMBERS = ("nominal", "effect")
+    nominal_: GaussianProcess
+    effect_: GaussianProcess
+
+    def __init__(
+        self,
+        nominal: GaussianProcess,
+        effect: GaussianProcess,
+        constants: Mapping[str, str],
+        about: Array,
+        draws: Sequence[Draw],
+        rows: Measurements,
+        effect_std: Array,
+        learnt: str = "",
+    ) -> None:
+        self._describe(nominal.inputs_, nominal.outputs_, nominal.attrs_)
+        self.cases_, self.level_ = nominal.cases_, nominal.level_
+        self.nominal_, self.effect_, self.made_from_ = nominal, effect, nominal.made_from_
+        self.constants_, self.about_, self.draws_ = dict(constants), about, tuple(draws)
+        self.rows_, self.effect_std_, self.learnt_ = rows, effect_std, learnt
+
+    def _describe(self, inputs: tuple[Input, ...], outputs: Sequence[str], attrs: dict[str, dict[str, str]]) -> None:
+        self.inputs_, self.outputs_, self.attrs_ = inputs, tuple(outputs), attrs
+        self.calibration_ = None
+
+    def fit(self, X: xr.Dataset) -> NoReturn:
+        """Not given: `use.learning` makes what this model is constructed from."""
+        raise NotImplementedError("a corrected surrogate is made from measured rows, not from a data set")
+
+    def _lay_out(self) -> None:
+        if self.nominal_.inputs_ != self.inputs_ or self.nominal_.outputs_ != self.outputs_:
+            raise ValueError("the nominal model has other inputs or outputs")
+        if self.effect_.inputs_ != self.inputs_ or len(self.effect_.outputs_) != len(self.outputs_) * self._each:
+            raise ValueError("the effects have other inputs, or not an output for every output and constant")
+
+    def only(self, outputs: Sequence[str]) -> Self:
+        """Return the model itself: its constants are those of all outputs that were measured."""
+        return self
+
+    def _unchanged(self) -> set[str]:
+        return set(self.outputs_)
+
+    @property
+    def calibrated(self) -> bool:
+        """Whether its intervals rest on held-out cases of the nominal model too."""
+        return self.nominal_.calibrated
+
+    @property
+    def parts(self) -> int:
+        """Number of parts of the variance: one."""
+        return 1
+
+    @property
+    def posterior(self) -> tuple[Array, Array]:
+        """Mean (k,) and covariance (k, k) of the scaled constants; a priori zero and the identity."""
+        return mixture(self.draws_)
+
+    @property
+    def _each(self) -> int:
+        """Outputs of the effects for every output."""
+        return 1 + len(self.constants_)
+
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+        """Return means and, with weights (parts, p), variances at scaled coordinates (d, B): (p, B) each."""
+        X = self.physical(t)
+        base, std = self.nominal_.predict_array(X, return_std=True, extrapolate=True)
+        effect = self.effect_.predict_array(X, extrapolate=True).reshape(len(X), len(self.outputs_), self._each)
+        found = [self._drawn(draw, effect, t) for draw in self.draws_]
+        mean, variance = moments(found)
+        mean += base.T
+        if weights is None:
+            return mean, None
+        reach = np.abs(self.nominal_.distribution.ends(NOMINAL)).max(axis=0) / Normal().ends(NOMINAL)[1]
+        variance += (std * reach).T ** 2 + self.effect_std_[:, None] ** 2
+        return mean, weights[0][:, None] * variance
+
+    def _drawn(self, draw: Draw, effect: Array, t: Array) -> tuple[Array, Array]:
+        """What one draw adds to the nominal means, and its variance, (p, B) each."""
+        slopes = effect[..., 1:].transpose(1, 0, 2).copy()
+        mean = effect[..., 0].T - slopes @ self.about_
+        variance = np.zeros_like(mean)
+        for q, one in draw.discrepancies.items():
+            own, by_constants, variance[q] = one.at(t.T)
+            mean[q] += own
+            slopes[q] -= by_constants
+        return mean + slopes @ draw.mean, variance + np.einsum("pbk,kl,pbl->pb", slopes, draw.covariance, slopes)
+
+    def slopes(self, t: Array) -> Array:
+        """Return the derivatives of the means by the scaled coordinates (d, B): (d, p, B)."""
+        return moments(self._slope_parts(t))[0] + self._derivatives(self.nominal_, t)[0]
+
+    def slope_variances(self, t: Array, weights: Array) -> Array:
+        """Return the weighted variances of these derivatives, (d, p, B)."""
+        variance = moments(self._slope_parts(t))[1] + self._derivatives(self.nominal_, t)[1]
+        return np.asarray(weights[0][:, None] * variance)
+
+    def _slope_parts(self, t: Array) -> list[tuple[Array, Array]]:
+        """What every draw adds to the nominal slopes, and its variance, (d, p, B) each."""
+        d, B = t.shape
+        effect = self._derivatives(self.effect_, t)[0].reshape(d, len(self.outputs_), self._each, B)
+        parts = []
+        for draw in self.draws_:
+            slopes = effect[:, :, 1:].transpose(0, 1, 3, 2).copy()
+            mean = effect[:, :, 0] - slopes @ self.about_
+            variance = np.zeros_like(mean)
+            for q, one in draw.discrepancies.items():
+                own, by_constants, variance[:, q] = one.gradient(t.T)
+                mean[:, q] += own
+                slopes[:, q] -= by_constants
+            variance += np.einsum("ipbk,kl,ipbl->ipb", slopes, draw.covariance, slopes)
+            parts.append((mean + slopes @ draw.mean, variance))
+        return parts
+
+    def _derivatives(self, model: GaussianProcess, t: Array) -> tuple[Array, Array]:
+        """Derivatives of a member by the scaled inputs, and their variances, (d, p, B) each."""
+        X = self.physical(t)
+        found = model.gradient(X, return_std=True, extrapolate=True)
+        chain = self.unit_slopes(X)
+        mean, std = (np.stack([found[f"{name}{part}"].values for name in model.outputs_], 1) for part in ("", "_std"))
+        return mean / chain, (std / chain) ** 2
+
+    def state(self) -> xr.Dataset:
+        """Return what a file must hold beside inputs, outputs, probes and members."""
+        rows, names, first = self.rows_, list(self.constants_), self.draws_[0].discrepancies
+        mean, covariance = self.posterior
+        at = "measurement"
+        state = xr.Dataset(
+            {
+                "constant_prior": ("constant", list(self.constants_.values())),
+                "constant_mean": ("constant", mean),
+                "constant_std": ("constant", np.sqrt(np.diag(covariance))),
+                "constant_covariance": (("constant", "other_constant"), covariance),
+                "constant_about": ("constant", self.about_),
+                "error_of_effects": ("output", self.effect_std_),
+                "row_point": (("row", "input"), rows.points),
+                "measured_row": (at, rows.row),
+                "measured_output": (at, rows.output),
+                "measured_value": (at, rows.value),
+                "measured_error": (at, np.nan_to_num(rows.error, nan=0.0)),
+                "measured_residual": (at, self._flat([one.residual for one in first.values()])),
+                "measured_slope": ((at, "constant"), self._flat([one.slopes for one in first.values()])),
+                "draw_mean": (("draw", "constant"), np.stack([one.mean for one in self.draws_])),
+                "draw_covariance": (
+                    ("draw", "constant", "other_constant"), np.stack([one.covariance for one in self.draws_]),
+                ),
+                "draw_noise": (("draw", at), np.stack([
+                    self._flat([one.noise for one in draw.discrepancies.values()]) for draw in self.draws_
+                ])),
+                "draw_amplitude": (("draw", "discrepancy"), np.array([
+                    [one.amplitude for one in draw.discrepancies.values()] for draw in self.draws_
+                ])),
+                "draw_length": (("draw", "discrepancy", "input"), np.array([
+                    [one.lengths for one in draw.discrepancies.values()] for draw in self.draws_
+                ])),
+            },
+            coords={"constant": names, "discrepancy": [self.outputs_[q] for q in first]},
+        )  # fmt: skip
+        return state.assign_attrs(learnt=self.learnt_)
+
+    def _flat(self, parts: Sequence[Array]) -> Array:
+        """What every measured output has of its values, in the order of the values."""
+        whole = np.empty((len(self.rows_.value), *parts[0].shape[1:]))
+        for q, part in zip(self.rows_.outputs, parts, strict=True):
+            whole[self.rows_.of(q)] = part
+        return whole
+
+    @classmethod
+    def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
+        """Return the model of a stored state, without members; ValueError names what is inconsistent."""
+        model = cls.__new__(cls)
+        model._describe(inputs, tuple(outputs), outputs)
+        found = {str(name): stored[name].values for name in stored.data_vars}
+        error = found["measured_error"]
+        output, row = (found[f"measured_{name}"].astype(np.intp) for name in ("output", "row"))
+        points = stored["row_point"].transpose("row", "input").values
+        if len(points) > MOST_ROWS or stored.sizes["draw"] > _MOST_DRAWS:
+            raise ValueError(f"more than {MOST_ROWS} measured rows, or than {_MOST_DRAWS} draws")
+        if not (set(output.tolist()) <= set(range(len(outputs))) and set(row.tolist()) <= set(range(len(points)))):
+            raise ValueError("a measured value is of no output or no row")
+        rows = Measurements(points, row, output, found["measured_value"], np.where(error > 0, error, np.nan))
+        model.rows_, model.about_, model.effect_std_ = rows, found["constant_about"], found["error_of_effects"]
+        model.constants_ = dict(zip(stored["constant"].values.tolist(), found["constant_prior"].tolist(), strict=True))
+        model.learnt_ = str(stored.attrs["learnt"])
+        scaled = unit_coordinates(inputs, points).T
+        draws = []
+        for k in range(stored.sizes["draw"]):
+            own = {}
+            for number, q in enumerate(rows.outputs):
+                at = rows.of(q)
+                own[q] = Discrepancy(
+                    scaled[row[at]], found["draw_noise"][k, at], float(found["draw_amplitude"][k, number]),
+                    found["draw_length"][k, number], found["measured_residual"][at], found["measured_slope"][at],
+                )  # fmt: skip
+            draws.append(Draw(found["draw_mean"][k], found["draw_covariance"][k], own))
+        model.draws_ = tuple(draws)
+        return model

@@ -1,0 +1,91 @@
+"""What a model leaves out of one measured output: a smooth Gaussian process of the inputs, beside noise.
+
+Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425: measured = model(input, constants) + discrepancy(input) + noise.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import cho_solve, cholesky, solve_triangular
+from scipy.spatial.distance import cdist
+
+from approximation.arrays import Array
+
+
+@dataclass(frozen=True)
+class Discrepancy:
+    """A process a^2 exp(-|x - x'|^2/2) in the scaled inputs over their lengths, known at measured points.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n, d)
+        Scaled inputs, -1 to 1, of the measured values.
+    noise : ndarray, shape (n,)
+        Variance of their errors, that of the model among them.
+    amplitude : float
+        Standard deviation a of the process, in the output's unit.
+    lengths : ndarray, shape (d,)
+        Length along every scaled input.
+    residual : ndarray, shape (n,)
+        Measured less model with the constants at zero, as linear in them.
+    slopes : ndarray, shape (n, k)
+        Derivatives of the model by the constants at the points.
+    """
+
+    points: Array
+    noise: Array
+    amplitude: float
+    lengths: Array
+    residual: Array
+    slopes: Array
+
+    def covariance(self, points: Array) -> Array:
+        """Return the covariance of the process at scaled points (m, d) with its values at its own: (m, n)."""
+        square = cdist(points / self.lengths, self.points / self.lengths, "sqeuclidean")
+        return np.asarray(self.amplitude**2 * np.exp(-0.5 * square))
+
+    @cached_property
+    def factor(self) -> Array:
+        """Lower Cholesky factor of the covariance of the residuals at given constants, (n, n)."""
+        covariance = self.covariance(self.points)
+        covariance.flat[:: len(covariance) + 1] += self.noise + 1e-10 * self.amplitude**2
+        return np.asarray(cholesky(covariance, lower=True))
+
+    @cached_property
+    def whitened(self) -> tuple[Array, Array]:
+        """The inverse of the covariance applied to the residuals (n,) and to the slopes (n, k)."""
+        both = cho_solve((self.factor, True), np.column_stack([self.residual, self.slopes]))
+        return both[:, 0], both[:, 1:]
+
+    @property
+    def information(self) -> tuple[Array, Array]:
+        """What the values say of the constants: precision (k, k), and its product with their estimate (k,)."""
+        residual, slopes = self.whitened
+        return self.slopes.T @ slopes, self.slopes.T @ residual
+
+    @property
+    def fit(self) -> float:
+        """Twice the negative logarithm of the density of the residuals were all constants zero, less n log 2 pi."""
+        return float(self.residual @ self.whitened[0] + 2 * np.log(np.diag(self.factor)).sum())
+
+    def at(self, points: Array) -> tuple[Array, Array, Array]:
+        """Return m0 (m,), m1 (m, k) and the variance (m,) at scaled points (m, d): the mean is m0 - m1 @ constants."""
+        cross = self.covariance(points)
+        residual, slopes = self.whitened
+        white = solve_triangular(self.factor, cross.T, lower=True)
+        variance = self.amplitude**2 - np.einsum("nm,nm->m", white, white)
+        return cross @ residual, cross @ slopes, np.maximum(variance, 0)
+
+    def gradient(self, points: Array) -> tuple[Array, Array, Array]:
+        """Return the same of its derivatives by the scaled inputs: (d, m), (d, m, k), (d, m)."""
+        cross = self.covariance(points)
+        residual, slopes = self.whitened
+        found = []
+        for i, length in enumerate(self.lengths):
+            along = -(points[:, i, None] - self.points[:, i]) / length**2 * cross
+            white = solve_triangular(self.factor, along.T, lower=True)
+            left = (self.amplitude / length) ** 2 - np.einsum("nm,nm->m", white, white)
+            found.append((along @ residual, along @ slopes, np.maximum(left, 0)))
+        mean, by_constants, variance = zip(*found, strict=True)
+        return np.stack(mean), np.stack(by_constants), np.stack(variance)

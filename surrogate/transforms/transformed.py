@@ -1,0 +1,86 @@
+"""Models whose answers follow from those of others: what all of them share, whatever the transform."""
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from typing import ClassVar, Self
+
+from surrogate.face.model import GaussianProcess
+from surrogate.transforms.groups import Grouping
+
+
+class Transformed(GaussianProcess):
+    """A model that wraps others, its members, and turns their answers into its own.
+
+    A transform gives answers from those of the members, and says which of their outputs stand behind its own. Parts,
+    thinner, uncalibrated and stored models follow: those of the members, under the same transform.
+
+    Attributes
+    ----------
+    MEMBERS : tuple of str
+        Names of the members; each is an attribute of that name with an underscore, and a prefix in files.
+    CALIBRATED : tuple of str
+        Those that `calibrate` changes.
+    grouping : Grouping or None
+        The groups of inputs that it stands on, if any.
+    """
+
+    CALIBRATED: ClassVar[tuple[str, ...]] = ()
+    grouping: Grouping | None = None
+
+    @property
+    def members(self) -> Mapping[str, GaussianProcess]:
+        """Models that it is made of, by name."""
+        return {name: getattr(self, f"{name}_") for name in self.MEMBERS}
+
+    def over(self, members: Mapping[str, GaussianProcess]) -> Self:
+        """Return the same transform of other models; ValueError unless they fit."""
+        model = copy(self)
+        for name, member in members.items():
+            setattr(model, f"{name}_", member)
+        model.cases_ = members[self.MEMBERS[0]].cases_
+        model._lay_out()
+        return model
+
+    def _lay_out(self) -> None:
+        """Take from the members what answers need; ValueError unless they fit."""
+
+    def uncalibrated(self) -> Self:
+        """Return the model without what `calibrate` has learnt."""
+        plain = {name: model.uncalibrated() for name, model in self.members.items() if name in self.CALIBRATED}
+        model = self.over({**self.members, **plain})
+        model.calibration_ = None
+        return model
+
+    def only(self, outputs: Sequence[str]) -> Self:
+        """Return the model of some outputs, over what stands behind these; it costs less to ask for.
+
+        Where members are compressed, means agree within the compression's error.
+        """
+        behind = self._behind(outputs)
+        part = self._narrowed(outputs).over({name: self.members[name].only(behind[name]) for name in self.MEMBERS})
+        if part.calibration_ is self.calibration_ is not None:  # its own, not a member's
+            part.calibration_ = self.calibration_.only([self.outputs_.index(name) for name in outputs])
+        return part
+
+    def _narrowed(self, outputs: Sequence[str]) -> Self:
+        """The transform of some outputs, over members that still have all."""
+        raise NotImplementedError
+
+    def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
+        """By member, the outputs that stand behind some of the model's."""
+        raise NotImplementedError
+
+    def thinned(self, errors: Mapping[str, float]) -> Self:
+        """Return the model with root-mean-square errors of outputs that the first member has; others keep theirs."""
+        kept = {name: error for name, error in errors.items() if name in self._unchanged()}
+        first = self.MEMBERS[0]
+        return self.over({**self.members, first: self.members[first].thinned(kept)}) if kept else self
+
+    def _unchanged(self) -> set[str]:
+        """Outputs that are those of the first member, of the same name."""
+        return set()
+
+
+def groups_of(model: GaussianProcess) -> Grouping | None:
+    """Return the groups of inputs that a model stands on, None where it stands on the inputs."""
+    return model.grouping if isinstance(model, Transformed) else None

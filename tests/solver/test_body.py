@@ -1,0 +1,53 @@
+"""Kinds of bodies: told by factors, split by the face, and each answered by what it says it has."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import solver
+from solver.body import FILM, HALF_PLANE, KINDS, Kind, kind_of
+from solver.curves import FOLLOWS, REGIONS
+from solver.face.bodies import body_of
+from solver.face.cases import Cases
+from solver.face.factors import checked
+from solver.face.filmfactors import kinds_of
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, CONTACTS, FACTORS, PROFILES
+
+CASES = {
+    HALF_PLANE.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5},
+    FILM.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5, "thickness": 5e-4, "base": "steel"},
+}
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_profile_says_which_contact_a_case_is_and_a_thickness_which_body(profile: str) -> None:
+    assert kind_of(("load", "radius"), profile).contact == PROFILES[profile].contact
+    assert kind_of(("thickness",), profile).layered
+    assert kind_of(("body",)) is FILM
+    assert kind_of((), solver.Profile.cylinder(np.array(0.05))) is HALF_PLANE
+
+
+def test_cases_of_a_table_are_told_apart_one_by_one() -> None:
+    arrays = {"thickness": xr.DataArray([np.nan, 5e-4], dims="case"), "base": xr.DataArray(["", "steel"], dims="case")}
+    assert kinds_of(arrays).values.tolist() == ["half-plane", "film"]
+
+
+def test_every_kind_names_what_exists() -> None:
+    for kind in KINDS.values():
+        assert kind.every_quantity.keys() <= ALL_QUANTITIES.keys()
+        assert set(kind.peaks) <= set(ALL_PEAKS)
+        assert {kind.loads.force, *kind.loads.charges} <= FACTORS.keys()
+        assert set(kind.tabled) <= FACTORS.keys()
+        followed = {FOLLOWS[name].region for name in kind.peaks if name in FOLLOWS}
+        assert followed <= set(kind.regions) <= set(REGIONS)
+        assert kind.contact in CONTACTS
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
+def test_a_body_answers_what_its_kind_says_it_has(kind: Kind) -> None:
+    cases = Cases(checked(CASES[kind.name]), {}, ("BaTiO3", "CoFe2O4"))
+    assert cases.kind is kind
+    body = body_of(cases)
+    assert body.quantities().keys() == kind.quantities.keys()
+    assert float(cases.force) == 1e5
+    assert cases.charges.shape == (2,)

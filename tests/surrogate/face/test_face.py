@@ -1,0 +1,376 @@
+"""Named inputs and outputs, and refusals, for every engine."""
+
+import re
+from collections.abc import Callable, Mapping
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from sklearn.exceptions import NotFittedError
+
+from solver import solve
+from surrogate import FormatError, GaussianProcess, GridGP, Input, OutOfBoxError, ScatterGP, load, save
+from surrogate.data.points import named_points
+from tests.surrogate import functions
+
+COUNTS = (9, 5, 5, 5, 2)
+MIDDLE = {"mixture": 0.5, "angle": 0.3, "size": 0.05, "force": 3e4, "bias": 0.0}
+
+
+@pytest.fixture(scope="module")
+def model() -> GridGP:
+    return GridGP(inputs=functions.INPUTS).fit(functions.factorial(COUNTS))
+
+
+def test_sequences_span_the_factorial_and_inputs_stay_as_coordinates(model: GridGP) -> None:
+    given: dict[str, Any] = {**MIDDLE, "size": [0.1, 0.01], "angle": (0.1, 0.2, 0.3)}
+    answer = model.predict(given)
+    assert answer["smooth"].dims == ("angle", "size")
+    for name, value in given.items():
+        np.testing.assert_array_equal(answer[name], value)
+        assert answer[name].dims == ((name,) if np.ndim(value) else ())
+        assert answer[name].attrs == model.box[name].attrs
+    assert answer["angle"].attrs == {"units": "rad"}
+    X = np.array([[0.5, angle, size, 3e4, 0.0] for angle in given["angle"] for size in given["size"]])
+    mean, std = model.predict_array(X, return_std=True)
+    for k, name in enumerate(model.outputs_):
+        np.testing.assert_array_equal(answer[name].values.ravel(), mean[:, k])
+        np.testing.assert_array_equal(answer[f"{name}_std"].values.ravel(), std[:, k])
+
+
+def test_sequences_cross_as_those_of_the_solver_do() -> None:
+    cases = {"load": [1e4, 2e4, 3e4], "friction": [0.1, 0.2], "radius": 0.05, "volume_fraction": 0.5}
+    exact = solve(cases)
+    points = named_points(cases, [Input(name, 0, 1e5) for name in cases])
+    assert (points.dims, points.shape) == (exact["depth"].dims, exact["depth"].shape)
+    assert {name: array.dims for name, array in points.coords.items()} == {
+        name: array.dims for name, array in exact.coords.items()
+    }
+    np.testing.assert_array_equal(points.X[:, 0], exact["load"].broadcast_like(exact["depth"]).values.ravel())
+
+
+def test_a_data_set_of_points_is_accepted_and_empty_ones_give_empty_answers(model: GridGP) -> None:
+    held = functions.scattered(4, seed=2)[[one.name for one in functions.INPUTS]]
+    assert model.predict(held)["ratio"].dims == ("case",)
+    assert model.predict(held.isel(case=slice(0)))["ratio"].shape == (0,)
+
+
+def test_a_point_outside_the_box_is_refused_by_name_value_and_range(model: GridGP) -> None:
+    with pytest.raises(OutOfBoxError) as caught:
+        model.predict({**MIDDLE, "size": [0.05, 0.5]})
+    assert str(caught.value) == "size = 0.5 is outside the trained box [0.005, 0.2] m (1 of 2 points are outside)"
+    with pytest.raises(OutOfBoxError, match=re.escape("force = 1 is outside")):
+        model.predict_array(np.array([[0.5, 0.3, 0.05, 1.0, 0.0]]))
+    with pytest.raises(OutOfBoxError, match=re.escape("angle = 0.7")):
+        model.gradient({**MIDDLE, "angle": 0.7})
+
+
+def test_extrapolation_is_computed_and_flagged_when_asked_for(model: GridGP) -> None:
+    answer = model.predict({**MIDDLE, "mixture": [0.5, 0.951]}, extrapolate=True)
+    assert answer["extrapolated"].values.tolist() == [False, True]
+    truth = functions.outputs({k: xr.DataArray(v) for k, v in {**MIDDLE, "mixture": 0.951}.items()})["no_bias"]
+    assert float(answer["no_bias"][1]) == pytest.approx(float(truth), rel=1e-4)  # close by, where it still holds
+    assert "extrapolated" not in model.predict(MIDDLE)
+
+
+def test_the_ends_of_the_box_are_inside(model: GridGP) -> None:
+    for end in (-1.0, 1.0):
+        ends = {one.name: one.from_unit(end) for one in functions.INPUTS}
+        assert np.isfinite(model.predict(ends)["smooth"])
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"siez": 0.1}, "unknown input 'siez'; did you mean 'size'?"),
+        ({"size": None}, "input 'size' is missing"),
+        ({"angle": float("nan")}, "input 'angle' is nan at 1 of 1 points"),
+        ({"angle": "0.1"}, "input 'angle' must be numbers"),
+        ({"angle": [[0.1]]}, "input 'angle' is an array of 2 dimensions"),
+        (
+            {"angle": np.zeros(10**5), "size": np.zeros(10**5)},
+            "the inputs span 10000000000 points, more than 10000000",
+        ),
+        ({"angle": xr.DataArray([0.1], dims="size")}, "input 'angle' has a dimension of an input's name, 'size'"),
+        ({"angle": xr.DataArray([0.1], dims="c"), "size": xr.DataArray([0.1, 0.1], dims="c")}, "do not agree"),
+        (
+            {
+                "angle": xr.DataArray([0.1], dims="c", coords={"c": [0]}),
+                "size": xr.DataArray([0.1], dims="c", coords={"c": [1]}),
+            },
+            "do not agree",
+        ),
+    ],
+)
+def test_bad_points_are_refused_in_one_line(model: GridGP, change: dict[str, Any], says: str) -> None:
+    points = {k: v for k, v in {**MIDDLE, **change}.items() if v is not None}
+    with pytest.raises(ValueError, match=re.escape(says)) as caught:
+        model.predict(points)
+    assert "\n" not in str(caught.value)
+
+
+def _broken(kind: str) -> xr.Dataset:
+    data = functions.factorial((5, 3, 3, 3, 2))
+    if kind == "nan":
+        data["smooth"][0, 0, 0, 0] = np.nan
+    elif kind == "missing level":
+        data = data.isel(size=[0, 2])
+    elif kind == "duplicate level":
+        data = data.isel(size=[0, 1, 1])
+    elif kind == "unknown dim":
+        data["smooth"] = data["smooth"].expand_dims(colour=[1, 2])
+    elif kind == "no coordinate":
+        data = data.drop_vars("size")
+    elif kind == "text":
+        data["smooth"] = xr.full_like(data["smooth"], 0).astype(str)
+    elif kind == "no such input":
+        data = data.rename(size="radius")
+    elif kind == "one level":
+        data = data.isel(size=[1])
+    return data
+
+
+@pytest.mark.parametrize(
+    ("kind", "says"),
+    [
+        ("nan", "output 'smooth' is not finite in 1 of"),
+        ("missing level", "input 'size': level"),
+        ("duplicate level", "input 'size' has the level 0.0316228 more than once"),
+        ("unknown dim", "output 'smooth' has dimension 'colour', which is no input"),
+        ("no coordinate", "input 'size' has no coordinate"),
+        ("text", "output 'smooth' must be numbers"),
+        ("no such input", "has dimension 'radius', which is no input"),
+        ("one level", "input 'size' has 1 level; a factor needs at least 2"),
+    ],
+)
+def test_an_incomplete_factorial_is_refused_in_one_line(kind: str, says: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(says)) as caught:
+        GridGP(inputs=functions.INPUTS).fit(_broken(kind))
+    assert "\n" not in str(caught.value)
+
+
+def test_levels_off_the_chebyshev_points_are_refused_but_suit_other_kernels() -> None:
+    x = np.linspace(0, 1, 7)
+    data = xr.Dataset({"f": ("x", np.exp(x))}, coords={"x": x})
+    with pytest.raises(ValueError, match="none of the 7 Chebyshev-Gauss levels of \\[0, 1\\]"):
+        GridGP(inputs=[Input("x", 0, 1)]).fit(data)
+    with pytest.raises(ValueError, match="no Chebyshev-Gauss levels of a linear or log range"):
+        GridGP().fit(data)
+    model = GridGP("matern52").fit(data)
+    assert model.box["x"] == Input("x", 0.0, 1.0)
+    assert float(model.predict({"x": 0.4})["f"]) == pytest.approx(np.exp(0.4), rel=1e-4)
+
+
+def test_box_and_scale_are_read_off_chebyshev_levels() -> None:
+    found = GridGP().fit(functions.factorial((5, 3, 4, 3, 2))[["smooth"]]).box
+    assert set(found) == {"mixture", "angle", "size", "force"}
+    for one in functions.INPUTS[:4]:
+        assert found[one.name].scale == one.scale
+        assert found[one.name].low == pytest.approx(one.low, rel=1e-9, abs=1e-9)
+        assert found[one.name].high == pytest.approx(one.high, rel=1e-9)
+
+
+def test_an_output_is_constant_along_the_factors_that_it_lacks(model: GridGP) -> None:
+    assert "bias" not in functions.factorial(COUNTS)["no_bias"].dims
+    answer = model.predict({**MIDDLE, "bias": [-2.0, 0.3, 2.0]})
+    np.testing.assert_allclose(answer["no_bias"], answer["no_bias"][0], rtol=1e-13)
+    assert np.ptp(answer["affine"].values) > 1
+
+
+def test_unsorted_and_transposed_levels_give_the_same_model(model: GridGP) -> None:
+    data = functions.factorial(COUNTS)
+    shuffled = data.isel(mixture=slice(None, None, -1), size=[2, 0, 4, 1, 3]).transpose("force", "bias", ...)
+    again = GridGP(inputs=functions.INPUTS).fit(shuffled)
+    X = np.array([list(MIDDLE.values())])
+    np.testing.assert_allclose(again.predict_array(X), model.predict_array(X), rtol=1e-13)  # sums in another order
+
+
+def _table(columns: Mapping[str, Any]) -> Any:
+    """A pandas DataFrame."""
+    return xr.Dataset({name: ("row", values) for name, values in columns.items()}).to_dataframe()
+
+
+def test_arrays_and_tables_are_points_too(model: GridGP) -> None:
+    held = functions.scattered(20, seed=5)[list(model.box)]
+    named = {name: held[name].values for name in model.box}
+    table = _table(named)
+    points = {name: xr.DataArray(values, dims="point") for name, values in named.items()}
+    expected, ends, slopes = model.predict(points), model.interval(points), model.gradient(points)
+    for points in (table.to_numpy(), table.to_numpy().tolist(), table, table[table.columns[::-1]]):
+        xr.testing.assert_identical(model.predict(points), expected)
+        xr.testing.assert_identical(model.interval(points), ends)
+        xr.testing.assert_identical(model.gradient(points), slopes)
+
+
+@pytest.mark.parametrize(
+    ("points", "says"),
+    [
+        (np.zeros((3, 4)), "the columns mixture, angle, size, force, bias; got float64 values of shape (3, 4)"),
+        (np.zeros(5), "an array of numbers of shape (n, 5)"),
+        (np.full((1, 5), "a"), "got <U1 values of shape (1, 5)"),
+        (np.zeros((1, 5), dtype=bool), "got bool values of shape (1, 5)"),
+        ([[0.5, 0.3], [0.1]], "got list"),
+        (xr.DataArray(np.zeros((5, 5)), dims=("input", "point")), "points must be named"),
+        ("mixture=0.5", "got str"),
+        (None, "got object values of shape ()"),
+        (0.5, "got float64 values of shape ()"),
+        (_table({"mixture": [0.5], "siez": [0.1]}), "unknown input 'siez'; did you mean 'size'?"),
+        (_table({"size": [0.1]})[["size", "size"]], "the table of points has a column twice"),
+        (
+            _table({**{name: [value] for name, value in MIDDLE.items()}, "size": ["large"]}),
+            "input 'size' must be numbers",
+        ),
+    ],
+)
+def test_points_of_another_shape_are_refused_in_one_line(model: GridGP, points: Any, says: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(says)) as caught:
+        model.predict(points)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("level", "deviations"), [(0.95, 1.959963984540054), (0.5, 0.6744897501960817)])
+def test_without_calibration_the_interval_is_that_of_a_normal_distribution(
+    model: GridGP, level: float, deviations: float
+) -> None:
+    answer, found = model.predict(MIDDLE), model.interval(MIDDLE, level)
+    assert list(found.data_vars) == [f"{name}_{end}" for name in model.outputs_ for end in ("lower", "upper")]
+    assert found["smooth_lower"].attrs == {
+        "units": "Pa",
+        "long_name": f"lower end of the {100 * level:g} % interval of the smooth output",
+    }
+    X = np.array([[MIDDLE[name] for name in model.box]])
+    for k, name in enumerate(model.outputs_):
+        half = deviations * float(answer[f"{name}_std"])
+        assert float(found[f"{name}_lower"]) == pytest.approx(float(answer[name]) - half, rel=1e-14)
+        assert float(found[f"{name}_upper"]) == pytest.approx(float(answer[name]) + half, rel=1e-14)
+        plain = [float(end[0, k]) for end in model.interval_array(X, level)]
+        assert plain == pytest.approx([float(found[f"{name}_{end}"]) for end in ("lower", "upper")], rel=1e-14)
+
+
+def test_quantiles_and_samples_are_labelled_and_of_one_distribution(model: GridGP) -> None:
+    points = {**MIDDLE, "angle": [0.1, 0.2, 0.4]}
+    both, one = model.quantile(points, [0.025, 0.975]), model.quantile(points, 0.975)
+    assert both["smooth"].dims == ("quantile", "angle")
+    assert one["smooth"].dims == ("angle",)
+    assert both["smooth"].attrs == model.predict(points)["smooth"].attrs
+    np.testing.assert_allclose(both["smooth"][1], one["smooth"], rtol=0, atol=0)
+    np.testing.assert_allclose(both["smooth"][0], model.interval(points)["smooth_lower"], rtol=1e-14)
+    drawn = model.sample(points, 4000, seed=3)
+    assert drawn["smooth"].dims == ("sample", "angle")
+    xr.testing.assert_identical(drawn, model.sample(points, 4000, seed=3))
+    inside = (drawn["smooth"] > both["smooth"][0]) & (drawn["smooth"] <= both["smooth"][1])
+    np.testing.assert_allclose(inside.mean("sample"), 0.95, rtol=0, atol=0.014)  # four standard errors
+
+
+def test_points_outside_of_the_box_have_intervals_when_asked_for(model: GridGP) -> None:
+    far = {**MIDDLE, "mixture": [0.5, 0.951]}
+    asked: list[Callable[..., xr.Dataset]] = [
+        model.interval,
+        lambda at, **how: model.quantile(at, 0.5, **how),
+        lambda at, **how: model.sample(at, 2, 0, **how),
+    ]
+    for ask in asked:
+        assert ask(far, extrapolate=True)["extrapolated"].values.tolist() == [False, True]
+        with pytest.raises(OutOfBoxError, match=re.escape("mixture = 0.951")):
+            ask(far)
+
+
+@pytest.mark.parametrize("level", [0.0, 1.0, -0.5, float("nan")])
+def test_levels_that_are_none_are_refused(model: GridGP, level: float) -> None:
+    for ask in (model.interval, lambda at, level: model.gradient(at, return_std=True, level=level)):
+        with pytest.raises(ValueError, match=f"level {level:g} is not between 0 and 1"):
+            ask(MIDDLE, level)
+    with pytest.raises(ValueError, match=r"q 2 is not between"):
+        model.quantile(MIDDLE, [0.5, 2.0])
+    with pytest.raises(ValueError, match=r"n 0 must be at least 1"):
+        model.sample(MIDDLE, 0, 1)
+
+
+def test_the_common_face_is_no_model() -> None:
+    face: Any = GaussianProcess
+    with pytest.raises(TypeError, match="abstract class GaussianProcess"):
+        face()
+
+
+def test_gradient_is_labelled(model: GridGP) -> None:
+    both = model.gradient(MIDDLE, return_std=True)
+    assert list(both.data_vars) == [
+        f"{one}{part}" for part in ("", "_std", "_lower", "_upper") for one in model.outputs_
+    ]
+    assert both["smooth_lower"].attrs["long_name"] == (
+        "lower end of the 95 % interval of the derivative of the smooth output with respect to the input"
+    )
+    found = model.gradient({**MIDDLE, "angle": [0.1, 0.2]})
+    assert found["smooth"].dims == ("input", "angle")
+    assert found["input"].values.tolist() == list(model.box)
+    assert found["input_units"].sel(input="force") == "N"
+    assert found["smooth"].attrs["units"] == "(Pa) / input_units"
+
+
+def test_a_model_must_be_fitted_and_its_score_is_r2(model: GridGP) -> None:
+    for fresh in (GridGP(), ScatterGP()):
+        with pytest.raises(NotFittedError, match="is not fitted yet; call fit first"):
+            fresh.predict({})
+    held = functions.scattered(500, seed=3)
+    points = held[[one.name for one in functions.INPUTS]]
+    mean = model.predict(points)
+    by_hand = [
+        1 - float(((mean[n] - held[n]) ** 2).sum() / ((held[n] - held[n].mean()) ** 2).sum()) for n in model.outputs_
+    ]
+    assert model.score(held) == pytest.approx(np.mean(by_hand), abs=1e-12)
+    assert model.score(points, held[list(model.outputs_)]) == model.score(held)
+    assert model.score(functions.factorial(COUNTS)) == pytest.approx(1, abs=1e-12)
+
+
+def test_unknown_kernels_and_bad_hyperparameters_are_refused() -> None:
+    data = functions.factorial((3, 3, 3, 3, 2))
+    with pytest.raises(ValueError, match="kernel 'cubic' is none of chebyshev, rbf"):
+        GridGP("cubic").fit(data)  # type: ignore[arg-type]  # bad on purpose
+    with pytest.raises(ValueError, match="kernel 'cubic' is none of auto, rbf"):
+        ScatterGP("cubic", outputs=["f"]).fit(data)  # type: ignore[arg-type]  # bad on purpose
+    with pytest.raises(ValueError, match=r"rho must lie between 0 and 1, got 1\.5"):
+        GridGP(inputs=functions.INPUTS, hyperparameters={"mixture": 1.5}).fit(data)
+    with pytest.raises(ValueError, match="hyperparameters name 'colour', which is no input"):
+        GridGP(inputs=functions.INPUTS, hyperparameters={"colour": 0.5}).fit(data)
+
+
+def test_printed_it_says_inputs_outputs_box_cases_and_calibration() -> None:
+    x, y = Input("x", 0.0, 1.0, units="m"), Input("force", 1.0, 10.0, "log")
+    data = xr.Dataset(coords={"x": x.levels(4), "force": y.levels(3)})
+    model = GridGP(inputs=[x, y])
+    assert str(model) == "GridGP, not fitted yet"
+    model.fit(data.assign(f=(data.x * data.force).assign_attrs(units="Pa"), g=data.x + data.force))
+    assert str(model).splitlines() == [
+        "GridGP of 2 outputs over 2 inputs, trained on 12 cases",
+        "inputs:",
+        "  x      [0, 1] m, linear",
+        "  force  [1, 10], log",
+        "outputs: f [Pa], g",
+        "intervals: not calibrated",
+    ]
+    t = np.random.default_rng(0).uniform(-1, 1, (2, 50))
+    cases = xr.Dataset({own.name: ("case", own.from_unit(row)) for own, row in zip((x, y), t, strict=True)})
+    model.calibrate(cases.assign(f=cases.x * cases.force, g=cases.x + cases.force))
+    assert str(model).endswith("intervals: calibrated on 50 cases")
+
+
+def test_a_model_has_a_level_of_its_own(model: GridGP, tmp_path: Path) -> None:
+    own = deepcopy(model)
+    own.level_, X = 0.8, np.array([[*MIDDLE.values()]])
+    save(own, tmp_path / "own.nc")
+    for known in (own, load(tmp_path / "own.nc")):
+        xr.testing.assert_identical(known.interval(MIDDLE), model.interval(MIDDLE, 0.8))
+        xr.testing.assert_identical(known.gradient(MIDDLE, True), model.gradient(MIDDLE, True, level=0.8))
+        np.testing.assert_array_equal(known.interval_array(X), model.interval_array(X, 0.8))
+        plain = known.plain()
+        assert plain is not None
+        assert plain["interval"]["level"] == 0.8
+    xr.testing.assert_identical(own.interval(MIDDLE, 0.95), model.interval(MIDDLE))
+    own.level_ = 2.0
+    save_as = tmp_path / "wrong.nc"
+    save(own, save_as)
+    with pytest.raises(FormatError, match="level 2 is not between 0 and 1"):
+        load(save_as)

@@ -1,0 +1,134 @@
+"""Models as files: the same predictions again, and every kind of wrong file refused."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from storage.netcdf import read_whole, write_whole
+from storage.sealed import seal
+from surrogate import FormatError, GridGP, ScatterGP, load, save
+from tests.surrogate import functions
+
+
+def fitted(kind: str) -> GridGP | ScatterGP:
+    if kind == "scatter":
+        cases = functions.scattered(30, seed=0)[["mixture", "size", "ratio", "no_bias"]]
+        return ScatterGP("matern32", [functions.INPUTS[0], functions.INPUTS[2]]).fit(cases)
+    return GridGP(kind, functions.INPUTS).fit(functions.factorial((6, 4, 4, 3, 2)))  # type: ignore[arg-type]  # plain strings
+
+
+@pytest.mark.parametrize("kind", ["chebyshev", "rbf", "matern32", "matern52", "scatter"])
+def test_a_loaded_model_predicts_the_same_bits(kind: str, tmp_path: Path) -> None:
+    model = fitted(kind)
+    save(model, tmp_path / "a.nc")
+    again = load(tmp_path / "a.nc")
+    assert type(again) is type(model)
+    assert again.box == model.box
+    X = np.stack([one.from_unit(np.linspace(-1, 1, 33)) for one in model.box.values()], axis=1)
+    for found, kept in zip(
+        again.predict_array(X, return_std=True), model.predict_array(X, return_std=True), strict=True
+    ):
+        np.testing.assert_array_equal(found, kept)
+    xr.testing.assert_identical(again.predict(X), model.predict(X))
+    xr.testing.assert_identical(again.gradient(X), model.gradient(X))
+    save(again, tmp_path / "b.nc")
+    save(fitted(kind), tmp_path / "c.nc")
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes() == (tmp_path / "c.nc").read_bytes()
+    again.made_from_ = "some state"
+    save(again, tmp_path / "d.nc")
+    assert (model.made_from_, load(tmp_path / "d.nc").made_from_) == ("", "some state")
+
+
+@pytest.mark.parametrize("kind", ["matern32", "scatter"])
+def test_every_variable_says_what_it_is(kind: str, tmp_path: Path) -> None:
+    model = fitted(kind)
+    model.calibrate(functions.scattered(200, seed=1))
+    save(model, tmp_path / "a.nc")
+    with netCDF4.Dataset(tmp_path / "a.nc") as file:
+        assert file.title.startswith("surrogate of ")
+        assert file.source.startswith("meecontact: Gaussian")
+        assert "calibration_guard" in file.variables
+        for variable in file.variables.values():
+            assert variable.long_name, variable.name
+            assert variable.units == "1"
+
+
+def edit(path: Path, change: Callable[[xr.Dataset], xr.Dataset]) -> None:
+    """Change a stored model and give it a valid checksum again."""
+    write_whole(change(read_whole(path)), path)
+
+
+def attribute(name: str, value: object) -> Callable[[xr.Dataset], xr.Dataset]:
+    return lambda data: data.assign_attrs({name: value})
+
+
+def replaced(name: str, value: Any) -> Callable[[xr.Dataset], xr.Dataset]:  # any array-like
+    return lambda data: data.assign({name: data[name].copy(data=np.broadcast_to(value, data[name].shape))})
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (attribute("format", "other"), "not a surrogate model"),
+        (attribute("format_version", 1), "format version 1 is not 4, the one known here: `make run` anew"),
+        (attribute("engine", "torch"), "unknown engine 'torch'; known are grid, scatter, grouped, curves, corrected"),
+        (attribute("kernel", "__import__('os')"), "unknown kernel"),
+        (lambda d: d.drop_vars("amplitude"), "inconsistent"),
+        (lambda d: d.assign(core_0=d["core_0"][..., :1].rename(rank_1="cut")), "core 1 has the shape"),
+        (lambda d: d.isel(mode_0=slice(2)), "do not come out again"),
+        (lambda d: d.assign(core_0=d["core_0"].expand_dims("new")), "inconsistent"),
+        (lambda d: d.isel(level_0=slice(1, None)), "Chebyshev-Gauss"),
+        (replaced("core_1", np.nan), "not finite"),
+        (replaced("variance", -1.0), "negative variance"),
+        (replaced("hyperparameter", 1.5), "rho must lie between 0 and 1"),
+        (replaced("contraction_order", 0), "is no order"),
+        (replaced("scale", "cubic"), "'cubic' is none of linear, log"),
+        (replaced("low", 1e9), "must be less than high"),
+        (replaced("probe_mean", 0.0), "do not come out again"),
+        (replaced("probe_std", 0.0), "do not come out again"),
+        (lambda d: d.assign(core_2=d["core_2"] * 1.0001), "probe_mean do not come out again"),
+        (lambda d: d.assign(variance=d["variance"] * 1.01), "probe_std do not come out again"),
+    ],
+)
+def test_a_wrong_model_is_refused_with_its_reason(
+    change: Callable[[xr.Dataset], xr.Dataset], says: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "model.nc"
+    save(fitted("chebyshev"), path)
+    edit(path, change)
+    with pytest.raises(FormatError, match=re.escape(says)) as caught:
+        load(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_an_altered_or_truncated_model_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "model.nc"
+    save(fitted("chebyshev"), path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(FormatError, match="truncated"):
+        load(path)
+    for position in range(0, len(whole), 997):
+        changed = bytearray(whole)
+        changed[position] ^= 0x10
+        path.write_bytes(changed)
+        with pytest.raises(FormatError, match="altered"):
+            load(path)
+
+
+def test_a_model_that_unpacks_to_too_much_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "model.nc"
+    save(fitted("chebyshev"), path)
+    with netCDF4.Dataset(path, "a") as file:
+        file.createDimension("huge", 2**36)
+        file.createVariable("bomb", "f8", ("huge",), compression="zstd", chunksizes=(2**16,))
+    seal(path)
+    with pytest.raises(FormatError, match="too large"):
+        load(path)

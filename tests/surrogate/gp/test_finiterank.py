@@ -1,0 +1,195 @@
+"""The process of finite rank against dense linear algebra, its kernel against its sum, its noise against one given."""
+
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.polynomial.chebyshev import chebvander
+from numpy.typing import NDArray
+
+from approximation.arrays import Indices
+from storage.netcdf import read_whole, write_whole
+from storage.sealed import FormatError
+from surrogate import FactorialRegressor, Input, ScatterGP, load, save
+from surrogate.gp import finiterank, scattergp
+from surrogate.gp.finiterank import FiniteRank, largest
+from surrogate.gp.poisson import Decay, _cost, kernel, most_likely
+from surrogate.use.validation import validate
+
+Array = NDArray[np.float64]
+INPUTS = (Input("x", -1.0, 1.0), Input("y", 1.0, 100.0, "log"), Input("z", 0.0, 2.0))
+DECAY = Decay(np.array([0.4, 0.9, 0.1]), np.array([0.5, 0.2, 0.7]))
+NOISE = 0.05
+
+
+def scaled(count: int, seed: int = 0) -> Array:
+    return np.random.default_rng(seed).uniform(-1, 1, (3, count))
+
+
+def truth(t: Array) -> Array:
+    return np.stack([np.exp(t[0] * t[1]) + t[2] ** 3, 1 / (1.5 - t[0]) * np.cos(2 * t[1])], axis=1)
+
+
+def cases(count: int, seed: int, noise: float = NOISE) -> xr.Dataset:
+    """Inputs and outputs with noise, over `case`; the first output has five times the noise of the second."""
+    t = scaled(count, seed)
+    values = truth(t) + noise * np.array([1, 0.2]) * np.random.default_rng(seed + 100).normal(size=(count, 2))
+    columns = {one.name: ("case", one.from_unit(row)) for one, row in zip(INPUTS, t, strict=True)}
+    return xr.Dataset({**columns, "f": ("case", values[:, 0], {"units": "K"}), "g": ("case", values[:, 1])})
+
+
+def features(indices: Indices, t: Array) -> Array:
+    """prod_j T_{a_j}(t_j), by numpy's polynomials: (r, B)."""
+    tables = [chebvander(x, int(indices.max())) for x in t]
+    return np.stack([np.prod([T[:, a] for T, a in zip(tables, index, strict=True)], axis=0) for index in indices])
+
+
+def test_the_kernel_is_the_sum_of_its_terms() -> None:
+    t, at = scaled(20), scaled(15, seed=1)
+    want = np.ones((20, 15))
+    for x, y, row in zip(t, at, DECAY.coefficients(200), strict=True):
+        want *= (chebvander(x, 200) * row) @ chebvander(y, 200).T
+    np.testing.assert_allclose(kernel(DECAY, t, at), want, rtol=1e-13, atol=1e-13)
+
+
+def test_the_likelihood_is_that_of_a_dense_process_and_its_slopes_are_differences() -> None:
+    t = scaled(40)
+    y = truth(t) - truth(t).mean(axis=0)
+    logs = np.log(np.concatenate([DECAY.first, DECAY.rho, [1e-2]]))
+    cost, slopes = _cost(logs, t, y)
+    C = kernel(DECAY, t, t) + 1e-2 * np.eye(40)
+    energies = np.einsum("np,np->p", y, np.linalg.solve(C, y))
+    assert cost == pytest.approx(np.log(energies / 40).sum() + 2 * np.linalg.slogdet(C)[1] / 40, rel=1e-12)
+    steps = 1e-5 * np.eye(len(logs))
+    want = [(_cost(logs + step, t, y)[0] - _cost(logs - step, t, y)[0]) / 2e-5 for step in steps]
+    np.testing.assert_allclose(slopes, want, rtol=1e-6, atol=1e-8)
+    decay, noise = most_likely(t, y)
+    found = np.log(np.concatenate([decay.first, decay.rho, [noise]]))
+    assert _cost(found, t, y)[0] < cost - 0.5
+
+
+def test_features_are_those_of_the_largest_weights() -> None:
+    indices, weights = largest(DECAY, 60)
+    coefficients = DECAY.coefficients(25)
+    every = {a: float(np.prod(coefficients[range(3), a])) for a in product(range(26), repeat=3)}
+    assert sorted(every.values(), reverse=True)[:60] == pytest.approx(weights.tolist(), rel=1e-14)
+    assert [every[tuple(index)] for index in indices.tolist()] == pytest.approx(weights.tolist(), rel=1e-14)
+    assert len({tuple(index) for index in indices.tolist()}) == 60
+
+
+@pytest.mark.parametrize("noise", [0.05, 0.0])
+def test_the_posterior_is_that_of_dense_linear_algebra(noise: float) -> None:
+    t, at = scaled(120), scaled(9, seed=1)
+    y = truth(t) + noise * np.random.default_rng(2).normal(size=(120, 2))
+    model = FiniteRank.fit(t, y, 50, 0)
+    prior = model.directions @ model.directions.T
+    np.testing.assert_allclose(prior, np.diag(np.diag(prior)), atol=1e-12 * prior.max())
+    phi, new = features(model.indices, t), features(model.indices, at)
+    step = 1e-5 * np.eye(3)[1][:, None]
+    slope = (features(model.indices, at + step) - features(model.indices, at - step)) / 2e-5
+    mean, _ = model.mean_variance(at, None)
+    new_case = model.mean_variance(at, np.ones((2, 2)))[1]
+    known = model.mean_variance(at, np.array([[1.0, 1.0], [0.0, 0.0]]))[1]
+    assert new_case is not None
+    assert known is not None
+    for p in range(2):
+        offset, scale = y[:, p].mean(), y[:, p].std()
+        K = model.signal[p] * phi.T @ prior @ phi + model.noise[p] * np.eye(120)
+        target = np.linalg.solve(K, (y[:, p] - offset) / scale)
+        for found, cross in ((mean[p], new), (model.slopes(at)[1, p], slope)):
+            want = scale * model.signal[p] * cross.T @ prior @ phi @ target
+            np.testing.assert_allclose(found, want + (offset if cross is new else 0), rtol=1e-5, atol=1e-5 * scale)
+        for found, cross in ((known[p], new), (model.slope_variances(at, np.ones((2, 2)))[1, p], slope)):
+            k = model.signal[p] * cross.T @ prior @ phi
+            before = model.signal[p] * np.einsum("rb,rs,sb->b", cross, prior, cross)
+            want = scale**2 * (before - np.einsum("bn,nb->b", k, np.linalg.solve(K, k.T)))
+            np.testing.assert_allclose(found, want, rtol=1e-3, atol=1e-9 * scale**2 * before.max())
+        np.testing.assert_allclose(new_case[p] - known[p], scale**2 * model.noise[p], rtol=1e-6, atol=1e-14)
+
+        def cost(signal: float, noise: float, p: int = p) -> float:
+            K = signal * phi.T @ prior @ phi + noise * np.eye(120)
+            z = (y[:, p] - y[:, p].mean()) / y[:, p].std()
+            return float(np.linalg.slogdet(K)[1] + z @ np.linalg.solve(K, z))
+
+        best = cost(model.signal[p], model.noise[p])
+        for a, b in ((1.1, 1), (0.9, 1), (1, 1.1), (1, 0.9)):
+            assert cost(a * model.signal[p], b * model.noise[p]) > best
+
+
+def test_noise_is_found_and_intervals_of_new_cases_hold(many: ScatterGP) -> None:
+    assert isinstance(many.process_, FiniteRank)
+    sigma = np.sqrt(many.process_.noise) * many.process_.scale
+    np.testing.assert_allclose(sigma, [NOISE, 0.2 * NOISE], rtol=0.04)
+    table = validate(many, cases(4000, seed=5), None)
+    assert (np.abs(table["coverage"] - 0.95) < 0.015).all()
+    exact = cases(500, seed=6, noise=0.0)
+    error = many.predict(exact[["x", "y", "z"]])[["f", "g"]] - exact[["f", "g"]]
+    assert float(np.sqrt((error["f"] ** 2).mean())) < 0.3 * NOISE
+    assert many.predict(exact[["x", "y", "z"]])["f_std"].attrs["units"] == "K"
+
+
+@pytest.fixture(scope="module")
+def many() -> ScatterGP:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(finiterank, "SUBSET", 300)  # the decay is learnt well enough from these
+        return ScatterGP(inputs=INPUTS, rank=150).fit(cases(3000, seed=0))
+
+
+def test_gradients_agree_with_differences(many: ScatterGP) -> None:
+    at = {one.name: xr.DataArray(one.from_unit(0.9 * scaled(6)[k]), dims="point") for k, one in enumerate(INPUTS)}
+    gradient = many.gradient(at)
+    for one in INPUTS:
+        step = 1e-4 * np.abs(at[one.name])
+        above, below = ({**at, one.name: at[one.name] + sign * step} for sign in (1, -1))
+        slope = (many.predict(above) - many.predict(below)) / (2 * step)
+        for name in ("f", "g"):
+            np.testing.assert_allclose(gradient[name].sel(input=one.name), slope[name], rtol=1e-5, atol=1e-6)
+
+
+def test_a_model_survives_its_file_and_an_altered_one_is_refused(many: ScatterGP, tmp_path: Path) -> None:
+    model = many.calibrate(cases(200, seed=7))
+    save(model, tmp_path / "model.nc")
+    again = load(tmp_path / "model.nc")
+    points = cases(20, seed=8)[["x", "y", "z"]]
+    # sums over the features are rounded as memory is aligned and threads share them; variances are differences
+    for one, other in (
+        (again.predict(points), model.predict(points)),
+        (again.gradient(points, True), model.gradient(points, True)),
+    ):
+        xr.testing.assert_allclose(one, other, rtol=1e-7, atol=1e-9)
+    model.calibration_ = None
+    stored = read_whole(tmp_path / "model.nc")
+    for change, says in (
+        ({"feature_degree": stored["feature_degree"] + 1000}, "degrees that none has"),
+        ({"noise_variance": -stored["noise_variance"]}, "negative variance"),
+    ):
+        write_whole(stored.assign(change), tmp_path / "altered.nc")
+        with pytest.raises(FormatError, match=says):
+            load(tmp_path / "altered.nc")
+
+
+def test_the_number_of_cases_decides_the_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(scattergp, "MANY", 30)
+    few, more = (ScatterGP(inputs=INPUTS).fit(cases(count, 0, 0.0)) for count in (30, 31))
+    assert len(few.regressors_) == 2
+    assert isinstance(more.process_, FiniteRank)
+    assert len(more.process_.indices) == 15
+    assert isinstance(ScatterGP("chebyshev", INPUTS).fit(cases(30, 0)).process_, FiniteRank)
+    t = scaled(40)
+    model = FactorialRegressor().fit(t.T, truth(t))
+    assert isinstance(model.model_, ScatterGP)
+    assert isinstance(model.model_.process_, FiniteRank)
+    assert model.score(t.T, truth(t)) > 0.99
+
+
+def test_a_constant_output_and_too_few_cases() -> None:
+    data = cases(60, 0).assign(c=("case", np.full(60, 3.0)))
+    answer = ScatterGP("chebyshev", INPUTS).fit(data).predict(data[["x", "y", "z"]])
+    np.testing.assert_allclose(answer["c"], 3.0, rtol=1e-12)
+    assert float(answer["c_std"].max()) < 1e-6
+    with pytest.raises(ValueError, match="needs at least 2 cases, got 1"):
+        ScatterGP("chebyshev", INPUTS).fit(cases(1, 0))
+    with pytest.raises(ValueError, match="rank 0 must be at least 1"):
+        ScatterGP("chebyshev", INPUTS, rank=0).fit(cases(9, 0))

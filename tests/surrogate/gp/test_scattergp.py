@@ -1,0 +1,126 @@
+"""The scattered engine against scikit-learn used by hand, and its refusals."""
+
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from surrogate import Input, ScatterGP
+from surrogate.gp.scattergp import KernelName
+from tests.surrogate.dense import stationary
+
+Array = NDArray[np.float64]
+INPUTS = (Input("x", -1.0, 1.0, units="m"), Input("y", 1.0, 100.0, "log"))
+
+
+def cases(count: int, seed: int = 0) -> xr.Dataset:
+    rng = np.random.default_rng(seed)
+    x, y = rng.uniform(-1, 1, count), 10 ** rng.uniform(0, 2, count)
+    return xr.Dataset(
+        {
+            "x": ("case", x),
+            "y": ("case", y),
+            "f": ("case", np.sin(2 * x) + np.log(y), {"units": "K"}),
+            "g": ("case", 50 + np.sin(3 * x * np.log(y) / 5)),
+        }
+    )
+
+
+def radial(kernel: str, u: Array, v: Array) -> Array:
+    """Correlation of points in several coordinates: that of a single one, at the distance."""
+    r = np.sqrt(((u[:, None] - v) ** 2).sum(axis=2))
+    return stationary(kernel, 1.0)(np.zeros(1), r.ravel()).reshape(r.shape)
+
+
+@pytest.mark.parametrize("kernel", ["rbf", "matern32", "matern52"])
+def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient(kernel: KernelName) -> None:
+    data, held, step = cases(40), cases(10, seed=1), 1e-3
+    model = ScatterGP(kernel, INPUTS, nugget=1e-2).fit(data)
+    found = model.gradient(held[["x", "y"]], return_std=True)
+    t = np.stack([one.to_unit(data[one.name]) for one in INPUTS], axis=1)
+    at = np.stack([one.to_unit(held[one.name]) for one in INPUTS], axis=1)
+    for p, name in enumerate(("f", "g")):
+        theta = np.exp(model.regressors_[p].kernel_.theta)
+        factor = cho_factor(theta[0] * radial(kernel, t / theta[1:], t / theta[1:]) + 1e-2 * np.eye(len(t)))
+        for k, one in enumerate(INPUTS):
+            ends = np.concatenate([at + step * np.eye(2)[k], at - step * np.eye(2)[k]]) / theta[1:]
+            cross = theta[0] * radial(kernel, ends, t / theta[1:])
+            C = theta[0] * radial(kernel, ends, ends) - cross @ cho_solve(factor, cross.T)
+            want = (np.diag(C)[:10] + np.diag(C)[10:] - 2 * np.diag(C[:10, 10:])) / (2 * step) ** 2
+            std = found[f"{name}_std"].sel(input=one.name).values / one.unit_slope(held[one.name].values)
+            size = data[name].values.std() ** 2
+            np.testing.assert_allclose(
+                std**2, size * want, rtol=2e-2 if kernel == "matern32" else 1e-3, atol=1e-6 * size
+            )
+
+
+@pytest.mark.parametrize("kernel", ["rbf", "matern32", "matern52"])
+def test_prediction_is_that_of_a_dense_process(kernel: KernelName) -> None:
+    data = cases(40)
+    model = ScatterGP(kernel, INPUTS, nugget=1e-4).fit(data)
+    held = cases(25, seed=1)
+    answer = model.predict(held[["x", "y"]])
+    t = np.stack([one.to_unit(data[one.name]) for one in INPUTS], axis=1)
+    at = np.stack([one.to_unit(held[one.name]) for one in INPUTS], axis=1)
+    for p, name in enumerate(("f", "g")):
+        theta = np.exp(model.regressors_[p].kernel_.theta)
+        a, b = t / theta[1:], at / theta[1:]
+        values = data[name].values
+        offset, scale = values.mean(), values.std()
+        factor = cho_factor(theta[0] * radial(kernel, a, a) + 1e-4 * np.eye(len(a)))
+        cross = theta[0] * radial(kernel, b, a)
+        mean = offset + scale * cross @ cho_solve(factor, (values - offset) / scale)
+        variance = theta[0] - np.einsum("ij,ji->i", cross, cho_solve(factor, cross.T))
+        np.testing.assert_allclose(answer[name], mean, rtol=0, atol=1e-8 * np.ptp(values))
+        np.testing.assert_allclose(
+            answer[f"{name}_std"] ** 2, scale**2 * variance, rtol=0, atol=1e-9 * scale**2 * theta[0]
+        )
+    assert answer["f"].attrs["units"] == "K"
+
+
+@pytest.mark.parametrize("kernel", ["rbf", "matern32", "matern52"])
+def test_gradient_agrees_with_differences(kernel: KernelName) -> None:
+    model = ScatterGP(kernel, INPUTS, nugget=1e-4).fit(cases(40))
+    columns = {"x": np.linspace(-0.7, 0.8, 6), "y": np.geomspace(2, 60, 6)}
+    at = {name: xr.DataArray(column, dims="point") for name, column in columns.items()}
+    gradient = model.gradient(at)
+    # the slope of a Matern 3/2 mean has kinks at the cases, so differences agree to the size of the step only
+    room = 1e-3 if kernel == "matern32" else 1e-6
+    for one in INPUTS:
+        step = 1e-4 * np.abs(at[one.name])
+        above, below = ({**at, one.name: at[one.name] + sign * step} for sign in (1, -1))
+        slope = (model.predict(above) - model.predict(below)) / (2 * step)
+        for name in ("f", "g"):
+            np.testing.assert_allclose(gradient[name].sel(input=one.name), slope[name], rtol=1e-5, atol=room)
+
+
+def test_it_learns_smooth_functions_and_reads_roles_off_the_outputs() -> None:
+    model = ScatterGP("rbf", outputs=["f", "g"]).fit(cases(60))
+    assert list(model.box) == ["x", "y"]
+    inside = cases(60).isel(case=slice(30))
+    assert model.score(inside) > 0.999999
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda d: d.drop_vars("y"), "'y' is not in the data set"),
+        (lambda d: d.assign(f=d.f.where(d.x < 0.5)), "'f' is not finite in"),
+        (lambda d: d.assign(x=d.x * 10), "outside its range [-1, 1] m"),
+        (lambda d: d.assign(f=d.f.expand_dims(t=2)), "'f' must be numbers over one dimension"),
+        (lambda d: d.assign(f=("other", np.ones(3))), "'f' is over 'other'"),
+    ],
+)
+def test_bad_cases_are_refused_in_one_line(change: object, says: str) -> None:
+    assert callable(change)
+    with pytest.raises(ValueError, match=re.escape(says)) as caught:
+        ScatterGP(inputs=INPUTS).fit(change(cases(10)))
+    assert "\n" not in str(caught.value)
+
+
+def test_roles_must_be_told() -> None:
+    with pytest.raises(ValueError, match="give inputs="):
+        ScatterGP().fit(cases(10))

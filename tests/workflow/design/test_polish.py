@@ -1,0 +1,125 @@
+"""The polish of candidates: it loses nothing, and passes a choice over only where none of its designs is feasible."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from surrogate.search.optimise import Optimum, Problem, improve
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import ask
+from workflow.design.asking.sources import Factors, shape
+from workflow.design.search import candidate as candidates
+from workflow.design.search import polish
+from workflow.design.search.candidate import Candidate
+from workflow.study.model import Study
+from workflow.study.target import Target
+
+Array = NDArray[np.float64]
+
+STUDY = Study.model_validate(
+    {
+        "title": "Radius against tension",
+        "fixed": {"material": "PZT-4", "load": 1e4},
+        "factors": {
+            "radius": {"low": 0.01, "high": 0.1, "levels": 4},
+            "friction": {"low": 0.1, "high": 0.4, "levels": 4},
+        },
+        "surrogate": {"outputs": ["voltage_sensitivity", "trailing_tension"]},
+    }
+)
+TARGET = Target.model_validate(
+    {
+        "maximise": "voltage_sensitivity",
+        "over": ["radius"],
+        "worst_case": {"friction": [0.1, 0.4]},
+        "subject_to": ["trailing_tension <= 50 MPa"],
+    }
+)
+BEST = 0.05 / 0.9  # where a tension of 1 GPa/m (0.5 + friction) reaches the limit at the largest friction
+
+
+def rising(radius: Array, friction: Array) -> Array:
+    return 1e9 * radius * (0.5 + friction)
+
+
+@dataclass(frozen=True)
+class Closed:
+    """A source in closed form: a sensitivity that is the radius, and a tension."""
+
+    tension: Callable[[Array, Array], Array] = rising
+    step: float | None = 1e-6
+
+    def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        radius, friction = (factors[name] + np.zeros(shape(factors)) for name in ("radius", "friction"))
+        found = {"voltage_sensitivity": radius, "trailing_tension": self.tension(radius, friction)}
+        return {name: found[name] for name in names}
+
+    def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
+        raise NotImplementedError
+
+
+def found(exact: Closed | None = None, choice: str = "PZT-4") -> Candidate:
+    """The best design by a source in closed form, to be polished on another."""
+    predicted, other = cast(Any, Closed()), cast(Any, exact or Closed())
+    question = ask(STUDY, "test", TARGET, predicted)
+    made = Candidate({"material": choice}, Designs(question, predicted, other, np.empty((0, 1))))
+    return made.sought(predicted)
+
+
+def radius(design: Candidate) -> float:
+    return float(design.design.variables["radius"][0])
+
+
+def ending(share: float) -> Callable[[Problem, Array, float], Optimum]:
+    """A search that ends a share of the radius beyond what it found, and takes it for feasible."""
+
+    def improved(problem: Problem, x: Array, scale: float) -> Optimum:
+        best = improve(problem, x, scale)
+        beyond = best.x + share * (best.x + 11 / 9)  # a radius of nought lies there
+        return replace(best, x=beyond, objective=best.objective * (1 + share), feasible=True)
+
+    return improved
+
+
+@pytest.mark.parametrize("beyond", [5e-12, 1e-10, 1e-9, 5e-7])
+def test_a_polish_that_ends_beyond_a_limit_by_little_retreats(beyond: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    began = found(Closed(lambda radius, friction: (1 + 1e-5) * rising(radius, friction)))  # infeasible by that
+    monkeypatch.setattr(candidates, "improve", ending(2e-10 + beyond))
+    polished = polish.first_feasible([began])
+    assert polished.best.feasible
+    assert radius(polished) * (1 + 1e-5) <= BEST * (1 + 1e-12)
+    assert radius(polished) * (1 + 1e-5) >= BEST * (1 - 1e-9)
+
+
+def test_a_polish_never_loses_what_it_began_with(monkeypatch: pytest.MonkeyPatch) -> None:
+    began = found()
+    began = replace(began, best=replace(began.best, x=began.best.x - 1e-3))  # keeps the limit, as from a surrogate
+    monkeypatch.setattr(candidates, "improve", ending(-5e-3))
+    polished = polish.first_feasible([began])
+    assert polished.best.feasible
+    assert radius(polished) >= radius(began)
+
+
+def test_the_exact_solver_is_searched_where_the_surrogate_leads_astray() -> None:
+    """By the surrogate designs end at 56 mm; truly nothing near that stands, and all up to 20 mm do."""
+
+    def steep(radius: Array, friction: Array) -> Array:
+        return np.where(radius < 0.02, 2.5e9 * radius, 200e6 + 1e9 * (0.1 - radius)) * (1 + 0 * friction)
+
+    polished = polish.first_feasible([found(Closed(steep))])
+    assert polished.best.feasible
+    assert radius(polished) == pytest.approx(0.02, rel=1e-3)
+
+
+def test_a_choice_that_is_truly_infeasible_is_passed_over_and_told() -> None:
+    nowhere = found(Closed(lambda radius, friction: 60e6 + rising(radius, friction)), "PZT-5H")
+    worse = found(choice="BaTiO3")
+    taken = polish.first_feasible([nowhere, worse])
+    assert taken.choice == {"material": "BaTiO3"}
+    assert [one.choice for one in taken.passed] == [{"material": "PZT-5H"}]
+    assert "is better and not taken: it misses trailing_tension <= 50 MPa by 0.38 of it" in taken.polish
+    assert not polish.first_feasible([nowhere]).best.feasible

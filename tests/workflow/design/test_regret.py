@@ -1,0 +1,75 @@
+"""The regret of every shipped target that a dense exact search can reach; under all kernels in `make soak`."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from surrogate import GaussianProcess
+from workflow.dataset import factorial
+from workflow.design.asking import budget
+from workflow.design.search import targets
+from workflow.design.search.candidate import Candidate
+from workflow.learning import training
+from workflow.run.sources import ROOT
+from workflow.study.model import Study, load
+
+Array = NDArray[np.float64]
+
+STUDIES = ("actuator", "catalogue", "quickstart", "sensor")
+TARGETS = [
+    (name, target)
+    for name in STUDIES
+    for target, asked in load(ROOT / "config" / f"{name}.yaml").design.items()
+    if len(asked.objectives) == 1 and not load(ROOT / "config" / f"{name}.yaml").open
+]
+_CASES = 1 << 22  # of a dense search
+_KEPT = 1e-12  # relative excess that is rounding
+
+
+@cache
+def trained(name: str) -> tuple[Study, GaussianProcess]:
+    study = load(Path(ROOT / "config" / f"{name}.yaml"))
+    return study, training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
+
+
+def dense(candidate: Candidate) -> float:
+    """The best exact goal of many designs of one choice that keep every limit, larger is better; -inf for none."""
+    question = candidate.question
+    scenarios = sum(chosen.count for chosen in question.searched.values())
+    d = len(question.inputs)
+    X = 2 * qmc.Sobol(d, rng=1).random_base2(int(np.log2(_CASES / scenarios))) - 1 if d else np.empty((1, 0))
+    best = -np.inf
+    for part in np.array_split(X, max(1, len(X) // 4096)):
+        counts = candidate.asked.at(part).count(candidate.asked.exact, question.searched)
+        kept = np.ones(len(part), dtype=bool)
+        for place, term in enumerate(question.terms):
+            kept &= term.oriented(counts[:, place]) <= _KEPT if term.limited else True
+        goal = question.terms[0]
+        best = max(best, float((goal.sign * counts[kept, 0]).max(initial=-np.inf)))
+    return best
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize(("name", "target"), TARGETS)
+def test_no_design_of_a_dense_search_is_better(name: str, target: str) -> None:
+    study, model = trained(name)
+    asked = study.design[target]
+    made = [targets._asked(study, target, asked, model, choice) for choice in targets.combinations(study, asked)]
+    assert not any(budget.asked(one.question) for one in made)  # a case that takes milliseconds: test_budget.py
+    best = max(map(dense, made))
+    answer = targets.solve_target(study, target, model)
+    goal = made[0].question.terms[0]
+    reached = goal.sign * answer.terms[0].exact
+    assert answer.feasible == np.isfinite(best)
+    # the dense search counts over the few scenarios, the verdict over many: a worst case is worse by what lies between
+    assert not np.isfinite(best) or reached >= best - 1e-4 * abs(best)
+
+
+def test_every_shipped_study_with_targets_is_searched_or_named() -> None:
+    left = {"film_actuator", "film_peaks", "film_sensor", "film", "grouped", "peaks", "two_layers"}  # costly cases
+    designed = {path.stem for path in (ROOT / "config").glob("*.yaml") if load(path).design}
+    assert designed <= left | set(STUDIES)
