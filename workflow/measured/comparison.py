@@ -60,7 +60,7 @@ def _values(
 
 
 def dataset(rows: Sequence[Row]) -> xr.Dataset:
-    """Numbers and verdicts of the rows, SI; NaN where a row has none, the first value of the model where it has several."""
+    """Numbers and verdicts of the rows, SI; NaN where a row has none, of several values of the model the first."""
     scale = np.array([UNITS[row["unit"]] for row in rows])
     first = [row["model"][0] if row["model"] else {} for row in rows]
     numbers = {

@@ -11,6 +11,7 @@ from workflow.study.measurement import UNITS, Measurement
 
 #: Standard deviations up to which a row agrees.
 AGREES_WITHIN = 2.0
+_SLIGHT = 0.01
 _SAME = 1e-6  # relative difference up to which a row without an error says the same as the model
 
 Word = Literal["agrees", "disagrees", "cannot be told"]
@@ -71,8 +72,13 @@ def _said(
     if off is None:
         return _without_error(row, model[0])
     if abs(off) > AGREES_WITHIN:
-        return "disagrees", f"the model is {number(abs(off), 2)} standard deviations off" + _and(row.outside)
-    return "agrees", f"the model is {number(abs(off), 2)} standard deviations off" + _ruled_out(row, others)
+        return "disagrees", _off(off) + _and(row.outside)
+    return "agrees", _off(off) + _ruled_out(row, others)
+
+
+def _off(deviations: float) -> str:
+    size = abs(deviations)
+    return f"the model is {number(size, 2) if size >= _SLIGHT else f'less than {_SLIGHT}'} standard deviations off"
 
 
 def _without_error(row: Measurement, value: Spread) -> tuple[Word, str]:
@@ -92,5 +98,5 @@ def _ruled_out(row: Measurement, others: Sequence[float | None]) -> str:
     """What the row says to other rules."""
     asked = zip(row.rivals, others, strict=True)
     fits = {rule.quantity: abs(off) <= AGREES_WITHIN for rule, off in asked if off is not None}
-    said = [f"{name} {'fits too' if fit else 'does not fit'}" for name, fit in fits.items()]
+    said = [f"{name.replace('_', ' ')} {'fits too' if fit else 'does not fit'}" for name, fit in fits.items()]
     return "".join(f"; {one}" for one in said)

@@ -75,7 +75,9 @@ class Contents(Strict):
     effects: Effects | None = Field(None, description="one factor at a time, as figures")
     verification: Verification | None = Field(None, description="checks of the solver against independent methods")
     measurements: dict[str, Measurement] = Field(
-        default_factory=dict, max_length=100, description="published measurements that the model is held against, by name"
+        default_factory=dict,
+        max_length=100,
+        description="published measurements that the model is held against, by name",
     )
 
     _origin: Origin = PrivateAttr()

@@ -35,7 +35,8 @@ def figure(rows: Sequence[dict[str, Any]]) -> Figure:
 
 def _row(ax: Axes, place: int, row: dict[str, Any]) -> None:
     size, colour = row["value"], _COLOURS[row["verdict"]]
-    ax.barh(place, 2 * (row["error"] or 0) / size, left=1 - (row["error"] or 0) / size, height=0.55, color=GREY, alpha=0.3)
+    error = (row["error"] or 0) / size
+    ax.barh(place, 2 * error, left=1 - error, height=0.55, color=GREY, alpha=0.3)
     ax.plot([1, 1], [place - 0.28, place + 0.28], color=GREY, lw=1.5)
     for one in row["rivals"]:
         ax.plot(one["value"] / size, place, "x", color=GREY, ms=5)
