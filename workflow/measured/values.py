@@ -11,6 +11,7 @@ from solver import Material
 from workflow.study.measurement import ModelQuantity, ModelValue
 
 Case = Mapping[str, float | str]
+_ROUNDING = 1e-12  # relative difference that is none
 _MORE = 10.0  # how many times the force, and charges per force, by which a response is compared
 
 
@@ -46,7 +47,8 @@ def modelled(asked: ModelValue) -> Spread:
     material = solver.find(str(asked.case["material"]))
     answer = _ANSWERS[asked.quantity]
     own, *others = (answer(one, asked.case) for one in (material, *material.variants()))
-    return Spread(own, max((abs(other - own) for other in others), default=0.0), len(others))
+    moved = max((abs(other - own) for other in others), default=0.0)
+    return Spread(own, moved if moved > _ROUNDING * abs(own) else 0.0, len(others))
 
 
 def _solved(material: Material, case: Case, **changed: float) -> xr.Dataset:

@@ -24,9 +24,9 @@ class ModelValue(Strict):
 
     @model_validator(mode="after")
     def _of_a_material(self) -> Self:
-        if not isinstance(self.case.get("material"), str):
+        if not isinstance(material := self.case.get("material"), str):
             raise ValueError("case: material: missing; every value of the model is one of a material")
-        find(self.case["material"])
+        find(material)
         return self
 
 

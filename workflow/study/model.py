@@ -21,7 +21,7 @@ _LABEL = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 
 
 class Study(Contents):
-    """Everything that a run can be asked for; a study needs ``factors``, ``effects``, ``verification`` or ``measurements``."""
+    """Everything that a run can be asked for; at least factors, effects, verification or measurements."""
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
