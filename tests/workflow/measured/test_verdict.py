@@ -17,7 +17,8 @@ ROW: dict[str, Any] = {
 }  # fmt: skip
 
 
-MODEL = "    model: [{quantity: charge_per_force, case: {material: LiNbO3, profile: sphere, radius: 1.0e-6, force: 1.0e-4}}]"
+CASE = "{material: LiNbO3, profile: sphere, radius: 1.0e-6, force: 1.0e-4}"
+MODEL = f"    model: [{{quantity: charge_per_force, case: {CASE}}}]"
 
 
 def row(**changed: Any) -> Measurement:
