@@ -1,5 +1,6 @@
 """The table of docs/measurements.md from a run: ``python docs/measurements.py`` writes it into the page."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -38,9 +39,7 @@ def _short(deviations: float) -> str:
 
 def written(text: str, compared_rows: Sequence[Row]) -> str:
     """The page with the table in place of the one that it has."""
-    before, _, rest = text.partition(_HEAD)
-    after = rest[rest.index("\n\n") + 1 :] if "\n\n" in rest else ""
-    return before + table(compared_rows) + after
+    return re.sub(re.escape(_HEAD) + r"(\|.*\n)*", lambda _: table(compared_rows), text)
 
 
 if __name__ == "__main__":

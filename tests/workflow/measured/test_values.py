@@ -9,8 +9,8 @@ from workflow.measured import values
 from workflow.measured.values import modelled
 from workflow.study.measurement import ModelQuantity, ModelValue
 
-TIP = {"profile": "sphere", "radius": 1e-6, "force": 1e-4}
-ELASTIC = {"electric": "insulating", "magnetic": "insulating", "base": "rigid"}
+TIP: dict[str, Any] = {"profile": "sphere", "radius": 1e-6, "force": 1e-4}
+ELASTIC: dict[str, Any] = {"electric": "insulating", "magnetic": "insulating", "base": "rigid"}
 
 
 def value(quantity: ModelQuantity, **case: Any) -> float:
