@@ -3,11 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import xarray as xr
 from markupsafe import Markup
 
 from solver.names import CHOICES
-from workflow.dataset import factorial
 from workflow.design.told import asides
 from workflow.design.told.words import UNREACHABLE, Verdict, verdict
 from workflow.design.verdict.answer import Answer
@@ -71,22 +69,20 @@ class Screen:
         return self.verdict.kind != UNREACHABLE
 
 
-def answered(study: Study, name: str, target: Target, found: Answer) -> Screen:
-    """The first screen's part on one target, from its design."""
+def answered(study: Study, name: str, target: Target, found: Answer, contact: Mapping[str, float]) -> Screen:
+    """The first screen's part on one target, from its design and the ends of its contact [m]."""
     kinds, varied = found.kinds, found.case
     case: Case = {**study.fixed, **kinds, **varied}
     told = verdict(found)
     body, punch = body_in_words(study, case), punch_in_words(case)
-    own = study.narrowed(kinds)
-    solved = factorial.exact(own, dict(varied), peaks=())
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
-    drawn = device.draw(of_case(study, case, solved), f"{body}; {punch}")
+    drawn = device.draw(of_case(study, case, contact), f"{body}; {punch}")
     return Screen(
         name=name,
         code=found.goal,
         body=body,
         punch=punch,
-        good=good(target, found, hanging(own), reference),
+        good=good(target, found, hanging(study.narrowed(kinds)), reference),
         limit=_unbroken(told.why),
         cost=_unbroken(cost(found)),
         sure=_unbroken(sure(found)),
@@ -96,16 +92,16 @@ def answered(study: Study, name: str, target: Target, found: Answer) -> Screen:
     )
 
 
-def of_case(study: Study, case: Case, solved: xr.Dataset) -> device.Device:
-    """What is drawn of a case, with the contact that the exact solver gives it."""
+def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.Device:
+    """What is drawn of a case, with the ends of its contact [m]."""
     profile = str(case.get("profile", CHOICES["profile"][0]))
     size = {"flat": "width", "wedge": "slope"}.get(profile, "radius")
     return device.Device(
         profile,
         str(case.get("corner", CHOICES["corner"][0])),
         float(case[size]),
-        float(solved["contact_trailing"]),
-        float(solved["contact_leading"]),
+        contact["contact_trailing"],
+        contact["contact_leading"],
         float(case["load"]),
         case.get("electric", CHOICES["electric"][0]) == "conducting",
         study.body[0].at(case)["thickness"] if study.body else float(case["thickness"]) if study.kind.layered else None,

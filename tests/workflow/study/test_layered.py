@@ -14,6 +14,7 @@ from workflow.dataset import slabs as dataset
 from workflow.design.search import targets
 from workflow.design.search.contact_fields import fields
 from workflow.learning import training
+from workflow.report import exact as report
 from workflow.report import firstscreen, page
 from workflow.study.datum import hanging
 from workflow.study.model import Study, load, thawed
@@ -120,7 +121,9 @@ def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
         ("nominal_field <= 3 kV/mm", exact["nominal_field"]),
     ):
         assert answer.term(term).exact == pytest.approx(float(value), rel=1e-9)
-    told = firstscreen.answered(study, "thin", study.design["thin"], answer).body
+    ends = report.contact(study, answer)
+    assert ends["contact_leading"] == pytest.approx(float(exact["contact_leading"]), rel=1e-9)
+    told = firstscreen.answered(study, "thin", study.design["thin"], answer, ends).body
     assert told.startswith("Fibrous, 50 % BaTiO3, 200 µm on copper, ")
     assert told.endswith(" on a rigid base" if base == "rigid" else " on silicon")
     shown = fields(study.narrowed({"base": base}), design)
