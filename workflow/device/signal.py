@@ -94,12 +94,12 @@ def read(history: History, contact: Contact, circuit: Circuit) -> Signal:
         times = history.times[first : last + 1]
         balance = _Balance(contact, circuit, float(times[0]), float(history.forces[first]), float(rates[first]))
         found = solve_ivp(
-            lambda time, v, on=balance: on.terms(time) @ np.array([v[0], 1.0]),
-            (times[0], times[-1]),
+            balance.slope,
+            (float(times[0]), float(times[-1])),
             voltage[first : first + 1],
             "Radau",
             times,
-            jac=lambda time, _, on=balance: on.terms(time)[:, :1],
+            jac=balance.jacobian,
             rtol=_RELATIVE,
             atol=_ABSOLUTE * size,
         )
@@ -128,6 +128,14 @@ class _Balance:
     time: float
     force: float
     rate: float
+
+    def slope(self, time: float, voltage: Array) -> Array:
+        """dV/dt; (1,)."""
+        return np.asarray(self.terms(time) @ np.array([voltage[0], 1.0]))
+
+    def jacobian(self, time: float, _: Array) -> Array:
+        """Its derivative by V; (1, 1)."""
+        return self.terms(time)[:, :1]
 
     def terms(self, time: float) -> Array:
         """dV/dt = a V + b at a time: (1, 2)."""
