@@ -14,10 +14,11 @@ import numpy as np
 import xarray as xr
 from scipy.stats import norm, qmc
 
+from approximation.chebyshev import gauss_points
 from benchmarks.gridrivals import GRID_RIVALS
 from benchmarks.rivals import Array, Predict, installed
 from surrogate import GaussianProcess, GridGP, Input
-from surrogate.data.inputs import gauss_points, unit_coordinates
+from surrogate.data.inputs import unit_coordinates
 from surrogate.use.validation import crps, validate
 from workflow.dataset import factorial
 from workflow.run.provenance import ROOT

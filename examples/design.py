@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from workflow.dataset.factorial import exact, levels
-from workflow.design.chosen import Design
+from workflow.design.search.design import Design
 from workflow.learning.training import fit
 from workflow.study import load
 

@@ -17,6 +17,7 @@ from solver.names import (
     FILM_QUANTITIES,
     OF_A_FILM,
     PEAKS,
+    POINT_QUANTITIES,
     PROFILES,
     QUANTITIES,
     TABLED,
@@ -91,8 +92,24 @@ FILM = Kind(
     method="; on films, integral equations with the closed form as their singular part",
 )
 
+HALF_SPACE = Kind("half-space", "point", "absolute", POINT_QUANTITIES, {}, ())
+POINT_FILM = Kind(
+    "film under a point",
+    "point",
+    "absolute",
+    POINT_QUANTITIES | {"nominal_field": FILM_QUANTITIES["nominal_field"]},
+    {},
+    (),
+    layered=True,
+    factors=OF_A_FILM,
+    tabled=tuple(name for name in TABLED if name not in ("friction", "speed")),
+    method="; on films under a point, Galerkin's equations in Legendre functions beside the closed form",
+)
+
 #: Kinds by contact and by whether the body is layered.
-KINDS: dict[tuple[Contact, bool], Kind] = {(kind.contact, kind.layered): kind for kind in (HALF_PLANE, FILM)}
+KINDS: dict[tuple[Contact, bool], Kind] = {
+    (kind.contact, kind.layered): kind for kind in (HALF_PLANE, FILM, HALF_SPACE, POINT_FILM)
+}
 
 
 def kind_of(factors: Collection[str], profile: object = "cylinder") -> Kind:

@@ -33,6 +33,11 @@ class Factor:
             text += f" and {'<=' if self.high_allowed else '<'} {self.high:g}"
         return f"{text} [{self.units}]"
 
+    def allows(self, value: float) -> bool:
+        """Whether a finite number is within the bounds."""
+        above = value >= self.low if self.low_allowed else value > self.low
+        return above and (value <= self.high if self.high_allowed else value < self.high)
+
 
 @dataclass(frozen=True)
 class Described:
@@ -104,6 +109,11 @@ FACTORS: dict[str, Factor] = {
     "load": Factor("N m-1", "normal load P", None, 0.0, low_allowed=False),
     "charge": Factor("C m-1", "electric charge T", 0.0),
     "magnetic_charge": Factor("Wb m-1", "magnetic charge J", 0.0),
+    "exponent": Factor("1", "exponent of a punch's profile coefficient r^exponent", None, 0.0, low_allowed=False),
+    "coefficient": Factor("1", "coefficient of a punch's profile, lengths in m", None, 0.0, low_allowed=False),
+    "force": Factor("N", "normal force of a point contact", None, 0.0, low_allowed=False),
+    "total_charge": Factor("C", "electric charge of the punch of a point contact", 0.0),
+    "total_flux": Factor("Wb", "magnetic charge of the punch of a point contact", 0.0),
     "speed": Factor("m s-1", "steady sliding speed V", 0.0, 0.0),
     "datum": Factor("m", "reference length L of the potentials", 1.0, 0.0, low_allowed=False),
     "thickness": Factor("m", "thickness of a film", None, 0.0, low_allowed=False, optional=True),
@@ -133,7 +143,7 @@ MIXTURES = tuple(name for name, factor in COMPOSITES.items() if factor == "volum
 #: Factors that take one of a few names; the first is the default.
 CHOICES: dict[str, tuple[str, ...]] = {
     "composite": tuple(COMPOSITES),
-    "profile": ("cylinder", "flat", "wedge", "half_cylinder"),
+    "profile": ("cylinder", "flat", "wedge", "half_cylinder", "sphere", "cone", "disc", "power"),
     "corner": ("leading", "trailing"),
     "electric": ("conducting", "insulating"),
     "magnetic": ("conducting", "insulating"),
@@ -159,10 +169,20 @@ PROFILES: dict[str, Outline] = {
     "flat": Outline(("width",), ("slope", "moment")),
     "wedge": Outline(("slope",), ("corner",)),
     "half_cylinder": Outline(("radius",), ("corner",)),
+    "sphere": Outline(("radius",), contact="point"),
+    "cone": Outline(("slope",), contact="point"),
+    "disc": Outline(("width",), contact="point"),
+    "power": Outline(("exponent", "coefficient"), contact="point"),
 }
 
 #: What presses and charges the punch of each kind of contact.
-CONTACTS: dict[Contact, Loads] = {"line": Loads("load", ("charge", "magnetic_charge"))}
+CONTACTS: dict[Contact, Loads] = {
+    "line": Loads("load", ("charge", "magnetic_charge")),
+    "point": Loads("force", ("total_charge", "total_flux")),
+}
+
+#: Factors that a point contact has no use for: its depth and potentials are absolute, and it does not move.
+OF_A_LINE = ("datum", "speed", "corner", "moment")
 
 #: Surface fields over (case factors..., position).
 FIELDS: dict[str, Described] = {
@@ -277,6 +297,26 @@ FILM_PEAKS: dict[str, Described] = {
 #: Every quantity of a film beside those of a half-plane.
 EVERY_FILM_QUANTITY = {**FILM_QUANTITIES, **FILM_PEAKS}
 
+#: Quantities of a point contact. What is per voltage holds the magnetic potential, what is per ampere the voltage.
+POINT_QUANTITIES: dict[str, Described] = {
+    "contact_radius": Described("m", "radius of the contact"),
+    **{name: QUANTITIES[name] for name in ("peak_pressure", "depth", "voltage", "magnetic_potential")},
+    "electric_edge_intensity": Described("C m-3/2", "edge intensity of D_y around a point contact"),
+    "magnetic_edge_intensity": Described("T m1/2", "edge intensity of B_y around a point contact"),
+    "charge_sensitivity": QUANTITIES["charge_sensitivity"],
+    "flux_sensitivity": QUANTITIES["flux_sensitivity"],
+    "stroke_per_volt": QUANTITIES["stroke_per_volt"],
+    "stroke_per_ampere": QUANTITIES["stroke_per_ampere"],
+    "voltage_per_force": Described("V N-1", "d voltage / d force without charges"),
+    "magnetic_potential_per_force": Described("A N-1", "d magnetic potential / d force without charges"),
+    "blocked_force_per_volt": Described("N V-1", "force per voltage at fixed depth"),
+    "blocked_force_per_ampere": Described("N A-1", "force per magnetic potential at fixed depth"),
+    "contact_capacitance": Described("F", "d charge / d voltage at a fixed contact"),
+    "contact_permeance": Described("Wb A-1", "d magnetic charge / d magnetic potential at a fixed contact"),
+    "contact_stiffness": Described("N m-1", "d force / d depth at held potentials"),
+    "contact_stiffness_open": Described("N m-1", "d force / d depth at fixed charges"),
+}
+
 #: What a material bears, beside its constants; not every one is known of a material.
 LIMITS: dict[str, Described] = {
     "tensile_strength": Described("Pa", "principal tension at which it breaks"),
@@ -296,7 +336,7 @@ LIMITED: dict[str, tuple[str, ...]] = {
 }
 
 #: Every quantity of any body.
-ALL_QUANTITIES = {**EVERY_QUANTITY, **EVERY_FILM_QUANTITY}
+ALL_QUANTITIES = {**EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **POINT_QUANTITIES}
 
 #: Those that are searched for over a body.
 ALL_PEAKS = {**PEAKS, **FILM_PEAKS}

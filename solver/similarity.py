@@ -30,14 +30,21 @@ FACTOR_WEIGHTS: dict[str, Weight] = {
     "load": _FORCE,
     "charge": _FORCE,
     "magnetic_charge": _FORCE,
+    "force": Weight(2.0, 1.0),
+    "total_charge": Weight(2.0, 1.0),
+    "total_flux": Weight(2.0, 1.0),
     "datum": _LENGTH,
     "thickness": _LENGTH,
 }
 
 _CHANGING: dict[Weight, tuple[str, ...]] = {
-    _LENGTH: ("contact_trailing", "contact_leading", "contact_offset", "peak_von_mises_depth"),
+    _LENGTH: ("contact_trailing", "contact_leading", "contact_offset", "peak_von_mises_depth",
+        "contact_radius", "blocked_force_per_volt", "blocked_force_per_ampere", "contact_capacitance",
+        "contact_permeance", "contact_stiffness", "contact_stiffness_open",
+    ),
     _FORCE: ("depth", "voltage", "magnetic_potential"),
-    _INTENSITY: tuple(name for name in ALL_QUANTITIES if "_edge_intensity_" in name),
+    _INTENSITY: tuple(name for name in ALL_QUANTITIES if "_edge_intensity" in name),
+    Weight(-1.0): ("voltage_per_force", "magnetic_potential_per_force"),
     _STRESS: (
         "peak_pressure", "trailing_tension", "leading_compression", "nominal_field", "peak_von_mises",
         "peak_principal_tension", "interface_shear", "interface_tension", "film_peak_von_mises",

@@ -56,18 +56,26 @@ DENSE = (
     "tests/test_examples.py",
     "tests/test_theory.py",
     "tests/verification/",
+    "tests/workflow/cli/test_learn.py",
     "tests/workflow/dataset/",
     "tests/workflow/design/",
     "tests/workflow/learning/",
     "tests/workflow/report/test_figures.py",
     "tests/workflow/report/test_films.py",
     "tests/workflow/report/test_firstscreen.py",
+    "tests/workflow/study/test_categories.py",
+    "tests/workflow/study/test_grouped.py",
+    "tests/workflow/study/test_layered.py",
 )
 
 #: Of those folders, files of moments.
 MOMENTS = (
     "tests/solver/film/test_stack.py",
     "tests/verification/test_oracles.py",
+    "tests/workflow/design/test_answer.py",
+    "tests/workflow/design/test_counting.py",
+    "tests/workflow/design/test_judging.py",
+    "tests/workflow/design/test_searching.py",
     "tests/workflow/design/test_sources.py",
     "tests/workflow/design/test_spoken.py",
 )

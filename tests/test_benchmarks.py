@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import benchmarks.__main__ as runner
+from approximation.chebyshev import gauss_points
 from benchmarks import direct, gridrivals, intervals, overhead, page, rivals, scattered, sparse, surrogates
 from benchmarks.rivals import Array
 from surrogate import GridGP
-from surrogate.data.inputs import gauss_points
 from surrogate.gp import finiterank
 from tests.surrogate import functions
 

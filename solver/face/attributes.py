@@ -9,7 +9,7 @@ from solver.body import KINDS
 from solver.face.filmfactors import present
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import BODY, CHOICES, FACTORS, PROFILES, Described
+from solver.names import BODY, CHOICES, CONTACTS, FACTORS, OF_A_LINE, PROFILES, Described
 
 #: How every solution is made (CF: the method of production).
 SOURCE = "meecontact: closed-form solution of plane contact in the Stroh formalism"
@@ -51,6 +51,8 @@ def of_output(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[
     """CF attributes of an output; what hangs on the datum says which one the cases have."""
     if not described.on_datum:
         return described.attrs
+    if all(kind.datum == "absolute" for kind in present(arrays)):
+        return {"units": described.units, "long_name": described.long_name.removesuffix(_RELATIVE)}
     datum = arrays.get("datum")
     if datum is None:
         length = f"{FACTORS['datum'].default:g} m, the default"
@@ -85,8 +87,14 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
     spared = {"composite"} if {"material", BODY} & set(arrays) else set()
     spared |= set() if "corner" in takes else {"corner"}
     kinds_present = present(arrays)
-    for kind in KINDS.values():
-        spared |= set() if kind in kinds_present and BODY not in arrays else set(kind.factors)
+    spared |= {name for kind in KINDS.values() for name in kind.factors}
+    if BODY not in arrays:
+        spared -= {name for kind in kinds_present for name in kind.factors}
+    contacts = {kind.contact for kind in kinds_present}
+    unused = {name for contact, loads in CONTACTS.items() if contact not in contacts for name in loads.charges}
+    unused |= set() if "line" in contacts else set(OF_A_LINE)
+    spared |= unused
+    found = {name: value for name, value in found.items() if name not in unused}
     if "interface_magnetic" not in {*arrays, *spared}:
         spared |= {"interface_magnetic"}
         found["interface_magnetic"] = "grounded on a rigid base and bonded on others"

@@ -2,12 +2,18 @@
 
 from collections.abc import Callable
 
-from solver.body import FILM, HALF_PLANE, Body
+from solver.body import FILM, HALF_PLANE, HALF_SPACE, POINT_FILM, Body
 from solver.face.cases import Cases
 from solver.face.film import OnFilm
 from solver.face.halfplane import OnHalfPlane
+from solver.face.point import OnHalfSpace, OnPointFilm
 
-_BODIES: dict[str, Callable[[Cases], Body]] = {HALF_PLANE.name: OnHalfPlane, FILM.name: OnFilm}
+_BODIES: dict[str, Callable[[Cases], Body]] = {
+    HALF_PLANE.name: OnHalfPlane,
+    FILM.name: OnFilm,
+    HALF_SPACE.name: OnHalfSpace,
+    POINT_FILM.name: OnPointFilm,
+}
 
 
 def body_of(cases: Cases) -> Body:

@@ -13,10 +13,23 @@ from solver.face.refusal import FactorError
 from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import BODY, CHOICES, COMPOSITES, CONTACTS, FACTORS, MATERIALS, OF_A_FILM, PROFILES
+from solver.names import (
+    BODY,
+    CHOICES,
+    COMPOSITES,
+    CONTACTS,
+    FACTORS,
+    MATERIALS,
+    OF_A_FILM,
+    OF_A_LINE,
+    PROFILES,
+    Contact,
+)
 
 _OUTPUT_DIMS = ("position", "x", "y")
-_CHARGES = {"charge": "electric", "magnetic_charge": "magnetic"}
+_CHARGES = {
+    "charge": "electric", "magnetic_charge": "magnetic", "total_charge": "electric", "total_flux": "magnetic",
+}  # fmt: skip
 
 
 def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
@@ -90,18 +103,36 @@ def _check_profile(arrays: Mapping[str, xr.DataArray]) -> None:
             if name not in arrays:
                 raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed} (profile {profile})")
     outlines = list(takes.values()) or [PROFILES["cylinder"]]  # a profile of one's own is pressed along a line
-    for force in dict.fromkeys(CONTACTS[outline.contact].force for outline in outlines):
-        if force not in arrays:
-            raise FactorError(f"{force}: missing; must be {FACTORS[force].allowed}")
+    _check_contacts(arrays, {outline.contact for outline in outlines}, ", ".join(profiles) or "given")
     taken = {name for outline in takes.values() for name in outline.takes}
-    for name in ("radius", "width", "slope", "moment", "corner"):
+    for name in ("radius", "width", "slope", "moment", "corner", "exponent", "coefficient"):
         if name in arrays and name not in taken:
             raise FactorError(f"{name}: the profile {', '.join(profiles) or 'given'} has none")
     if "moment" in arrays and "slope" in arrays and "flat" in profiles:
         raise FactorError("moment: give either the slope or the moment of a flat punch, not both")
-    if "wedge" in profiles and np.any(arrays["slope"].values <= 0) and "flat" not in profiles:
-        bad = arrays["slope"].values[arrays["slope"].values <= 0].flat[0]
-        raise FactorError(f"slope: {bad:g} is not a finite number > 0 [1] (profile wedge)")
+    for sharp in {"wedge", "cone"} & set(profiles):
+        if np.any(arrays["slope"].values <= 0) and "flat" not in profiles:
+            bad = arrays["slope"].values[arrays["slope"].values <= 0].flat[0]
+            raise FactorError(f"slope: {bad:g} is not a finite number > 0 [1] (profile {sharp})")
+
+
+def _check_contacts(arrays: Mapping[str, xr.DataArray], contacts: set[Contact], profiles: str) -> None:
+    """What presses lines and points has their factors, and none of the other kind alone."""
+    for contact, loads in CONTACTS.items():
+        if contact in contacts and loads.force not in arrays:
+            raise FactorError(f"{loads.force}: missing; must be {FACTORS[loads.force].allowed}")
+        if contact in contacts:
+            continue
+        rights = CONTACTS[next(iter(contacts))]
+        for name, right in zip((loads.force, *loads.charges), (rights.force, *rights.charges), strict=True):
+            if name in arrays and np.any(arrays[name].values):  # no charge is none of either kind
+                raise FactorError(f"{name}: the profile {profiles} has none; give {right} [{FACTORS[right].units}]")
+    if "line" not in contacts:
+        for name in OF_A_LINE:
+            if name in arrays:
+                raise FactorError(f"{name}: the profile {profiles} has none; only contacts along a line have it")
+        if "friction" in arrays and np.any(arrays["friction"].values):
+            raise FactorError("friction: of point contacts is not solved; must be 0")
 
 
 def _check_charges(arrays: Mapping[str, xr.DataArray]) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from solver.arrays import Array
 from solver.film.kernel import strip, wavenumbers
 from solver.film.reflection import sideways, waves
-from solver.film.stack import Stack
+from solver.film.stack import Stack, StackError
 from solver.point.bessel import even_orders
 
 _BLOCK = 2_000_000  # values of the Bessel functions held at once
@@ -30,7 +30,14 @@ def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
         Number of functions.
     odd
         1 for the functions of odd orders, those of a force along the surface.
+
+    Raises
+    ------
+    StackError
+        A graded layer.
     """
+    if stack.top.graded:
+        raise StackError("layers: point contacts need layers that are not graded")
     k, weights = wavenumbers(stack, 2 * float(np.max(radii)), strip(stack))
     difference = weights * np.moveaxis(waves(stack, k)[0].difference[:, 1:, 1:], 0, -1)
     found: Array = np.empty((radii.size, 3, 3, count, count))

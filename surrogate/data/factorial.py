@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 
 from approximation.arrays import Array, Indices
-from surrogate.data.inputs import Input, Scale, gauss_points
+from approximation.chebyshev import gauss_points
+from surrogate.data.inputs import Input, Scale
 
 # How far a level may lie from its Chebyshev-Gauss position, as a share of the half-range.
 LEVEL_TOLERANCE = 1e-10

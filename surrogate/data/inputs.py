@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.special import expit, logit
 
 from approximation.arrays import Array, Indices
+from approximation.chebyshev import gauss_points
 
 Scale = Literal["linear", "log", "logit"]
 SCALES: tuple[str, ...] = get_args(Scale)
@@ -113,14 +114,6 @@ class Input:
     def range_text(self) -> str:
         """Return the range as text for messages, e.g. ``[0.005, 0.2] m``."""
         return f"[{self.low:g}, {self.high:g}]" + (f" {self.units}" if self.units else "")
-
-
-def gauss_points(count: int) -> Array:
-    """Return the zeros of the Chebyshev polynomial T_count, ascending, shape (count,)."""
-    if count != int(count) or count < 1:
-        raise ValueError(f"a level count must be a whole number >= 1, got {count!r}")
-    # the sine of an odd function's argument makes the points exactly antisymmetric
-    return np.sin(np.pi * np.arange(1 - count, count, 2) / (2 * count))
 
 
 def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear") -> Array:

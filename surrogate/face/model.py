@@ -17,9 +17,11 @@ from surrogate.data.points import Points, Queries, named_points, outside, requir
 from surrogate.face.physical import Physical, in_blocks
 from surrogate.face.summary import page, text
 from surrogate.intervals.conformal import MINIMUM, calibrate
-from surrogate.intervals.distribution import NOMINAL
 from surrogate.intervals.predictive import EXTRAPOLATED, Predictive
 from surrogate.intervals.sharing import sharing
+
+# Standard deviations below are zero: rounding that keeps logarithms finite, as of an output that is 0 everywhere.
+SMALLEST = float(np.finfo(np.float64).tiny ** 0.25)
 
 
 class GaussianProcess(Physical, Predictive):
@@ -180,7 +182,7 @@ class GaussianProcess(Physical, Predictive):
         return (mean.T, std.T) if std is not None else mean.T
 
     def gradient(
-        self, points: Queries, return_std: bool = False, *, level: float = NOMINAL, extrapolate: bool = False
+        self, points: Queries, return_std: bool = False, *, level: float | None = None, extrapolate: bool = False
     ) -> xr.Dataset:
         """Return d output/d input at points, analytically, in physical units.
 
@@ -191,7 +193,7 @@ class GaussianProcess(Physical, Predictive):
         derivatives, stretched as `calibrate` stretches that of its values, and on the distribution of the values.
         """
         self._require_fitted()
-        self.check_level(level)
+        level = self.checked_level(level)
         named = named_points(points, self.inputs_)
         if not extrapolate:
             require_inside(named.X, self.inputs_)
@@ -325,8 +327,9 @@ class GaussianProcess(Physical, Predictive):
         single = self.single() if len(X) == 1 else None
         found = single(X[0].tolist(), return_std) if single else None
         if found is not None:
-            mean, std = found
-            return mean[:, None], None if std is None else std[:, None]
-        if not extrapolate:
-            require_inside(X, self.inputs_)
-        return self.all_mean_std(X, return_std)
+            mean, std = found[0][:, None], None if found[1] is None else found[1][:, None]
+        else:
+            if not extrapolate:
+                require_inside(X, self.inputs_)
+            mean, std = self.all_mean_std(X, return_std)
+        return mean, None if std is None else np.where(std < SMALLEST, 0.0, std)

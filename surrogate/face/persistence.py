@@ -14,8 +14,9 @@ from storage.sealed import FormatError
 from surrogate.data.inputs import Input, stored_inputs
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.face.engines import ENGINES, engine, members_of
-from surrogate.face.model import GaussianProcess
+from surrogate.face.model import SMALLEST, GaussianProcess
 from surrogate.intervals.conformal import Calibration
+from surrogate.intervals.distribution import NOMINAL
 
 FORMAT = "surrogate"
 VERSION = 4
@@ -73,6 +74,8 @@ def nested(model: GaussianProcess) -> xr.Dataset:
         coords={"input": [own.name for own in inputs], "output": list(outputs)},
         attrs={"engine": model.engine, "cases": model.cases_},
     )
+    if model.level_ != NOMINAL:
+        whole.attrs["level"] = model.level_
     if model.made_from_:
         whole.attrs["made_from"] = model.made_from_
     whole = whole.merge(model.state(), combine_attrs="no_conflicts")
@@ -107,7 +110,7 @@ def _member(name: str, stored: xr.Dataset) -> xr.Dataset:
 def _answers(model: GaussianProcess, points: Array) -> dict[str, Array]:
     """Means, standard deviations and ends of intervals at points (n, d): (n, p) each."""
     mean, std = model.predict_array(points, return_std=True)
-    lower, upper = model.interval_array(points)
+    lower, upper = model.interval_array(points, NOMINAL)
     return {"mean": mean, "std": std, "lower": lower, "upper": upper}
 
 
@@ -151,7 +154,7 @@ def load(path: str | PathLike[str]) -> GaussianProcess:
         raise FormatError(path, f"inconsistent: {error}") from error
     for part, found in answers.items():
         expected = stored[f"probe_{part}"].transpose("probe", "output").values
-        room = PROBE_TOLERANCE * (np.abs(expected) + np.ptp(stored["probe_mean"].values, axis=0))
+        room = PROBE_TOLERANCE * (np.abs(expected) + np.ptp(stored["probe_mean"].values, axis=0)) + SMALLEST
         if found.shape != expected.shape or not (np.abs(found - expected) <= room).all():
             raise FormatError(path, f"the stored predictions probe_{part} do not come out again")
     return model
@@ -174,9 +177,11 @@ def restored(stored: xr.Dataset, engines: tuple[str, ...]) -> GaussianProcess:
     model.calibration_, model.cases_ = None, int(stored.attrs["cases"])
     model.made_from_ = str(stored.attrs.get("made_from", ""))
     model = model.over(members)
+    model.level_ = float(stored.attrs.get("level", NOMINAL))
     own_calibration = Calibration.restore(stored, model.parts, len(inputs), len(outputs))
     if own_calibration is not None:
         model.calibration_ = own_calibration
+    model.check_level(model.level_)
     return model
 
 

@@ -7,7 +7,6 @@ import numpy as np
 
 from surrogate.data.inputs import Input
 from surrogate.face.model import GaussianProcess
-from surrogate.intervals.distribution import NOMINAL
 
 
 def plain_inputs(inputs: Sequence[Input]) -> list[dict[str, Any]]:
@@ -19,11 +18,11 @@ def plain_inputs(inputs: Sequence[Input]) -> list[dict[str, Any]]:
 def plain_outputs(model: GaussianProcess) -> dict[str, Any]:
     """Return the outputs, what is learnt of their deviations, and the ends of their intervals in deviations."""
     learnt, attrs = model.calibration_, model.attrs_
-    lower, upper = np.broadcast_to(model.distribution.ends(NOMINAL), (2, len(model.outputs_)))
+    lower, upper = np.broadcast_to(model.distribution.ends(model.level_), (2, len(model.outputs_)))
     arrays = {} if learnt is None else learnt.arrays()
     keys = ("units", "long_name")
     return {
         "outputs": [{"name": name, **{key: attrs[name].get(key, "") for key in keys}} for name in model.outputs_],
         "calibration": {name: part for name, part in arrays.items() if name != "quantile"} or None,
-        "interval": {"level": NOMINAL, "lower": lower, "upper": upper},
+        "interval": {"level": model.level_, "lower": lower, "upper": upper},
     }

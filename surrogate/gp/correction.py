@@ -16,8 +16,9 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
+from approximation import chebyshev
 from approximation.arrays import Array, Indices
-from surrogate.gp.factors import Features, chebyshev, chebyshev_slopes
+from surrogate.gp.factors import Features
 from surrogate.intervals.sharing import places
 from surrogate.intervals.trend import additive, values
 
@@ -68,7 +69,7 @@ class Correction:
     def slopes(self, t: Array) -> Array:
         """Return the derivatives of `values` with respect to the scaled coordinates, (d, p, B)."""
         T = self._polynomials(t)
-        S = chebyshev_slopes(t.ravel(), T.reshape(len(T), -1)).reshape(T.shape)
+        S = chebyshev.slopes(t.ravel(), T.reshape(len(T), -1)).reshape(T.shape)
         nodal, steep = self._nodal(T), self._nodal(S)
         amplitudes = (self._matrix @ _products(self.indices, T)).reshape(len(t), -1, t.shape[1])
         slopes = amplitudes * steep[:, None]
@@ -126,7 +127,7 @@ class Correction:
         return max(int(self.indices.max()), *self.levels)
 
     def _polynomials(self, t: Array) -> Array:
-        return chebyshev(t.ravel(), self._degree + 1).reshape(-1, *t.shape)
+        return chebyshev.polynomials(t.ravel(), self._degree + 1).reshape(-1, *t.shape)
 
     def _nodal(self, T: Array) -> Array:
         """T_{n_f}(t_f), or its derivative: (d, B)."""

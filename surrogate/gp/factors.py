@@ -11,15 +11,12 @@ from typing import ClassVar
 
 import numpy as np
 from scipy.linalg import eigh
-from scipy.special import eval_chebyt
 
+from approximation import chebyshev
 from approximation.arrays import Array, Indices
-from surrogate.data.inputs import gauss_points
 
 # Mean features drop contributions of the kernel's tail below rounding.
 NEGLIGIBLE = 1e-17
-# Below so many points one compiled recurrence a polynomial beats a step in Python for all points.
-FEW = 32
 
 
 @dataclass(frozen=True)
@@ -119,7 +116,7 @@ class ChebyshevFactor(Factor):
     constant = 1.0
 
     def __init__(self, levels: int, rho: float) -> None:
-        self.parameter, self.t = rho, gauss_points(levels)
+        self.parameter, self.t = rho, chebyshev.gauss_points(levels)
         n = self.levels = levels
         self.affine = n == 2
         self.basis, self.weights = cosine_basis(n)
@@ -151,7 +148,7 @@ class ChebyshevFactor(Factor):
 
     def features(self, t: Array, modes: int) -> Features:
         """Return T_m damped by its alias, K(x, x) and what the levels leave unknown."""
-        T = chebyshev(t, len(self.decay))
+        T = chebyshev.polynomials(t, len(self.decay))
         squares = T * T
         prior, residual = self._shares @ squares
         if not self.affine:
@@ -160,8 +157,8 @@ class ChebyshevFactor(Factor):
 
     def slopes(self, t: Array, modes: int) -> Features:
         """Return those of T_m damped by its alias; kernel and unknown part are sums of products T(x) T(y)."""
-        T = chebyshev(t, len(self.decay))
-        S = chebyshev_slopes(t, T)
+        T = chebyshev.polynomials(t, len(self.decay))
+        S = chebyshev.slopes(t, T)
         n, rows = self.levels, self._damped(modes)
         mean, prior = S[:modes].copy(), self.decay @ S**2
         if self.affine:
@@ -271,34 +268,10 @@ def cosine_basis(n: int) -> tuple[Array, Array]:
     """Return the discrete cosine basis on n Chebyshev-Gauss points, (n, n), and the norms that make it T_m, (n,)."""
     weights = np.full(n, np.sqrt(2 / n))
     weights[0] = np.sqrt(1 / n)
-    return np.ascontiguousarray(chebyshev(gauss_points(n), n).T * weights), weights
+    return np.ascontiguousarray(chebyshev.polynomials(chebyshev.gauss_points(n), n).T * weights), weights
 
 
 def polynomial_basis(t: Array) -> Array:
     """Return polynomials of degree 0 to n-1 that are orthonormal on n points t, columns of an (n, n) matrix."""
-    basis, _ = np.linalg.qr(chebyshev(t, len(t)).T)
+    basis, _ = np.linalg.qr(chebyshev.polynomials(t, len(t)).T)
     return np.asarray(basis)
-
-
-def chebyshev(t: Array, count: int) -> Array:
-    """T_0 .. T_{count-1} at t by their recurrence, shape (count, B); valid outside [-1, 1] too."""
-    if len(t) < FEW:
-        return np.asarray(eval_chebyt(np.arange(count)[:, None], t))
-    T = np.empty((count, len(t)))
-    T[0] = 1
-    if count > 1:
-        T[1] = t
-    double = 2 * t
-    for m in range(2, count):
-        np.multiply(double, T[m - 1], out=T[m])
-        T[m] -= T[m - 2]
-    return T
-
-
-def chebyshev_slopes(t: Array, T: Array) -> Array:
-    """Derivatives of the polynomials T, shape (count, B), from the derivative of their recurrence."""
-    S = np.zeros_like(T)
-    S[1] = 1
-    for m in range(2, len(T)):
-        S[m] = 2 * (T[m - 1] + t * S[m - 1]) - S[m - 2]
-    return S

@@ -17,8 +17,8 @@ from scipy.linalg import eigh
 from scipy.linalg.blas import dsyrk
 from scipy.optimize import minimize_scalar
 
+from approximation import chebyshev
 from approximation.arrays import Array, Indices
-from surrogate.gp.factors import chebyshev, chebyshev_slopes
 from surrogate.gp.poisson import Decay, most_likely
 
 #: Cases from which the decay of the kernel is learnt; the cost of a step grows with their cube.
@@ -184,8 +184,8 @@ def products(indices: Indices, t: Array, derived: int = -1) -> Array:
     """Return prod_j T_{a_j}(t_j) of every index, one input's polynomial replaced by its derivative: (r, B)."""
     found = np.ones((len(indices), t.shape[1]))
     for j, (column, x) in enumerate(zip(indices.T, t, strict=True)):
-        T = chebyshev(x, max(2, 1 + int(column.max())))
-        found *= (chebyshev_slopes(x, T) if j == derived else T)[column]
+        T = chebyshev.polynomials(x, max(2, 1 + int(column.max())))
+        found *= (chebyshev.slopes(x, T) if j == derived else T)[column]
     return found
 
 

@@ -13,10 +13,10 @@ from scipy.special import ndtr, ndtri
 
 from approximation.arrays import Array
 
-#: Level of an interval where none is said.
+#: Level of an interval where neither a query nor the model says one; calibrations make this level hold everywhere.
 NOMINAL = 0.95
 # Central levels whose quantiles are kept; the outer ones are the extremes of the cases.
-LEVELS = (0.0, 0.25, 0.5, 0.6827, 0.8, 0.9, 0.95, 0.98, 0.99, 0.999, 1.0)
+LEVELS = (0.0, 0.25, 0.5, 0.6827, 0.8, 0.9, NOMINAL, 0.98, 0.99, 0.999, 1.0)
 #: Central level of one standard deviation to either side.
 ONE_STD = LEVELS[3]
 # Central levels, ascending, as probabilities on both sides.

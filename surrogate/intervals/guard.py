@@ -11,12 +11,13 @@ from typing import Self
 import numpy as np
 
 from approximation.arrays import Array, Indices
+from surrogate.intervals.distribution import NOMINAL
 
 SLABS = 10
 # Places of cases below which the own quantile of a slab or a corner says too little, and the shares of the cases that
 # hold beyond: a corner has few, and needs room for their error.
 SLAB_PLACES, CORNER_PLACES = 20, 8
-SLAB_LEVEL, CORNER_LEVEL = 0.95, 0.98
+SLAB_LEVEL, CORNER_LEVEL = NOMINAL, 0.98
 
 
 @dataclass(frozen=True)

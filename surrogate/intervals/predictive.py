@@ -19,11 +19,18 @@ EXTRAPOLATED = {"extrapolated": {"long_name": "outside the trained box"}}
 
 
 class Predictive(ABC):
-    """Outputs that are their mean plus their standard deviation times a standardised error of a known distribution."""
+    """Outputs that are their mean plus their standard deviation times a standardised error of a known distribution.
+
+    Attributes
+    ----------
+    level_ : float
+        Level of its intervals where none is said.
+    """
 
     outputs_: tuple[str, ...]
     attrs_: dict[str, dict[str, str]]
     calibration_: Calibration | None
+    level_: float = NOMINAL
     _made_labels: Labels | None = None
 
     @abstractmethod
@@ -52,7 +59,7 @@ class Predictive(ABC):
         """Distribution of (truth - mean) / std: what the calibration cases say, a normal one without them."""
         return Normal() if self.calibration_ is None else self.calibration_.distribution
 
-    def interval(self, points: Queries, level: float = NOMINAL, *, extrapolate: bool = False) -> xr.Dataset:
+    def interval(self, points: Queries, level: float | None = None, *, extrapolate: bool = False) -> xr.Dataset:
         """Return the ends of the interval that holds the true value of an output in a share `level` of the cases.
 
         As many true values lie above it as below. Before `calibrate` it is the process's own interval, which may not
@@ -62,8 +69,9 @@ class Predictive(ABC):
         ----------
         points, extrapolate
             As for `predict`.
-        level : float
-            Share, 0 < level < 1; n calibration cases tell levels up to 1 - 2/(n + 1), and up to 0.999.
+        level : float, optional
+            Share, 0 < level < 1, by default `level_`; n calibration cases tell levels up to 1 - 2/(n + 1), and up to
+            0.999.
 
         Returns
         -------
@@ -90,7 +98,7 @@ class Predictive(ABC):
         >>> bool(found["f_lower"] <= truth(0.3, 0.8) <= found["f_upper"])
         True
         """
-        self.check_level(level)
+        level = self.checked_level(level)
         named, (mean, std), flags = self._asked(points, True, extrapolate)
         away = self.distribution.ends(level)[..., None]
         ends = {"lower": mean + away[0] * std, "upper": mean + away[1] * std}
@@ -173,16 +181,22 @@ class Predictive(ABC):
         return xr.Dataset(answer | flags)
 
     def interval_array(
-        self, X: NDArray[np.floating[Any]], level: float = NOMINAL, *, extrapolate: bool = False
+        self, X: NDArray[np.floating[Any]], level: float | None = None, *, extrapolate: bool = False
     ) -> tuple[Array, Array]:
         """Return the lower and upper ends of `interval` at plain points: X (n, d) -> two of (n, n_outputs).
 
         Raises as `predict_array`, and ValueError for a level that the calibration cases do not tell.
         """
-        self.check_level(level)
+        level = self.checked_level(level)
         mean, std = self.predict_array(X, return_std=True, extrapolate=extrapolate)
         lower, upper = self.distribution.ends(level)
         return mean + lower * std, mean + upper * std
+
+    def checked_level(self, level: float | None) -> float:
+        """Return a level that the calibration cases tell, by default `level_`; ValueError as `check_level`."""
+        chosen = self.level_ if level is None else level
+        self.check_level(chosen)
+        return chosen
 
     def check_level(self, level: float) -> None:
         """Raise ValueError, with what is allowed, for a level of intervals that the calibration cases do not tell."""

@@ -14,7 +14,7 @@ from numpy.polynomial.legendre import leggauss
 from scipy.stats import qmc
 
 from approximation.arrays import Array
-from surrogate.data.inputs import gauss_points
+from approximation.chebyshev import gauss_points
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.factors import cosine_basis
 from surrogate.gp.gridgp import GridGP

@@ -15,7 +15,7 @@ from surrogate.use.baseline import baseline
 
 DECILES = 10
 #: Levels whose intervals are judged.
-LEVELS = (0.5, 0.8, 0.9, 0.95, 0.99)
+LEVELS = (0.5, 0.8, 0.9, NOMINAL, 0.99)
 # A corner with fewer cases says nothing of its coverage.
 CORNER_CASES = 20
 # What is shown without the calibration too.

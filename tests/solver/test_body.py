@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.body import FILM, HALF_PLANE, KINDS, Kind, kind_of
+from solver.body import FILM, HALF_PLANE, HALF_SPACE, KINDS, POINT_FILM, Kind, kind_of
 from solver.curves import FOLLOWS, REGIONS
 from solver.face.bodies import body_of
 from solver.face.cases import Cases
@@ -16,7 +16,11 @@ from solver.names import ALL_PEAKS, ALL_QUANTITIES, CONTACTS, FACTORS, PROFILES
 CASES = {
     HALF_PLANE.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5},
     FILM.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5, "thickness": 5e-4, "base": "steel"},
-}
+    HALF_SPACE.name: {"material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5},
+    POINT_FILM.name: {
+        "material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "thickness": 5e-4, "base": "steel",
+    },
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("profile", PROFILES)

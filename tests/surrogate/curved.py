@@ -7,10 +7,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from approximation.chebyshev import gauss_points
 from approximation.measure import Measure
 from approximation.panels import Panels
 from surrogate import CurveGP, GridGP, Group, GroupedGP, Grouping, Input, Scaling
-from surrogate.data.inputs import gauss_points
 from surrogate.transforms.curves.basis import Curves, Largest
 
 Array = NDArray[np.float64]

@@ -215,14 +215,19 @@ def test_edits_rerun_exactly_what_depends_on_them(again: Project) -> None:
     project = again
     everything_after_the_surrogate = {
         "surrogate", "validation", "target", "design", "figure_errors", "sensitivity",
-        "figure_sensitivity", "figure_design", "provenance", "report",
+        "figure_sensitivity", "figure_design", "provenance", "solved", "report",
     }  # fmt: skip
     cards = {"provenance", "report"}
     effects = {"effect", "figure_effect", "interior", "figure_interior"}
     study, template = "config/small.yaml", "workflow/report/templates/report.html.j2"
     expected: dict[tuple[str, str, str], set[str]] = {
         (study, "A small study", "A smaller study"): {"card"} | cards,
-        (study, "trailing_tension <= 1 MPa", "trailing_tension <= 2 MPa"): {"target", "design", "figure_design"}
+        (study, "trailing_tension <= 1 MPa", "trailing_tension <= 2 MPa"): {
+            "target",
+            "design",
+            "figure_design",
+            "solved",
+        }
         | cards,
         (study, "friction: [0.0, 0.3]", "friction: [0.0, 0.2]"): effects | cards,
         ("surrogate/gp/gridgp.py", '"""', '"""Edited. '): everything_after_the_surrogate,

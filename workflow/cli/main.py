@@ -24,7 +24,7 @@ from workflow.cli.launch import launch
 from workflow.cli.progress import busy
 from workflow.cli.query import query
 from workflow.cli.solving import solved
-from workflow.cli.words import numbers, say, surrogate_file
+from workflow.cli.words import cores, netcdf_file, numbers, say, surrogate_file
 from workflow.study.reading import InputError, one_line, read_material
 
 
@@ -105,9 +105,9 @@ def _parser() -> _Parser:
     command = commands.add_parser(
         "query",
         help="values and intervals from a trained surrogate",
-        description="Values and the intervals that hold the exact ones in a stated share of cases, 95 %% unless "
+        description="Values and the intervals that hold the exact ones in a stated share of cases, 95 % unless "
         "--level says another. Columns written: the inputs, then NAME, NAME_std, NAME_lower and NAME_upper of every "
-        "output. NAME +- NAME_std holds 68 %%; intervals are no fixed multiple of it: errors are not Gaussian.",
+        "output. NAME +- NAME_std holds 68 %; intervals are no fixed multiple of it: errors are not Gaussian.",
     )
     command.add_argument("surrogate", type=surrogate_file, metavar="surrogate.nc", help="or results/STUDY")
     command.add_argument(
@@ -115,7 +115,9 @@ def _parser() -> _Parser:
     )
     command.add_argument("--at", metavar="NAME=VALUE,...", help="one point, printed")
     command.add_argument("-o", "--output", type=Path, metavar="OUT.csv")
-    command.add_argument("--level", type=float, metavar="SHARE", help="of cases that intervals hold; default: 0.95")
+    command.add_argument(
+        "--level", type=float, metavar="SHARE", help="of cases that intervals hold; default: the study's"
+    )
     command.add_argument("--extrapolate", action="store_true", help="answer outside the trained box too, flagged")
     command.add_argument(
         "--exact", metavar="STUDY", help="also the exact answers, by the formula: the study that it came from"
@@ -168,7 +170,7 @@ def _parser() -> _Parser:
 
     command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
     command.add_argument("study", help="name of a study in config/, or path of a study's file (.yaml)")
-    command.add_argument("--cores", default="all", help="cores of this machine to use at most")
+    command.add_argument("--cores", default="all", type=cores, metavar="N", help="cores to use at most; default: all")
     command.add_argument(
         "--profile", default="default", metavar="NAME", help="slurm, or a folder of your own profiles/"
     )
@@ -179,7 +181,7 @@ def _parser() -> _Parser:
 
 def _add_cases(command: argparse.ArgumentParser) -> None:
     command.add_argument("cases", type=Path, metavar="CASES.csv", help="one row a case, columns are factors")
-    command.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.nc")
+    command.add_argument("-o", "--output", type=netcdf_file, required=True, metavar="OUT.nc")
     command.add_argument(
         "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"
     )
@@ -225,10 +227,11 @@ def _material(options: argparse.Namespace) -> None:
 
 def _design(options: argparse.Namespace) -> None:
     from workflow.cli import questions  # scikit-learn and the searches: not for every command
+    from workflow.design.told import table
 
     with busy("searching"):
         answer = questions.ask(options.results, vars(options))
-    print(questions.as_json(answer) if options.json else _shown(questions.as_text(answer)))
+    print(table.as_json(answer) if options.json else _shown(table.as_text(answer)))
 
 
 def _invert(options: argparse.Namespace) -> None:

@@ -31,6 +31,7 @@ _STEPS = {
     "check": "verification {group}",
     "verdict": "judging the verification",
     "provenance": "recording where the results come from",
+    "solved": "solving what the page tells of the designs",
     "report": "writing the page",
 }
 _CLEAR = "\r\x1b[K"

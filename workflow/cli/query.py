@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 import surrogate
 from storage.files import output, regular, writing
 from surrogate import GaussianProcess
-from surrogate.intervals.distribution import NOMINAL
 from workflow.cli import predictions
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.pointtable import predicted
@@ -63,12 +62,10 @@ def query(options: argparse.Namespace) -> None:
 
 
 def _level(model: GaussianProcess, asked: float | None) -> float:
-    level = NOMINAL if asked is None else asked
     try:
-        model.check_level(level)
+        return model.checked_level(asked)
     except ValueError as error:
         raise InputError(f"--level: {error}") from None
-    return level
 
 
 def study_of(model: GaussianProcess, given: str) -> studies.Study:

@@ -1,20 +1,20 @@
-"""Design questions from the command line: words to a target, and its answer as a table or JSON."""
+"""Design questions from the command line: words to a target, and its answer."""
 
-import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from pydantic import ValidationError
 
 from solver.names import CHOICES
 from surrogate import GaussianProcess, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
 from workflow.dataset import factorial
-from workflow.design import answers, search, spread
-from workflow.design.spoken import verdict
+from workflow.design.search import targets
+from workflow.design.told.words import verdict
+from workflow.design.verdict.answer import Answer
 from workflow.language.factors import FACTORS
 from workflow.learning import widened
 from workflow.study import location
@@ -110,76 +110,7 @@ def _usual(study: Study, name: str) -> str:
     return usual if usual in study.categories[name] else ""
 
 
-def as_text(answer: xr.Dataset) -> str:
-    """The answer as a table."""
-    lines = [
-        str(answer.attrs["goal"]),
-        str(verdict(answer)),
-        str(answer["status"].values),
-        f"polish: {answer.attrs['polish']}",
-    ]
-    lines += [f"note: {answer['flags'].values}"] if str(answer["flags"].values) else []
-    lines += [f"note: {told}"] if (told := spread.in_words(answer)) else []
-    lines += [f"  {name:44s} {kind:25s} {role}" for name, kind, role in answers.kinds(answer)]
-    for name in answer["factor"].values:
-        one = answer.sel(factor=name)
-        within = f", within {one['tolerance'].values}" if str(one["tolerance"].values) else ""
-        lines.append(
-            f"  {name:44s} {float(one['value']):<14.8g} {FACTORS[name].units:10s} {one['role'].values}{within}"
-        )
-    lines.append(f"  {'':44s} {'exact':14s} {'predicted':14s} margin")
-    for name in answer["term"].values:
-        one = answer.sel(term=name)
-        margin = float(one["margin"])
-        shown = "" if np.isnan(margin) else f"{100 * margin:.3g} %"
-        numbers = f"{float(one['exact']):<14.8g} {float(one['predicted']):<14.8g}"
-        lines.append(f"  {name:44s} {numbers} {shown:10s} {one['units'].values}")
-    rows = answers.choices(answer)
-    lines += ["best of every choice, on the surrogate"] if rows else []
-    lines += [
-        f"  {name:44s} {value:<14.8g} {'' if feasible else 'infeasible'}".rstrip() for name, value, feasible in rows
-    ]
-    return "\n".join(lines)
-
-
-def as_json(answer: xr.Dataset) -> str:
-    """The answer as JSON; what is not a number is null."""
-    out: dict[str, Any] = {key: answer.attrs[key] for key in ("goal", "polish")}
-    out["verdict"] = str(verdict(answer))
-    out |= {key: answer[key].item() for key in ("status", "flags", "feasible")}
-    out["spread"] = spread.in_words(answer)
-    out["factors"] = {
-        str(name): {
-            "value": float(one["value"]),
-            "role": str(one["role"].values),
-            "units": FACTORS[name].units,
-            "tolerance": str(one["tolerance"].values),
-        }
-        for name in answer["factor"].values
-        for one in [answer.sel(factor=name)]
-    }
-    out["categories"] = {name: {"value": kind, "role": role} for name, kind, role in answers.kinds(answer)}
-    out["choices"] = [
-        {"choice": name, "objective": _plain(value), "feasible": feasible}
-        for name, value, feasible in answers.choices(answer)
-    ]
-    keys = ("exact", "predicted", "predicted_std", "limit", "margin")
-    out["terms"] = {
-        str(name): {key: _plain(float(one[key])) for key in keys}
-        | {"inside": bool(one["inside"]), "units": str(one["units"].values)}
-        for name in answer["term"].values
-        for one in [answer.sel(term=name)]
-    }
-    if "front" in answer.dims:
-        out["front"] = [
-            {str(name): float(value) for name, value in zip(row["objective"].values, row.values, strict=True)}
-            | ({"choice": str(row["front_choice"].values)} if "choice" in answer.dims else {})
-            for row in answer.set_coords("front_choice")["front_exact"]
-        ]
-    return json.dumps(out, indent=2, allow_nan=False)
-
-
-def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> xr.Dataset:
+def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> Answer:
     """Answer a question from the results of a study.
 
     Raises
@@ -196,12 +127,12 @@ def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> xr.Dataset:
         model = widened.learned(_checked(study, asked))
     else:
         _checked(study, asked)
-    answer = search.answer(study, "question", asked, model)
-    answer["flags"] = "; ".join([*filter(None, [answer["flags"].item()]), *notes])
-    if not bool(answer["feasible"]):
-        at = ", ".join(f"{name} = {float(answer['value'].sel(factor=name)):.6g}" for name in answer["factor"].values)
-        kinds = "".join(f"{name} = {kind}, " for name, kind, _ in answers.kinds(answer))
-        raise InputError(f"design: {answer['status'].values}, at {kinds}{at}. {verdict(answer)}")
+    answer = targets.answer(study, "question", asked, model)
+    answer = replace(answer, flags="; ".join([*filter(None, [answer.flags]), *notes]))
+    if not answer.feasible:
+        at = [f"{name} = {kind}" for name, kind in answer.kinds.items()]
+        at += [f"{variable.name} = {variable.value:.6g}" for variable in answer.variables]
+        raise InputError(f"design: {answer.status}, at {', '.join(at)}. {verdict(answer)}")
     return answer
 
 
@@ -307,7 +238,3 @@ def _number(where: str, text: str) -> float:
         return number(text)
     except ValueError:
         raise InputError(f"{where}: {text.strip()!r} is not a number") from None
-
-
-def _plain(value: float) -> float | None:
-    return value if np.isfinite(value) else None

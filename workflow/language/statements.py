@@ -22,17 +22,18 @@ _LIMIT = re.compile(
 _DEVIATION = re.compile(
     r"\s*deviation\((?P<inner>.*?)(?:\s+over\s+(?P<over>[A-Za-z]\w*(?:\s*,\s*[A-Za-z]\w*)*))?\s*\)\s*"
 )
-_STATISTIC = re.compile(r"worst case|mean(?:\s*-\s*(?P<count>\d+\.?\d*|\.\d+)\s*std)?")
 
 
 @dataclass(frozen=True)
 class Objective:
     """What is maximised or minimised.
 
-    ``deviation``: it is the expression's largest relative deviation from its mean, over the factors ``over``, or all.
+    ``inner`` is the expression as the study writes it; ``deviation``: it is the expression's largest relative deviation
+    from its mean, over the factors ``over``, or all.
     """
 
     text: str
+    inner: str
     expression: Expression
     maximise: bool
     deviation: bool = False
@@ -55,6 +56,8 @@ class Limit:
     ----------
     text
         As the study has it.
+    inner
+        What is bounded, as the study writes it.
     expression
         What is bounded.
     value
@@ -74,6 +77,7 @@ class Limit:
     """
 
     text: str
+    inner: str
     expression: Expression
     value: float
     upper: bool
@@ -92,24 +96,17 @@ class Limit:
         return self.text
 
 
-@dataclass(frozen=True)
-class Statistic:
-    """How uncertain cases count in the objective: the worst one (None), or mean minus ``deviations`` times std."""
-
-    deviations: float | None
-
-    def __str__(self) -> str:
-        if self.deviations is None:
-            return "worst-case"
-        return "mean" if self.deviations == 0 else f"mean minus {self.deviations:g} std of"
-
-
 def objective(text: str, *, maximise: bool = True) -> Objective:
     """Read an objective; ValueError names what is wrong."""
     inner, over = _unwrapped(text)
     if over is not None and maximise:
         raise ValueError(f"{text!r}: a deviation is minimised")
-    return Objective(" ".join(text.split()), grammar.parse(inner), maximise, over is not None, over or ())
+    return Objective(_spaced(text), _spaced(inner), grammar.parse(inner), maximise, over is not None, over or ())
+
+
+def _spaced(text: str) -> str:
+    """A text with single spaces."""
+    return " ".join(text.split())
 
 
 def _unwrapped(text: str) -> tuple[str, tuple[str, ...] | None]:
@@ -151,8 +148,10 @@ def limit(text: str) -> Limit:
         raise ValueError(f"{text!r}: {value:g} of {borne} is no bound; must be a positive share")
     bare = not match["unit"] and not borne and value != 0
     unitless = bare and expected is not None and not expected.fits(units.Unit.none())
-    label, upper = " ".join(text.split()), "<" in match["sign"]
-    return Limit(label, expression, value, upper, probability, wrapped, unitless, borne, over or ())
+    upper = "<" in match["sign"]
+    return Limit(
+        _spaced(text), _spaced(inner), expression, value, upper, probability, wrapped, unitless, borne, over or ()
+    )
 
 
 def _check_borne(text: str, borne: str, unit: units.Unit, expected: units.Unit | None) -> None:
@@ -163,11 +162,3 @@ def _check_borne(text: str, borne: str, unit: units.Unit, expected: units.Unit |
         raise ValueError(
             f"{text!r}: unit mismatch: {borne} is in {BORNE[borne].units}, the expression in {expected or 1}"
         )
-
-
-def statistic(text: str) -> Statistic:
-    """Read ``worst case``, ``mean`` or ``mean - K std``; ValueError otherwise."""
-    match = _STATISTIC.fullmatch(" ".join(text.split()))
-    if match is None:
-        raise ValueError(f"{text!r} is not 'worst case', 'mean' or 'mean - K std'")
-    return Statistic(None if text.strip().startswith("worst") else float(match["count"] or 0.0))

@@ -8,32 +8,7 @@ from workflow.language.constants import FIGURES
 from workflow.language.expressions import Call, Expression, Name, Operation
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
-
-#: What names are called whose words alone do not say it.
-TITLES = {
-    "volume_fraction": "volume fraction",
-    "contact_trailing": "trailing extent of the contact",
-    "contact_leading": "leading extent of the contact",
-    "trailing_tension": "tension behind the contact",
-    "leading_compression": "stress ahead of the contact",
-    "peak_pressure": "contact pressure",
-    "voltage_sensitivity": "voltage per load",
-    "magnetic_sensitivity": "magnetic potential per load",
-    "charge_sensitivity": "charge per force",
-    "flux_sensitivity": "flux per force",
-    "nominal_field": "electric field over the thickness",
-    "peak_von_mises": "von Mises stress in the body",
-    "peak_principal_tension": "tension in the body",
-    "film_peak_von_mises": "von Mises stress in the film",
-    "film_peak_principal_tension": "tension in the film",
-    "interface_shear": "shear of the interface",
-    "interface_tension": "tension of the interface",
-    "smallest_force": "smallest detectable force",
-    "drive_field": "driving field",
-    "electric_displacement_y": "normal electric displacement",
-    "magnetic_induction_y": "normal magnetic induction",
-    "stress_xx": "stress along the surface",
-}
+from workflow.language.wordings import TITLES
 
 
 def title(name: str) -> str:
@@ -91,33 +66,17 @@ def spoken(expression: Expression, text: str) -> str:
     return text
 
 
-def objective(text: str) -> str:
-    """What is wanted, in words.
+def stated(one: statements.Objective | statements.Limit) -> str:
+    """What is wanted or bounded, in words, and what a deviation is taken over.
 
     Examples
     --------
-    >>> objective("abs(charge_sensitivity)")
+    >>> stated(statements.objective("abs(charge_sensitivity)"))
     'charge per force'
-    """
-    one = statements.objective(text, maximise=False)  # which also a deviation may be
-    return _deviation(one, one.text)
-
-
-def limited(limit: statements.Limit) -> str:
-    """What a limit bounds, in words.
-
-    Examples
-    --------
-    >>> limited(statements.limit("trailing_tension <= 50 MPa"))
+    >>> stated(statements.limit("trailing_tension <= 50 MPa"))
     'tension behind the contact'
     """
-    return _deviation(limit, limit.text.partition("<" if limit.upper else ">")[0].strip())
-
-
-def _deviation(one: statements.Objective | statements.Limit, text: str) -> str:
-    """A statement's expression in words, and what a deviation is taken over."""
-    inner = text.removeprefix("deviation(").rpartition(")")[0].partition(" over ")[0] if one.deviation else text
-    words = spoken(one.expression, inner.strip())
+    words = spoken(one.expression, one.inner)
     over = f" over {listed([title(name) for name in one.over])}" if one.over else ""
     return f"deviation of {words}{over}" if one.deviation else words
 
@@ -142,7 +101,7 @@ def bound(limit: statements.Limit, at: float, units: str) -> str:
     'tension behind the contact at most 50 MPa with probability 0.9'
     """
     chance = "" if limit.probability is None else f" with probability {limit.probability:g}"
-    return f"{limited(limit)} at {'most' if limit.upper else 'least'} {shown(at, units, 4)}{chance}"
+    return f"{stated(limit)} at {'most' if limit.upper else 'least'} {shown(at, units, 4)}{chance}"
 
 
 def value(name: str, number: float, digits: int = 4) -> str:

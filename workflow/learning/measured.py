@@ -65,7 +65,7 @@ def learn(
             f"{len(rows.outputs)} discrepancies); measure more, or name fewer constants with --uncertain"
         )
     nominal = model.predict_array(rows.points)
-    lower, upper = model.interval_array(rows.points)
+    lower, upper = model.interval_array(rows.points, NOMINAL)
     mean = nominal[rows.row, rows.output]
     _check_size(model, rows, mean)
     effects = Effects(study, model, constants, say)

@@ -5,6 +5,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate import GaussianProcess
+from surrogate.intervals.distribution import NOMINAL
 from surrogate.use.inversion import Inversion
 from workflow.dataset import factorial
 from workflow.study.categories import output
@@ -13,7 +14,7 @@ from workflow.study.readout import Readout, error
 
 Array = NDArray[np.float64]
 
-_LEVEL = 0.95  # of the intervals
+_LEVEL = NOMINAL  # of the intervals
 
 
 def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:

@@ -21,7 +21,7 @@ COMPRESSION = 0.02
 def compression(study: Study) -> float:
     """Error allowed to the compressed mean: far below the tolerance, and no smaller, since queries cost less so.
 
-    What films have in two dozen outputs on each base would otherwise need ranks of some hundreds.
+    A film has two dozen outputs on each base; with a smaller error the ranks of their train would be some hundreds.
     """
     allowed = 1e-3 * study.validation.tolerance
     return allowed if study.kind.tabled else min(1e-9, allowed)
@@ -40,6 +40,8 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     else:
         model = crossing(study) if study.crossed else process(study, study.learned)
     model.made_from_ = study.physics
+    if study.surrogate.level is not None:
+        model.level_ = study.surrogate.level
     return model.fit(data)
 
 

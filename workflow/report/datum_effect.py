@@ -4,12 +4,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from solver.names import ALL_QUANTITIES
 from workflow.dataset import factorial
-from workflow.design import answers
-from workflow.language.expressions import Expression
+from workflow.design.verdict.answer import Answer
+from workflow.language.statements import Limit
 from workflow.study.categories import output
 from workflow.study.datum import HANGING, hanging, inner, length
 from workflow.study.model import Study
@@ -41,53 +40,41 @@ def changes(study: Study) -> list[dict[str, Any]]:
     return rows
 
 
-def of_design(study: Study, target: Target, answer: xr.Dataset) -> list[dict[str, Any]]:
+def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, Any]]:
     """The terms of a design that hang on the datum: in the case that decides, at the same three lengths.
 
     A deviation has no value in one case: its ``values`` are empty.
     """
-    expressions: dict[str, Expression] = {str(one): one.expression for one in target.objectives}
-    expressions |= {str(one): one.expression for one in target.limits}
-    deviations = {str(one) for one in target.limits if one.deviation}
-    own = study.narrowed({name: kind for name, kind, _ in answers.kinds(answer)})
+    own = study.narrowed(answer.kinds)
     hangs, rows = hanging(own), []
     constants = {name: own.constant(name) for name in target.constants()}
-    for label in map(str, answer["term"].values):
-        if hangs.isdisjoint(expressions[label].names()):
+    for term in answer.terms:
+        stated = term.statement
+        if hangs.isdisjoint(stated.expression.names()):
             continue
-        case = _case(answer.sel(term=label))
-        known: dict[str, Any] = {**own.fixed, **constants, **case, **_solved(own, case, every=True)}
-        values = np.broadcast_to(expressions[label].evaluate(known), len(_TIMES))
-        rows.append(
-            {
-                "name": label,
-                "values": [] if label in deviations else values.tolist(),
-                "units": str(answer["units"].sel(term=label).values),
-            }
-        )
+        known: dict[str, Any] = {**own.fixed, **constants, **term.worst, **_solved(own, term.worst, every=True)}
+        values = np.broadcast_to(stated.expression.evaluate(known), len(_TIMES))
+        deviation = isinstance(stated, Limit) and stated.deviation
+        rows.append({"name": term.name, "values": [] if deviation else values.tolist(), "units": term.units})
     return rows
 
 
-def singular_zone(study: Study, target: Target, answer: xr.Dataset) -> dict[str, float] | None:
+def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
     """How far inside the trailing edge what conduction adds to sigma_xx exceeds the trailing tension [m].
 
     In the case that decides a limit of ``trailing_tension``; None without such a limit or such a singularity. There
     sigma_xx grows as K / sqrt(1 - X^2): K is its regular part at the edge.
     """
-    labels = [str(one) for one in target.limits if "trailing_tension" in one.expression.names()]
-    if not labels:
+    limits = [limit for limit in answer.limits if "trailing_tension" in limit.statement.expression.names()]
+    if not limits:
         return None
-    own = study.narrowed({name: kind for name, kind, _ in answers.kinds(answer)})
-    solved = factorial.exact(own, _case(answer.sel(term=labels[0])), [_EDGE], peaks=(), regular=True)
+    own = study.narrowed(answer.kinds)
+    solved = factorial.exact(own, dict(limits[0].worst), [_EDGE], peaks=(), regular=True)
     tension = float(solved["trailing_tension"])
     half = float(solved["contact_trailing"] + solved["contact_leading"]) / 2
     strength = float(solved["stress_xx_regular"][..., 0]) - tension * np.sqrt(1 - _EDGE**2)
     zone = half * (strength / tension) ** 2 / 2
     return {"zone": zone, "half": half, "tension": tension} if zone > 0 else None
-
-
-def _case(one: xr.Dataset) -> dict[str, float]:
-    return {str(name): float(one["worst"].sel(factor=name)) for name in one["factor"].values}
 
 
 def _solved(study: Study, case: Mapping[str, float], *, every: bool = False) -> dict[str, np.ndarray[Any, Any]]:

@@ -3,17 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import xarray as xr
 from markupsafe import Markup
 
 from solver.names import CHOICES
-from workflow.dataset import factorial
-from workflow.design import answers, spread, tolerances
-from workflow.design.spoken import UNREACHABLE, Verdict, verdict
+from workflow.design.told import asides
+from workflow.design.told.words import UNREACHABLE, Verdict, verdict
+from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.term import Term
 from workflow.language import titles
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import number, shown
-from workflow.language.statements import Objective
+from workflow.language.numbers import number
 from workflow.report import device
 from workflow.report.svg import element
 from workflow.study.datum import hanging
@@ -25,7 +24,7 @@ Case = Mapping[str, float | str]
 
 
 @dataclass(frozen=True)
-class Answer:
+class Screen:
     """What a target comes to, each part a piece of a plain sentence.
 
     Attributes
@@ -70,42 +69,39 @@ class Answer:
         return self.verdict.kind != UNREACHABLE
 
 
-def answered(study: Study, name: str, target: Target, found: xr.Dataset) -> Answer:
-    """The first screen's part on one target, from its design."""
-    kinds = {key: kind for key, kind, _ in answers.kinds(found)}
-    varied = answers.case(found)
+def answered(study: Study, name: str, target: Target, found: Answer, contact: Mapping[str, float]) -> Screen:
+    """The first screen's part on one target, from its design and the ends of its contact [m]."""
+    kinds, varied = found.kinds, found.case
     case: Case = {**study.fixed, **kinds, **varied}
     told = verdict(found)
     body, punch = body_in_words(study, case), punch_in_words(case)
-    own = study.narrowed(kinds)
-    solved = factorial.exact(own, dict(varied), peaks=())
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
-    drawn = device.draw(of_case(study, case, solved), f"{body}; {punch}")
-    return Answer(
+    drawn = device.draw(of_case(study, case, contact), f"{body}; {punch}")
+    return Screen(
         name=name,
-        code=str(found.attrs["goal"]),
+        code=found.goal,
         body=body,
         punch=punch,
-        good=good(target, found, hanging(own), reference),
-        limit=_unbroken(limit(told)),
+        good=good(target, found, hanging(study.narrowed(kinds)), reference),
+        limit=_unbroken(told.why),
         cost=_unbroken(cost(found)),
         sure=_unbroken(sure(found)),
-        beyond=beyond(found),
+        beyond=f"Beyond what the theory holds for: {found.flags}." if found.flags else "",
         verdict=told,
         drawing=element(drawn, f"device-{name}", f"{name.replace('_', ' ')}, drawn to scale: {body}; {punch}"),
     )
 
 
-def of_case(study: Study, case: Case, solved: xr.Dataset) -> device.Device:
-    """What is drawn of a case, with the contact that the exact solver gives it."""
+def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.Device:
+    """What is drawn of a case, with the ends of its contact [m]."""
     profile = str(case.get("profile", CHOICES["profile"][0]))
     size = {"flat": "width", "wedge": "slope"}.get(profile, "radius")
     return device.Device(
         profile,
         str(case.get("corner", CHOICES["corner"][0])),
         float(case[size]),
-        float(solved["contact_trailing"]),
-        float(solved["contact_leading"]),
+        contact["contact_trailing"],
+        contact["contact_leading"],
         float(case["load"]),
         case.get("electric", CHOICES["electric"][0]) == "conducting",
         study.body[0].at(case)["thickness"] if study.body else float(case["thickness"]) if study.kind.layered else None,
@@ -166,23 +162,20 @@ def punch_in_words(case: Case) -> str:
     return f"half cylinder, {radius}" if profile == "half_cylinder" else radius
 
 
-def good(target: Target, found: xr.Dataset, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:
+def good(target: Target, found: Answer, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:
     """How good a design is: every goal with its value, its datum if it hangs on one, and over what."""
     datum = f" (ground {titles.value('datum', reference)} away)"
     parts = [
-        f"{_joined(goal, found.sel(term=str(goal)))} of {titles.objective(str(goal))}"
-        f"{'' if hangs.isdisjoint(goal.expression.names()) else datum}"
-        for goal in target.objectives
+        f"{_joined(goal)} of {goal.title}{'' if hangs.isdisjoint(goal.statement.expression.names()) else datum}"
+        for goal in found.objectives
     ]
     together = ", the compromise of both" if len(parts) == 2 else ", the compromise of all" if len(parts) > 2 else ""
     return titles.listed(parts) + together + _over(target)
 
 
-def _joined(goal: Objective, one: xr.Dataset) -> str:
+def _joined(goal: Term) -> str:
     """The exact value of a goal, in one piece of a line."""
-    return shown(float(one["exact"]), titles.units(goal, str(one["units"].values)), 3).replace(
-        " ", "\N{NO-BREAK SPACE}"
-    )
+    return goal.shown(goal.exact, 3).replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _over(target: Target) -> str:
@@ -194,44 +187,26 @@ def _over(target: Target) -> str:
         f"{titles.title(name)} {titles.value(name, low)} to {titles.value(name, high)}"
         for name, (low, high) in spans.items()
     ]
-    deviations = target.statistic.deviations
-    how = "at worst" if deviations is None else "on average" if deviations == 0 else f"(mean less {deviations:g} std)"
-    return f" {how} over {' and '.join(low_to_high)}"
+    return f" {target.statistic.told} over {' and '.join(low_to_high)}"
 
 
-def limit(told: Verdict) -> str:
-    """What stops a design, and what would help."""
-    return " ".join([titles.capital(told.stops), *filter(None, (told.advice, told.idle))])
-
-
-def cost(found: xr.Dataset) -> str:
+def cost(found: Answer) -> str:
     """What the tolerances cost, and an error of 1 % in every other variable that matters."""
-    parts = tolerances.in_words(found)
-    for name in found["factor"].values:
-        one = found.sel(factor=name)
-        share = float(one["cost"])
-        toleranced = bool(str(one["tolerance"].values))
-        if str(one["role"].values) == "variable" and bool(one["matters"]) and share > 0 and not toleranced:
-            parts.append(f"1 % of {titles.title(str(name))} costs {_share(share)}")
+    parts = asides.tolerances(found)
+    for variable in found.variables:
+        error = variable.sensitivity
+        if variable.chosen and error.matters and error.cost > 0 and not variable.tolerance:
+            parts.append(f"1 % of {variable.title} costs {_share(error.cost)}")
     return f"{titles.capital('; '.join(parts))}." if parts else ""
 
 
-def sure(found: xr.Dataset) -> str:
+def sure(found: Answer) -> str:
     """How sure the first goal's value is."""
-    one = found.isel(term=0)
-    exact, predicted = float(one["exact"]), float(one["predicted"])
-    if not exact:
-        return f"Solved exactly. {spread.short(found)}".strip()
-    inside = "within" if bool(one["inside"]) else "outside"
-    off = _share(abs(predicted / exact - 1))
-    told = f"Solved exactly; the surrogate was off by {off}, {inside} its 95 % interval. {spread.short(found)}"
-    return told.strip()
-
-
-def beyond(found: xr.Dataset) -> str:
-    """Where a design leaves what the theory holds for; empty where it does not."""
-    flags = str(found["flags"].item())
-    return f"Beyond what the theory holds for: {flags}." if flags else ""
+    goal, spread = found.terms[0], asides.spread_of_goal(found)
+    if not goal.exact:
+        return f"Solved exactly. {spread}".strip()
+    inside = "within" if goal.inside else "outside"
+    return f"Solved exactly; the surrogate was off by {_share(goal.error)}, {inside} its interval. {spread}".strip()
 
 
 def _unbroken(text: str) -> str:

@@ -2,8 +2,6 @@
 
 from typing import Any
 
-import xarray as xr
-
 from solver.names import FIELDS
 from surrogate import GaussianProcess
 from surrogate.use.export import exported
@@ -38,7 +36,7 @@ def body(study: Study, kinds: Kinds) -> dict[str, Any]:
     ``size`` and ``thickness`` are numbers, or names of the factors that give them.
     """
     case = {**study.fixed, **kinds, **inner(study)}
-    drawn = firstscreen.of_case(study, case, xr.Dataset(dict.fromkeys(_CONTACT, 1.0)))
+    drawn = firstscreen.of_case(study, case, dict.fromkeys(_CONTACT, 1.0))
     size = {"flat": "width", "wedge": "slope"}.get(drawn.profile, "radius")
     thickness: float | str | None = drawn.thickness
     if study.body:

@@ -12,11 +12,12 @@ from solver.names import ALL_QUANTITIES, CHOICES
 from storage.netcdf import read_whole
 from surrogate import load
 from workflow.dataset import factorial
+from workflow.design.verdict import netcdf
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, title
 from workflow.learning.timing import by_quantity
-from workflow.report import datum_effect, firstscreen, problem, sentences, tables, whatif
+from workflow.report import firstscreen, problem, sentences, tables, whatif
 from workflow.report.figures.design_kinds import kinds
 from workflow.report.svg import element, inlined
 from workflow.study.datum import hanging, length
@@ -123,19 +124,14 @@ def page(
         content["validation"] = tables.validation(folder)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = by_quantity(study, times)
-        found = [read_whole(folder / "design" / f"{target}.nc") for target in study.design]
-        content["datum_changes"] = datum_effect.changes(study)
-        content["designs"] = [
-            tables.design(answer)
-            | {
-                "on_datum": datum_effect.of_design(study, target, answer),
-                "edge": datum_effect.singular_zone(study, target, answer),
-            }
-            for target, answer in zip(study.design.values(), found, strict=True)
-        ]
+        found = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
+        solved = json.loads((folder / "solved.json").read_text(encoding="utf-8"))
+        exact = [solved["designs"][target] for target in study.design]
+        content["datum_changes"] = solved["datum"]
+        content["designs"] = [tables.design(answer) | told for answer, told in zip(found, exact, strict=True)]
         content["answers"] = [
-            firstscreen.answered(study, *target, answer)
-            for target, answer in zip(study.design.items(), found, strict=True)
+            firstscreen.answered(study, *target, answer, told["contact"])
+            for target, answer, told in zip(study.design.items(), found, exact, strict=True)
         ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")

@@ -6,7 +6,7 @@ from typing import Any
 import xarray as xr
 
 from solver.names import ALL_QUANTITIES
-from workflow.design.spoken import UNREACHABLE, Verdict, unread
+from workflow.design.told.words import UNREACHABLE, Verdict, unread
 from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, listed

@@ -5,14 +5,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from workflow.dataset.slabs import CARD
-from workflow.design import answers, assessment, spread
-from workflow.language import statements, titles
-from workflow.language.factors import FACTORS
+from workflow.design.told import asides
+from workflow.design.verdict.answer import Answer
+from workflow.language import titles
 from workflow.report import sentences
 from workflow.report.verdict import findings
 from workflow.study.datum import meaning
@@ -171,61 +170,11 @@ def readout(name: str, path: Path) -> dict[str, Any]:
     return {"name": name, "rows": rows, "cases": data.sizes["case"]}
 
 
-def design(data: xr.Dataset) -> dict[str, Any]:
+def design(answer: Answer) -> dict[str, Any]:
     """The card of a design."""
-    terms = [
-        {
-            "name": str(name),
-            "title": titles.limited(stated) if isinstance(stated, statements.Limit) else titles.objective(str(name)),
-            "inside": bool(one["inside"]),
-            "broken": float(one["margin"]) < -assessment.ROUNDING,
-            **{key: float(one[key]) for key in ("predicted", "half", "exact", "limit", "margin")},
-            "units": titles.units(stated, str(one["units"].values)),
-            "error": abs(float(one["predicted"]) / float(one["exact"]) - 1) if float(one["exact"]) else np.nan,
-        }
-        for name in data["term"].values
-        for one in [data.sel(term=name)]
-        for stated in [_stated(str(name), limited=bool(one["limit"].notnull()))]
-    ]
-    variables = [
-        {
-            "name": str(name),
-            "role": str(one["role"].values),
-            "units": FACTORS[name].units,
-            "edge": str(one["edge"].values) if one["matters"] else "",
-            "matters": bool(one["matters"]),
-            **{key: float(one[key]) for key in ("value", "cost", "loss", "margin_left")},
-        }
-        for name in data["factor"].values
-        for one in [data.sel(factor=name)]
-    ]
     return {
-        "target": str(data["target"].values),
-        "goal": str(data.attrs["goal"]),
-        "polish": str(data.attrs["polish"]),
-        "spread": spread.in_words(data),
-        "statistic": str(data.attrs["statistic"]),
-        "flags": str(data["flags"].values),
-        "feasible": bool(data["feasible"].values),
-        "objective": terms[0],
-        "several": int(np.isnan(data["limit"]).sum()) > 1,
-        "limits": terms[1:],
-        "variables": variables,
-        "kinds": answers.kinds(data),
-        "choices": answers.choices(data),
-        "compromise": "objective" in data.dims,
-        "ranges": _ranges(data),
+        "answer": answer,
+        "spread": asides.spread(answer),
+        "several": len(answer.objectives) > 1,
+        "compromise": "objective" in answer.pictures.dims,
     }
-
-
-def _stated(text: str, *, limited: bool) -> statements.Limit | statements.Objective:
-    """A term of a design as the study writes it, parsed."""
-    return statements.limit(text) if limited else statements.objective(text, maximise=False)
-
-
-def _ranges(data: xr.Dataset) -> list[dict[str, Any]]:
-    return [
-        {"name": str(name), "low": float(one["exact_low"]), "high": float(one["exact_high"])}
-        for name in data["quantity"].values
-        for one in [data.sel(quantity=name)]
-    ]

@@ -13,8 +13,10 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.use.export import exported
 from workflow.dataset import factorial
-from workflow.design import answers, assessment, scenarios
-from workflow.design.sources import Predicted
+from workflow.design.asking import scenarios
+from workflow.design.asking.sources import Predicted
+from workflow.design.verdict import assessment
+from workflow.design.verdict.answer import Answer
 from workflow.language import titles
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
@@ -33,7 +35,7 @@ def content(
     study: Study,
     model: GaussianProcess,
     quantities: xr.Dataset,
-    designs: Sequence[xr.Dataset],
+    designs: Sequence[Answer],
     hangs: frozenset[str] = HANGING,
     fields: GaussianProcess | None = None,
 ) -> dict[str, Any] | None:
@@ -53,8 +55,8 @@ def content(
     stored = exported(model)
     if stored is None:
         return None
-    values = [answers.case(one) for one in designs]
-    kinds = [study.combinations.index({name: kind for name, kind, _ in answers.kinds(one)}) for one in designs]
+    values = [answer.case for answer in designs]
+    kinds = [study.combinations.index(answer.kinds) for answer in designs]
     start = values[0] if values else {}
     return {
         "surrogate": stored,
@@ -106,7 +108,7 @@ def as_json(data: dict[str, Any] | None) -> Markup:
     return Markup(text.replace("<", "\\u003c").replace("&", "\\u0026"))
 
 
-def _target(study: Study, name: str, target: Target, answer: xr.Dataset) -> dict[str, Any]:
+def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str, Any]:
     """A target's limits with the verdict on its design, and the scenarios that they must stand anywhere else.
 
     What a limit counts as over distributions, and a deviation, are not judged elsewhere: no one point tells them.
@@ -115,19 +117,18 @@ def _target(study: Study, name: str, target: Target, answer: xr.Dataset) -> dict
     limits = []
     constants = {constant: study.constant(constant) for constant in target.constants()}
     for limit in target.limits:
-        one = answer.sel(term=str(limit))
-        exact, units = float(one["exact"]), titles.units(limit, str(one["units"].values))
+        term = answer.term(str(limit))
         limits.append(
             {
                 "text": str(limit),
-                "words": titles.bound(limit, float(one["limit"]), units),
+                "words": titles.bound(limit, term.limit, term.shown_units),
                 "tree": _tree(limit.expression, constants),
-                "value": float(one["limit"]),
+                "value": term.limit,
                 "upper": limit.upper,
-                "units": units,
+                "units": term.shown_units,
                 "judged": limit.probability is None and not limit.deviation,
-                "exact": exact if np.isfinite(exact) else None,
-                "held": bool(one["margin"] >= -assessment.ROUNDING),
+                "exact": term.exact if np.isfinite(term.exact) else None,
+                "held": not term.broken,
             }
         )
     ranges = target.worst_case | {factor: list(one.support) for factor, one in target.uncertain.items()}
@@ -159,14 +160,14 @@ def _few(corners: scenarios.Scenarios) -> list[int]:
     return np.flatnonzero(np.all(ends, axis=0)).tolist() if many else list(range(corners.count))
 
 
-def _goal(target: Target, answer: xr.Dataset, over: str, constants: Mapping[str, float]) -> dict[str, Any]:
+def _goal(target: Target, answer: Answer, over: str, constants: Mapping[str, float]) -> dict[str, Any]:
     """The first goal: over the scenarios where it counts at worst, else at one point."""
     first = target.objectives[0]
-    worst = target.statistic.deviations is None and bool(over)
+    worst = not target.statistic.drawn and bool(over)
     return {
-        "title": titles.objective(str(first)) + (f" at worst over {over}" if worst else ""),
+        "title": titles.stated(first) + (f" at worst over {over}" if worst else ""),
         "tree": _tree(first.expression, constants),
-        "units": titles.units(first, str(answer["units"].values[0])),
+        "units": answer.terms[0].shown_units,
         "maximise": first.maximise,
         "worst": worst,
     }

@@ -8,7 +8,7 @@ from functools import cache
 from itertools import count
 
 from workflow.dataset import batches
-from workflow.design import unreached
+from workflow.design.told import unreached
 from workflow.run import crate, lock, provenance, sources
 from workflow.study import location, partition, planned
 from workflow.study import model as studies
@@ -103,8 +103,7 @@ def results_of(wildcards):
     return expand("results/{study}/{file}", study=wildcards.study, file=names)
 
 
-def captions_of(*figures):
-    return [f"workflow/report/captions/{figure}.rst" for figure in figures]
+CAPTIONS = sorted(f"workflow/report/captions/{file.name}" for file in (provenance.ROOT / "workflow/report/captions").glob("*.rst"))
 
 
 def regions_of(wildcards):

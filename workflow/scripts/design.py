@@ -4,10 +4,11 @@ from pathlib import Path
 
 from storage.files import write_text
 from storage.netcdf import read_whole, write_whole
-from workflow.design import answers
+from workflow.design.told import table
+from workflow.design.verdict import netcdf
 from workflow.run import joblog
 
 snakemake = joblog.start(globals())
 designs = [read_whole(Path(answer)) for answer in snakemake.input]
-write_whole(answers.together(designs), Path(snakemake.output.nc))
-write_text(Path(snakemake.output.csv), answers.table(designs))
+write_whole(netcdf.together(designs), Path(snakemake.output.nc))
+write_text(Path(snakemake.output.csv), table.as_csv(map(netcdf.answer_of, designs)))

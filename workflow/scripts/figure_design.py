@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from storage.netcdf import read_whole
+from workflow.design.verdict import netcdf
 from workflow.report.figures import design_plots, style
 from workflow.run import joblog
 from workflow.study import planned
@@ -11,5 +11,5 @@ snakemake = joblog.start(globals())
 target = planned.study(snakemake).design[snakemake.wildcards.name]
 folder = Path(snakemake.output[0])
 folder.mkdir(exist_ok=True)
-for name, figure in design_plots.figures_of(read_whole(Path(snakemake.input[0])), target).items():
+for name, figure in design_plots.figures_of(netcdf.read(Path(snakemake.input[0])), target).items():
     style.save(figure, folder / f"{name}_{snakemake.wildcards.name}.svg")

@@ -4,11 +4,12 @@ from pathlib import Path
 
 from storage.netcdf import write_whole
 from surrogate import load
-from workflow.design import answers, search
+from workflow.design.search import targets
+from workflow.design.verdict import netcdf
 from workflow.run import joblog
 from workflow.study import planned
 
 snakemake = joblog.start(globals())
 config = planned.study(snakemake)
-answer = search.solve_target(config, snakemake.wildcards.name, load(snakemake.input[0]))
-write_whole(answers.entire(answer), Path(snakemake.output[0]))
+answer = targets.solve_target(config, snakemake.wildcards.name, load(snakemake.input[0]))
+write_whole(netcdf.entire(answer), Path(snakemake.output[0]))

@@ -99,6 +99,9 @@ class Surrogate(Strict):
     )
     kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
     outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
+    level: Number | None = Field(
+        None, gt=0, le=0.999, description="share of the cases that intervals hold where none is said; null: 0.95"
+    )
     curves: bool = Field(
         True, description="learn largest stresses by the curves that they follow from, which have no kinks as they have"
     )

@@ -9,7 +9,7 @@ import scipy  # scipy.stats, slow to import, when a distribution is asked for
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from workflow.language import statements
+from workflow.language import statements, statistics
 from workflow.language.constants import CONSTANTS
 from workflow.language.factors import FACTORS
 from workflow.language.sizes import size
@@ -163,9 +163,9 @@ class Target(Strict):
         return [_limit(text) for text in self.subject_to]
 
     @property
-    def statistic(self) -> statements.Statistic:
+    def statistic(self) -> statistics.Statistic:
         """How uncertain cases count in the objective."""
-        return statements.statistic(self.robust)
+        return statistics.statistic(self.robust)
 
     @model_validator(mode="after")
     def _readable(self) -> Self:
@@ -181,7 +181,7 @@ class Target(Strict):
             if not low <= high:
                 raise ValueError(f"worst_case: {name}: {low:g} must not be above {high:g}")
         self._check_tolerance()
-        if self.statistic.deviations is not None and not self.random:
+        if self.statistic.drawn and not self.random:
             raise ValueError(f"robust: {self.robust!r} needs uncertain factors")
         for limit in self.limits:
             if limit.probability is not None and not self.random:
@@ -193,7 +193,7 @@ class Target(Strict):
             for name in one.over:
                 if name not in (*self.worst_case, *self.random):
                     raise ValueError(f"{_part(one)}: {one}: {name!r} is none of worst_case, uncertain or tolerance")
-        if self.statistic.deviations is not None and any(one.deviation for one in self.objectives):
+        if self.statistic.drawn and any(one.deviation for one in self.objectives):
             raise ValueError(f"robust: {self.robust!r}: a deviation is an objective as it is; must be 'worst case'")
         combinations = prod(len(variable.choices) or 1 for variable in self.variables.values())
         if combinations > MOST_CHOICES:

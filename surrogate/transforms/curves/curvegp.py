@@ -63,7 +63,7 @@ class CurveGP(Transformed):
     --------
     >>> import numpy as np, xarray as xr
     >>> from surrogate import GridGP, Input
-    >>> from surrogate.data.inputs import gauss_points
+    >>> from approximation.chebyshev import gauss_points
     >>> a, points = Input("a", -1, 1), gauss_points(32)
     >>> grid = xr.Dataset(coords={"a": a.levels(12), "point": np.arange(32)})
     >>> x = xr.DataArray(points, dims="point")

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from approximation.arrays import Array, Indices
+from approximation.chebyshev import gauss_points
 from approximation.measure import Measure
 from approximation.panels import Panels, jets, rows
 from approximation.summit import climb, held, hill
-from surrogate.data.inputs import gauss_points
 from surrogate.transforms.curves.basis import Basis
 
 # Hills that are climbed, and how far below the highest they may lie: between points that are scanned one is higher.

@@ -2,6 +2,8 @@
 
 import re
 from collections.abc import Callable, Mapping
+from copy import deepcopy
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,7 @@ import xarray as xr
 from sklearn.exceptions import NotFittedError
 
 from solver import solve
-from surrogate import GaussianProcess, GridGP, Input, OutOfBoxError, ScatterGP
+from surrogate import FormatError, GaussianProcess, GridGP, Input, OutOfBoxError, ScatterGP, load, save
 from surrogate.data.points import named_points
 from tests.surrogate import functions
 
@@ -353,3 +355,22 @@ def test_printed_it_says_inputs_outputs_box_cases_and_calibration() -> None:
     cases = xr.Dataset({own.name: ("case", own.from_unit(row)) for own, row in zip((x, y), t, strict=True)})
     model.calibrate(cases.assign(f=cases.x * cases.force, g=cases.x + cases.force))
     assert str(model).endswith("intervals: calibrated on 50 cases")
+
+
+def test_a_model_has_a_level_of_its_own(model: GridGP, tmp_path: Path) -> None:
+    own = deepcopy(model)
+    own.level_, X = 0.8, np.array([[*MIDDLE.values()]])
+    save(own, tmp_path / "own.nc")
+    for known in (own, load(tmp_path / "own.nc")):
+        xr.testing.assert_identical(known.interval(MIDDLE), model.interval(MIDDLE, 0.8))
+        xr.testing.assert_identical(known.gradient(MIDDLE, True), model.gradient(MIDDLE, True, level=0.8))
+        np.testing.assert_array_equal(known.interval_array(X), model.interval_array(X, 0.8))
+        plain = known.plain()
+        assert plain is not None
+        assert plain["interval"]["level"] == 0.8
+    xr.testing.assert_identical(own.interval(MIDDLE, 0.95), model.interval(MIDDLE))
+    own.level_ = 2.0
+    save_as = tmp_path / "wrong.nc"
+    save(own, save_as)
+    with pytest.raises(FormatError, match="level 2 is not between 0 and 1"):
+        load(save_as)

@@ -6,12 +6,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 import yaml
 
 from solver import find, solve
 from workflow.dataset import factorial
-from workflow.design import assessment, search, spoken
+from workflow.design.search import targets
+from workflow.design.told import words
+from workflow.design.verdict import multipliers
+from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.term import ROUNDING
 from workflow.learning import training
 from workflow.report.figures.design_plots import figures_of
 from workflow.study import model as studies
@@ -22,14 +25,19 @@ RADIUS = {"low": 0.02, "high": 0.2, "levels": 5, "scale": "log"}
 FRACTION = {"low": 0.4, "high": 0.8, "levels": 10}
 CHARGE = {"low": -2e-6, "high": 2e-6, "levels": 4}
 
-Ask = Callable[..., xr.Dataset]
+Ask = Callable[..., Answer]
+
+
+def exact_ranges(answer: Answer) -> dict[str, tuple[float, float]]:
+    """Least and largest exact value of every quantity of a design."""
+    return {one.quantity: (one.exact_low, one.exact_high) for one in answer.ranges}
 
 
 @pytest.fixture
 def ask(tmp_path: Path) -> Ask:
     """Answer a target of a small study whose composite is fibrous and whose friction is 0.2."""
 
-    def answer(factors: dict[str, Any], fixed: dict[str, Any] | None = None, **target: Any) -> xr.Dataset:
+    def answer(factors: dict[str, Any], fixed: dict[str, Any] | None = None, **target: Any) -> Answer:
         text = {
             "title": "small",
             "fixed": {"composite": "fibrous", "friction": 0.2, **(fixed or {})},
@@ -39,7 +47,7 @@ def ask(tmp_path: Path) -> Ask:
         (tmp_path / "one.yaml").write_text(yaml.safe_dump(text), encoding="utf-8")
         study = studies.load(tmp_path / "one.yaml")
         model = training.fit(study, factorial.exact(study, dict(factorial.levels(study))))
-        return search.answer(study, "mine", Target.model_validate(target), model)
+        return targets.answer(study, "mine", Target.model_validate(target), model)
 
     return answer
 
@@ -49,11 +57,11 @@ def test_a_punch_without_a_voltage_is_judged_and_drawn(ask: Ask, insulating: lis
     target = {"maximise": "peak_pressure", "over": ["volume_fraction", "radius"], "subject_to": ["radius >= 50 mm"]}
     factors = {"volume_fraction": FRACTION, "radius": RADIUS}
     answer = ask(factors, {"load": 1e4, **dict.fromkeys(insulating, "insulating")}, **target)
-    assert bool(answer["feasible"])
-    assert float(answer["value"].sel(factor="radius")) == pytest.approx(0.05, rel=1e-6)
-    assert "voltage" not in answer["quantity"].values
-    assert answer["flags"].item() == answer["beyond"].item().partition(" (bending")[0]
-    assert "field" not in answer["flags"].item()  # but the tension
+    assert answer.feasible
+    assert answer.variable("radius").value == pytest.approx(0.05, rel=1e-6)
+    assert "voltage" not in exact_ranges(answer)
+    assert answer.flags == answer.beyond.partition(" (bending")[0]
+    assert "field" not in answer.flags  # but the tension
     assert set(figures_of(answer, Target.model_validate(target))) == {"map", "slices", "bars", "contact"}
 
 
@@ -66,10 +74,10 @@ def test_a_contact_too_wide_for_its_parabola_is_told_of_a_fixed_radius_too(
 ) -> None:
     target = {"maximise": "abs(voltage_sensitivity)", "over": ["volume_fraction", "load"]}
     answer = ask({"volume_fraction": FRACTION, "load": LOAD}, profile, **target)
-    flags = answer["flags"].item()
+    flags = answer.flags
     assert ("no longer a parabola" in flags) == told
     if told:
-        width = float(answer["exact_high"].sel(quantity=["contact_trailing", "contact_leading"]).sum())
+        width = sum(exact_ranges(answer)[f"contact_{side}"][1] for side in ("trailing", "leading"))
         assert f"the contact is {width / profile['radius']:.2g} of the radius wide" in flags
 
 
@@ -80,16 +88,16 @@ def test_a_pair_of_limits_that_is_an_equality_is_met_to_rounding(ask: Ask) -> No
     limits = ["trailing_tension <= 30 MPa", "trailing_tension >= 30 MPa"]
     target = {"maximise": "abs(voltage_sensitivity)", "over": list(SQUARE), "subject_to": limits}
     answer = ask(SQUARE, {"load": 1e4}, **target)
-    assert bool(answer["feasible"])
-    assert answer["status"].item() == f"feasible; binding: {', '.join(limits)}"
-    assert abs(answer["margin"].values[1:]).max() <= assessment.ROUNDING
+    assert answer.feasible
+    assert answer.status == f"feasible; binding: {', '.join(limits)}"
+    assert max(abs(limit.margin) for limit in answer.limits) <= ROUNDING
     # the curve of all designs with this tension, by brute force
     over = {"volume_fraction": np.linspace(0.4, 0.8, 401), "radius": np.geomspace(0.02, 0.2, 81)}
     exact = solve({**over, "load": 1e4, "friction": 0.2, "composite": "fibrous"}).transpose(*over)
     tension, goal = exact["trailing_tension"].values, abs(exact["voltage_sensitivity"].values)
     crossing = np.diff(np.sign(tension - 30e6), axis=1) != 0
     assert crossing.sum() > 250
-    assert float(answer["exact"][0]) == pytest.approx(np.minimum(goal[:, :-1], goal[:, 1:])[crossing].max(), rel=5e-4)
+    assert answer.terms[0].exact == pytest.approx(np.minimum(goal[:, :-1], goal[:, 1:])[crossing].max(), rel=5e-4)
 
 
 @pytest.mark.parametrize(
@@ -104,8 +112,8 @@ def test_a_kink_is_solved_to_rounding(ask: Ask, over: list[str], target: dict[st
     factors = {"volume_fraction": FRACTION, "radius": RADIUS, "charge": CHARGE}
     at = {"volume_fraction": 0.6} | ({} if "radius" in over else {"radius": 0.1})
     answer = ask(factors, {"load": 1e4}, over=over, at=at, **target)
-    assert bool(answer["feasible"])
-    low, high = (answer[f"exact_{end}"].sel(quantity="voltage").item() for end in ("low", "high"))
+    assert answer.feasible
+    low, high = exact_ranges(answer)["voltage"]
     assert max(abs(low), abs(high)) < 1e-9  # volts, of some 1e6 over the charges
 
 
@@ -115,7 +123,7 @@ def test_a_worst_case_at_a_kink_is_that_of_both_its_sides(ask: Ask) -> None:
         {"volume_fraction": FRACTION, "load": LOAD, "charge": CHARGE}, {"radius": 0.1},
         minimise="abs(voltage)", over=["charge"], at={"volume_fraction": 0.6}, worst_case={"load": [9e3, 1.1e4]},
     )  # fmt: skip
-    low, high = (answer[f"exact_{end}"].sel(quantity="voltage").item() for end in ("low", "high"))
+    low, high = exact_ranges(answer)["voltage"]
     assert low == pytest.approx(-high, rel=1e-9)
 
 
@@ -124,18 +132,18 @@ def test_what_the_material_bears_is_a_limit_and_its_linear_range_is_told(ask: As
     target = {"maximise": "abs(voltage_sensitivity)", "over": ["radius"], "at": {"load": 1e4}}
     fixed, factors = {"volume_fraction": 1.0, "composite": "fibrous"}, {"radius": RADIUS, "load": LOAD}
     answer = ask(factors, fixed, **target, subject_to=["trailing_tension <= 120 % of tensile_strength"])
-    one = answer.isel(term=1)
-    assert float(one["limit"]) == pytest.approx(1.2 * 35e6, rel=1e-12)
-    assert one["bound"].item() == "tensile strength of BaTiO3"
-    assert one["source"].item() == find("BaTiO3").limits["tensile_strength"].source
-    told = spoken.verdict(answer)
+    (limit,) = answer.limits
+    assert limit.limit == pytest.approx(1.2 * 35e6, rel=1e-12)
+    assert limit.bound == "tensile strength of BaTiO3"
+    assert limit.source == find("BaTiO3").limits["tensile_strength"].source
+    told = words.verdict(answer)
     assert told.kind.startswith("beyond linear theory; otherwise ")
     case = {
         "composite": "fibrous",
         "friction": 0.2,
         **fixed,
         "load": 1e4,
-        "radius": float(answer["value"].sel(factor="radius")),
+        "radius": answer.variable("radius").value,
     }
     exact = solve(case)
     field = abs(exact["voltage"]) / (exact["contact_trailing"] + exact["contact_leading"])
@@ -146,55 +154,54 @@ def test_what_the_material_bears_is_a_limit_and_its_linear_range_is_told(ask: As
 def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told(ask: Ask) -> None:
     target = {"maximise": "abs(stroke_per_volt)", "subject_to": ["peak_pressure <= 500 MPa"]}
     answer = ask(SQUARE, {"load": 1e4}, over=list(SQUARE), **target)
-    assert answer["status"].item() == (
+    assert answer.status == (
         "feasible; binding: none; volume_fraction at the upper end of the studied range; "
         "radius of no effect on the goal"
     )
-    told = answer.sel(factor=["volume_fraction", "radius"])
-    assert told["matters"].values.tolist() == [True, False]
-    assert told["loss"].values == pytest.approx(told["cost"].values * float(answer["exact"][0]))
-    assert float(told["cost"][0]) > 0.01
+    told = [answer.variable(name).sensitivity for name in ("volume_fraction", "radius")]
+    assert [one.matters for one in told] == [True, False]
+    assert [one.loss for one in told] == pytest.approx([one.cost * answer.terms[0].exact for one in told])
+    assert told[0].cost > 0.01
     # the same box, of which the question asks for a part
     answer = ask(SQUARE, {"load": 1e4}, over={"volume_fraction": {"high": 0.7}, "radius": {}}, **target)
-    assert "volume_fraction at the upper end of the range asked for" in answer["status"].item()
-    words = spoken.verdict(answer)
-    assert words.stops == "volume fraction at its upper end as asked for (0.7) stops it."
-    assert words.idle.startswith("Radius does not matter to the goal: the least is taken at which every limit has 1 % ")
+    assert "volume_fraction at the upper end of the range asked for" in answer.status
+    says = words.verdict(answer)
+    assert says.stops == "volume fraction at its upper end as asked for (0.7) stops it."
+    assert says.idle.startswith("Radius does not matter to the goal: the least is taken at which every limit has 1 % ")
     # which is the least radius that leaves 1 % to the limit, by the exact solver
     at = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "volume_fraction": 0.7}
-    radius = float(answer["value"].sel(factor="radius"))
+    radius = answer.variable("radius").value
     pressure = solve({**at, "radius": [radius, 0.999 * radius]})["peak_pressure"].values / 500e6
     assert pressure[0] <= 0.99 + 1e-6
     assert pressure[1] > 0.99 or radius == pytest.approx(0.02)
     # what a little more would bring, from the exact solver
     at = {"composite": "fibrous", "friction": 0.2, "load": 1e4, "radius": 0.1}
     strokes = np.log(np.abs(solve({**at, "volume_fraction": 0.7 * np.array([0.9999, 1.0001])})["stroke_per_volt"]))
-    weight = spoken.multipliers(answer, [], {"volume_fraction": "upper end"})["volume_fraction"]
+    weight = multipliers.multipliers(answer, [], answer.at_ends)["volume_fraction"]
     assert weight == pytest.approx(float(strokes[1] - strokes[0]) / 2e-4, rel=1e-4)
-    assert words.advice.startswith("By the gradient, volume fraction of 0.77 would likely bring ")
+    assert says.advice.startswith("By the gradient, volume fraction of 0.77 would likely bring ")
 
 
 def test_next_to_zero_an_error_costs_units_and_no_share(ask: Ask) -> None:
     factors = {"volume_fraction": FRACTION, "charge": CHARGE}
     fixed = {"load": 1e4, "radius": 0.1}
     answer = ask(factors, fixed, minimise="abs(voltage)", over=["charge"], at={"volume_fraction": 0.6})
-    one = answer.sel(factor="charge")
-    assert np.isnan(float(one["cost"]))
-    assert np.isnan(one["elasticity"].values).all()
-    assert bool(one["matters"])
+    charge = answer.variable("charge")
+    one = charge.sensitivity
+    assert np.isnan(one.cost)
+    assert np.isnan(one.elasticity).all()
+    assert one.matters
     exact = solve(
-        {"composite": "fibrous", "friction": 0.2, **fixed, "volume_fraction": 0.6, "charge": 1.01 * one["value"].item()}
+        {"composite": "fibrous", "friction": 0.2, **fixed, "volume_fraction": 0.6, "charge": 1.01 * charge.value}
     )
-    assert float(one["loss"]) == pytest.approx(abs(float(exact["voltage"])), rel=1e-6)
+    assert one.loss == pytest.approx(abs(float(exact["voltage"])), rel=1e-6)
 
 
 def test_a_front_that_no_design_reaches_is_answered_and_drawn(ask: Ask) -> None:
     target = {"maximise": "abs(stroke_per_volt)", "minimise": "trailing_tension", "over": list(SQUARE)}
     target["subject_to"] = ["peak_pressure <= 1 MPa"]
     answer = ask(SQUARE, {"load": 1e4}, **target)
-    assert (
-        answer["status"].item().startswith("infeasible: peak_pressure <= 1 MPa binds; the least violated design misses")
-    )
+    assert answer.status.startswith("infeasible: peak_pressure <= 1 MPa binds; the least violated design misses")
     legend = figures_of(answer, Target.model_validate(target))["front"].axes[0].get_legend()
     assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == ["least violated design: not reachable"]

@@ -11,19 +11,21 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from solver import find, solve
-from storage.netcdf import read_whole
 from surrogate import GaussianProcess
 from tests.solver import micromechanics
 from tests.surrogate.hypervolume import hypervolume
 from tests.workflow.conftest import Project
 from verification.oracles import interior
 from verification.oracles.half_plane import CONSTANTS
-from workflow.cli import questions
 from workflow.dataset import factorial
-from workflow.design import budget, search
-from workflow.design.designs import Designs
-from workflow.design.question import Question
-from workflow.design.sources import Exact, Factors, Predicted, shape
+from workflow.design.asking import budget
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question
+from workflow.design.asking.sources import Exact, Factors, Predicted, shape
+from workflow.design.search import targets
+from workflow.design.told import table
+from workflow.design.verdict import netcdf
+from workflow.design.verdict.answer import Answer
 from workflow.learning import training
 from workflow.study.model import Study
 from workflow.study.target import Target
@@ -78,9 +80,9 @@ def dense() -> xr.Dataset:
 
 
 @pytest.fixture(scope="module")
-def sensor(model: GaussianProcess) -> Callable[[str], xr.Dataset]:
+def sensor(model: GaussianProcess) -> Callable[[str], Answer]:
     """The best sensor under a limit at every friction of the range: searched for once a limit."""
-    return cache(lambda limit: search.answer(STUDY, "sensor", target(worst_case=RANGE, subject_to=[limit]), model))
+    return cache(lambda limit: targets.answer(STUDY, "sensor", target(worst_case=RANGE, subject_to=[limit]), model))
 
 
 @pytest.fixture(scope="module")
@@ -97,26 +99,26 @@ def high(quantities: xr.Dataset) -> GaussianProcess:
 
 @pytest.mark.parametrize("limit", [CRACK, YIELD])
 def test_a_limit_on_what_is_searched_for_holds_and_costs_no_regret(
-    sensor: Callable[[str], xr.Dataset], dense: xr.Dataset, limit: str
+    sensor: Callable[[str], Answer], dense: xr.Dataset, limit: str
 ) -> None:
     answer = sensor(limit)
-    name, bound = limit.split()[0], float(answer["limit"].sel(term=limit))
+    name, bound = limit.split()[0], answer.term(limit).limit
     allowed = dense[name].max("friction") <= bound
     best = float(abs(dense["voltage_sensitivity"]).min("friction").where(allowed).max())
-    found = {key: float(answer["value"].sel(factor=key)) for key in ("volume_fraction", "radius")}
+    found = {key: answer.variable(key).value for key in ("volume_fraction", "radius")}
     exact = solve({"composite": "fibrous", "load": 5e4, **found, "friction": np.linspace(0.1, 0.4, 61)}, peaks=True)
     assert float(exact[name].max()) <= bound
     assert float(exact[name].max()) >= bound * (1 - 1e-5)
     assert float(abs(exact["voltage_sensitivity"]).min()) >= best * (1 - 1e-6)
-    assert bool(answer["feasible"])
-    assert answer.attrs["polish"].startswith(f"on the exact solver; {name} led by the surrogate, limits shifted to")
-    assert float(answer["margin_left"].sel(factor="radius")) == pytest.approx(-0.005, abs=2e-4)  # ~ 1/sqrt(radius)
+    assert answer.feasible
+    assert answer.polish.startswith(f"on the exact solver; {name} led by the surrogate, limits shifted to")
+    assert answer.variable("radius").sensitivity.margin_left == pytest.approx(-0.005, abs=2e-4)  # ~ 1/sqrt(radius)
 
 
-def test_the_tension_of_a_design_is_that_of_an_independent_solution(sensor: Callable[[str], xr.Dataset]) -> None:
+def test_the_tension_of_a_design_is_that_of_an_independent_solution(sensor: Callable[[str], Answer]) -> None:
     """Fields in 50 digits by eigenvectors and quadrature, and their largest principal stress at the limit's depth."""
     answer = sensor(CRACK)
-    at = {str(name): float(answer["worst"].sel(term=CRACK, factor=name)) for name in answer["factor"].values}
+    at = answer.term(CRACK).worst
     fibre, host = ({key: float(getattr(find(one), key)) for key in (*CONSTANTS, "c12")} for one in STUDY.phases)
     constants = micromechanics.fibrous(fibre, host, at["volume_fraction"])
     material = {key: float(value) for key, value in constants.items()}
@@ -130,9 +132,9 @@ def test_the_tension_of_a_design_is_that_of_an_independent_solution(sensor: Call
 
 def test_a_chance_a_mean_and_a_front(model: GaussianProcess, dense: xr.Dataset) -> None:
     chance = target(uncertain=DRAWN, subject_to=[f"{CRACK} with probability 0.99"], robust="mean - 2 std")
-    answer = search.answer(STUDY, "sensor", chance, model)
+    answer = targets.answer(STUDY, "sensor", chance, model)
     friction = DRAWN["friction"]["triangular"][2] - np.sqrt(0.01 * 0.3 * 0.2)  # of probability 0.99
-    at = {key: float(answer["value"].sel(factor=key)) for key in ("volume_fraction", "radius")}
+    at = {key: answer.variable(key).value for key in ("volume_fraction", "radius")}
     exact = solve({"composite": "fibrous", "load": 5e4, **at, "friction": friction}, peaks=True)
     assert exact["peak_principal_tension"].item() == pytest.approx(60e6, rel=5e-4)  # the quantile is a smooth one
     assert exact["peak_principal_tension"].item() <= 60e6
@@ -140,15 +142,15 @@ def test_a_chance_a_mean_and_a_front(model: GaussianProcess, dense: xr.Dataset) 
     asked = target(
         minimise="peak_von_mises", uncertain=DRAWN, robust="mean", subject_to=["abs(voltage_sensitivity) >= 0.048"]
     )
-    least = search.answer(STUDY, "mises", asked, model)
-    at = {key: float(least["value"].sel(factor=key)) for key in ("volume_fraction", "radius")}
+    least = targets.answer(STUDY, "mises", asked, model)
+    at = {key: least.variable(key).value for key in ("volume_fraction", "radius")}
     share = (np.arange(400) + 0.5) / 400
     friction = target(uncertain=DRAWN).uncertain["friction"].quantile(share)
     exact = solve({"composite": "fibrous", "load": 5e4, **at, "friction": friction}, peaks=True)
-    assert float(least["exact"][0]) == pytest.approx(float(exact["peak_von_mises"].mean()), rel=1e-5)
+    assert least.terms[0].exact == pytest.approx(float(exact["peak_von_mises"].mean()), rel=1e-5)
 
     both = target(minimise="peak_principal_tension", maximise="abs(voltage_sensitivity)", worst_case=RANGE)
-    front = search.answer(STUDY, "front", both, model)["front_exact"].values * [1, -1]
+    front = targets.answer(STUDY, "front", both, model).pictures["front_exact"].values * [1, -1]
     ends = abs(dense["voltage_sensitivity"]).min("friction"), -dense["peak_principal_tension"].max("friction")
     everything = np.stack([one.values.ravel() for one in ends], -1)
     reference = front.min(0)
@@ -188,12 +190,12 @@ def test_a_limit_at_a_kink_is_met(kinked: tuple[Study, GaussianProcess], bound: 
         {"maximise": "friction", "over": ["friction"], "at": {"volume_fraction": 0.9},
          "subject_to": [f"peak_von_mises <= {bound} MPa"]}
     )  # fmt: skip
-    answer = search.answer(kinked[0], "most", most, kinked[1])
+    answer = targets.answer(kinked[0], "most", most, kinked[1])
 
     def excess(friction: float) -> float:
         return float(across(friction)["peak_von_mises"]) / (1e6 * bound) - 1
 
-    found = float(answer["value"].sel(factor="friction"))
+    found = answer.variable("friction").value
     assert excess(found) <= 0
     assert found == pytest.approx(brentq(excess, 0.2, 0.5, xtol=1e-12), rel=1e-5)
 
@@ -202,19 +204,19 @@ def test_a_goal_that_is_best_at_a_kink(kinked: tuple[Study, GaussianProcess]) ->
     """Twice as steep beyond the kink as before it; what is searched for is led by the surrogate, which rounds it."""
     goal = "friction - 1.06 * peak_von_mises / peak_pressure"
     best = Target.model_validate({"maximise": goal, "over": ["friction"], "at": {"volume_fraction": 0.9}})
-    answer = search.answer(kinked[0], "best", best, kinked[1])
+    answer = targets.answer(kinked[0], "best", best, kinked[1])
     exact = across(np.linspace(0.35, 0.45, 201))
     dense = exact["friction"] - 1.06 * exact["peak_von_mises"] / exact["peak_pressure"]
     assert 10 < int(dense.argmax("friction")) < 190
-    assert float(answer["exact"][0]) >= float(dense.max()) - 1e-3 * abs(float(dense.max()))
+    assert answer.terms[0].exact >= float(dense.max()) - 1e-3 * abs(float(dense.max()))
 
 
 @pytest.mark.parametrize("wrong", ["low", "high"])
 def test_a_surrogate_that_errs_does_not_break_a_limit(wrong: str, request: pytest.FixtureRequest) -> None:
     asked = target(worst_case=RANGE, subject_to=[CRACK], allow_outside_interval=True)
-    answer = search.answer(STUDY, "sensor", asked, request.getfixturevalue(wrong))
-    assert bool(answer["feasible"])
-    assert 0 <= float(answer["margin"].sel(term=CRACK)) <= 1e-6
+    answer = targets.answer(STUDY, "sensor", asked, request.getfixturevalue(wrong))
+    assert answer.feasible
+    assert 0 <= answer.term(CRACK).margin <= 1e-6
 
 
 def test_what_cannot_be_afforded_is_said_and_judged_exactly(
@@ -222,15 +224,15 @@ def test_what_cannot_be_afforded_is_said_and_judged_exactly(
 ) -> None:
     monkeypatch.setattr(budget, "AFFORDABLE", 20)
     asked = target(worst_case=RANGE, subject_to=[CRACK], allow_outside_interval=True)
-    answer = search.answer(STUDY, "sensor", asked, model)
-    assert answer.attrs["polish"].startswith("none; as far from the limits as the interval of the surrogate asks for")
-    assert bool(answer["feasible"])
-    margin, predicted = float(answer["margin"].sel(term=CRACK)), answer.sel(term=CRACK)
-    assert margin >= 0
-    assert float(predicted["predicted"]) + 1.95 * float(predicted["predicted_std"]) <= 60e6 * (1 + 1e-6)
-    broken = search.answer(STUDY, "sensor", asked, low)
-    assert not bool(broken["feasible"])
-    assert "infeasible: peak_principal_tension <= 60 MPa binds" in str(broken["status"].values)
+    answer = targets.answer(STUDY, "sensor", asked, model)
+    assert answer.polish.startswith("none; as far from the limits as the interval of the surrogate asks for")
+    assert answer.feasible
+    crack = answer.term(CRACK)
+    assert crack.margin >= 0
+    assert crack.predicted + 1.95 * crack.predicted_std <= 60e6 * (1 + 1e-6)
+    broken = targets.answer(STUDY, "sensor", asked, low)
+    assert not broken.feasible
+    assert "infeasible: peak_principal_tension <= 60 MPa binds" in broken.status
 
 
 class Known(Exact):
@@ -291,15 +293,15 @@ def test_the_best_choice_that_holds_exactly_is_taken(low: GaussianProcess) -> No
     case = {"composite": "fibrous", "load": 5e4, "volume_fraction": 0.664, "friction": 0.4}
     holds = [solve({**case, "radius": one}, peaks=True)["peak_principal_tension"].item() <= 60e6 for one in radii]
     assert holds == [False, True, True]
-    answer = search.answer(STUDY, "sensor", asked, low)
-    assert float(answer["value"].sel(factor="radius")) == 0.0505
-    assert bool(answer["feasible"])
+    answer = targets.answer(STUDY, "sensor", asked, low)
+    assert answer.variable("radius").value == 0.0505
+    assert answer.feasible
 
 
-def test_table_and_json_say_how_it_was_polished(sensor: Callable[[str], xr.Dataset]) -> None:
+def test_table_and_json_say_how_it_was_polished(sensor: Callable[[str], Answer]) -> None:
     answer = sensor(YIELD)
-    assert "\npolish: on the exact solver; peak_von_mises led by the surrogate" in questions.as_text(answer)
-    assert '"polish": "on the exact solver; peak_von_mises led by the surrogate' in questions.as_json(answer)
+    assert "\npolish: on the exact solver; peak_von_mises led by the surrogate" in table.as_text(answer)
+    assert '"polish": "on the exact solver; peak_von_mises led by the surrogate' in table.as_json(answer)
 
 
 CRACKS = """\
@@ -325,10 +327,10 @@ def test_from_the_study_to_the_answer_and_the_command(copy: Callable[[str], Proj
     project = copy("cracks")
     (project.folder / "config" / "cracks.yaml").write_text(CRACKS, encoding="utf-8")
     project.snakemake("results/cracks/design/uncracked.nc")
-    answer = read_whole(project.folder / "results/cracks/design/uncracked.nc")
-    assert bool(answer["feasible"])
-    assert 0 <= float(answer["margin"].sel(term=CRACK)) <= 1e-6
-    assert "peak_principal_tension led by the surrogate, limits shifted to exact values (" in answer.attrs["polish"]
+    answer = netcdf.read(project.folder / "results/cracks/design/uncracked.nc")
+    assert answer.feasible
+    assert 0 <= answer.term(CRACK).margin <= 1e-6
+    assert "peak_principal_tension led by the surrogate, limits shifted to exact values (" in answer.polish
     words = ["--maximise", "abs(voltage_sensitivity)", "--over", "radius,volume_fraction", "--worst-case"]
     words += ["friction=0.1:0.4", "--limit", "peak_von_mises < 120 MPa", "--json"]
     found = json.loads(project.run("meecontact", "design", "results/cracks", *words).stdout)

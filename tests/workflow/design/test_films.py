@@ -7,7 +7,8 @@ import pytest
 
 import solver
 from workflow.dataset import factorial
-from workflow.design import budget, search, sources
+from workflow.design.asking import budget, sources
+from workflow.design.search import targets
 from workflow.learning import training
 from workflow.study.model import load
 
@@ -45,20 +46,18 @@ def test_a_thickness_is_found_with_few_exact_cases(tmp_path: Path, monkeypatch: 
         return exact(self, factors, names)
 
     monkeypatch.setattr(sources.Exact, "values", counted)
-    answer = search.solve_target(study, "thick", model)
+    answer = targets.solve_target(study, "thick", model)
     # the verdict of a half-plane would solve 201 scenarios at once, and every step of the polish some more
     assert max(asked) <= 14  # loads up to the first limit, of one table
     assert sum(asked) <= budget.AFFORDABLE_FILMS
-    assert "led by the surrogate" in answer.attrs["polish"]
-    assert bool(answer["feasible"])
-    design = {name: float(answer["value"].sel(factor=name)) for name in study.factors}
-    base = str(answer["kind"].sel(category="base").item())
-    field = answer.sel(term="nominal_field <= 0.8 kV/mm")
-    for term, limit in (("abs(voltage_sensitivity)", False), (str(field["term"].item()), True)):
-        one = answer.sel(term=term)
-        friction = float(one["worst"].sel(factor="friction"))
-        case = design | {"friction": friction, "radius": 0.05, "load": 3e4, "base": base}
+    assert "led by the surrogate" in answer.polish
+    assert answer.feasible
+    design = {name: answer.variable(name).value for name in study.factors}
+    base = answer.kinds["base"]
+    goal, field = answer.terms
+    for term, limit in ((goal, False), (field, True)):
+        case = design | {"friction": term.worst["friction"], "radius": 0.05, "load": 3e4, "base": base}
         found = solver.solve(case)
         value = found["nominal_field"] if limit else abs(found["voltage_sensitivity"])
-        assert float(one["exact"]) == pytest.approx(float(value), rel=1e-6)
-    assert float(field["exact"]) <= 8e5 * (1 + 1e-9)
+        assert term.exact == pytest.approx(float(value), rel=1e-6)
+    assert field.exact <= 8e5 * (1 + 1e-9)

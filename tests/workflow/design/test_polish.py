@@ -9,12 +9,12 @@ import pytest
 from numpy.typing import NDArray
 
 from surrogate.search.optimise import Optimum, Problem, improve
-from workflow.design import candidate as candidates
-from workflow.design import polish
-from workflow.design.candidate import Candidate
-from workflow.design.designs import Designs
-from workflow.design.question import ask
-from workflow.design.sources import Factors, shape
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import ask
+from workflow.design.asking.sources import Factors, shape
+from workflow.design.search import candidate as candidates
+from workflow.design.search import polish
+from workflow.design.search.candidate import Candidate
 from workflow.study.model import Study
 from workflow.study.target import Target
 

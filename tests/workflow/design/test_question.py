@@ -13,9 +13,10 @@ from scipy import stats
 
 from surrogate import GridGP, Input
 from workflow.dataset import factorial
-from workflow.design import program, risk, scenarios, search
-from workflow.design.question import Question, ask
-from workflow.design.sources import Exact, Factors, Predicted
+from workflow.design.asking import program, risk, scenarios
+from workflow.design.asking.question import Question, ask
+from workflow.design.asking.sources import Exact, Factors, Predicted
+from workflow.design.search import targets
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 from workflow.study.target import Distribution, Target
@@ -163,16 +164,15 @@ def test_a_chance_constraint_binds_at_its_probability(study: Study, model: GridG
         subject_to=["trailing_tension <= 50 MPa with probability 0.9"],
     )  # fmt: skip
     loose = study.model_copy(update={"validation": study.validation.model_copy(update={"tolerance": 1e-2})})
-    answer = search.answer(loose, "mine", target, model)
-    value = answer["value"].to_series()
-    held = {name: float(value[name]) for name in ("volume_fraction", "radius", "load", "charge")}
+    answer = targets.answer(loose, "mine", target, model)
+    held = {name: answer.variable(name).value for name in ("volume_fraction", "radius", "load", "charge")}
     shares = (np.arange(4000) + 0.5) / 4000
     friction = stats.triang.ppf(shares, 0.25, 0.1, 0.4)
     exact = factorial.exact(study, {**held, "friction": xr.DataArray(friction, dims="draw")})
     kept = exact["trailing_tension"].values <= 50e6
     assert kept.mean() == pytest.approx(0.9, abs=2e-3)  # binding: certainty would cost
     mean = float(abs(exact["voltage"] / held["load"]).mean())
-    assert float(answer["exact"][0]) == pytest.approx(mean, rel=1e-4)
+    assert answer.terms[0].exact == pytest.approx(mean, rel=1e-4)
 
 
 def test_choices_are_searched_one_by_one(study: Study, model: GridGP) -> None:
@@ -182,17 +182,17 @@ def test_choices_are_searched_one_by_one(study: Study, model: GridGP) -> None:
            "worst_case": {"friction": [0.1, 0.4]}, "at": {"charge": 0.0, "load": 1e4}, "subject_to": []}
     )  # fmt: skip
     loose = study.model_copy(update={"validation": study.validation.model_copy(update={"tolerance": 1.0})})
-    best = search.answer(loose, "mine", target, model)
-    value = best["value"].to_series()
-    assert value["radius"] in (0.01, 0.05, 0.1)
+    best = targets.answer(loose, "mine", target, model)
+    radius = best.variable("radius").value
+    assert radius in (0.01, 0.05, 0.1)
     grid = factorial.exact(
         study,
         {"volume_fraction": np.linspace(0.2, 0.8, 400), "radius": [0.01, 0.05, 0.1], "load": 1e4, "charge": 0.0,
          "friction": np.linspace(0.1, 0.4, 13)},
     )  # fmt: skip
     dense = (abs(grid["voltage"]) / grid["depth"]).min("friction").max("volume_fraction")
-    assert float(best["exact"][0]) >= float(dense.max()) * (1 - 1e-9)
-    assert value["radius"] == pytest.approx(float(dense["radius"][int(dense.values.argmax())]))
+    assert best.terms[0].exact >= float(dense.max()) * (1 - 1e-9)
+    assert radius == pytest.approx(float(dense["radius"][int(dense.values.argmax())]))
 
 
 def test_an_exact_value_outside_its_interval_fails_unless_allowed(
@@ -204,13 +204,13 @@ def test_an_exact_value_outside_its_interval_fails_unless_allowed(
         def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
             return {name: 1.05 * one for name, one in super().values(factors, names).items()}
 
-    monkeypatch.setattr(search, "Predicted", Wrong)
+    monkeypatch.setattr(targets, "Predicted", Wrong)
     held = {"worst_case": {"friction": [0.1, 0.4]}, "at": {"charge": 0.0, "load": 1e4}}
     target = TARGETS["worst"].model_copy(update=held)
     with pytest.raises(InputError, match=r"design: mine: .* is outside .* allow_outside_interval: true"):
-        search.answer(study, "mine", target, model)
-    allowed = search.answer(study, "mine", target.model_copy(update={"allow_outside_interval": True}), model)
-    assert not allowed["inside"].all()
+        targets.answer(study, "mine", target, model)
+    allowed = targets.answer(study, "mine", target.model_copy(update={"allow_outside_interval": True}), model)
+    assert not all(term.inside for term in allowed.terms)
 
 
 def test_inputs_may_be_narrower_than_the_factor(study: Study) -> None:

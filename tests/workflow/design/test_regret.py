@@ -10,8 +10,9 @@ from scipy.stats import qmc
 
 from surrogate import GaussianProcess
 from workflow.dataset import factorial
-from workflow.design import budget, search
-from workflow.design.candidate import Candidate
+from workflow.design.asking import budget
+from workflow.design.search import targets
+from workflow.design.search.candidate import Candidate
 from workflow.learning import training
 from workflow.run.sources import ROOT
 from workflow.study.model import Study, load
@@ -57,13 +58,13 @@ def dense(candidate: Candidate) -> float:
 def test_no_design_of_a_dense_search_is_better(name: str, target: str) -> None:
     study, model = trained(name)
     asked = study.design[target]
-    made = [search._asked(study, target, asked, model, choice) for choice in search.combinations(study, asked)]
+    made = [targets._asked(study, target, asked, model, choice) for choice in targets.combinations(study, asked)]
     assert not any(budget.asked(one.question) for one in made)  # a case that takes milliseconds: test_budget.py
     best = max(map(dense, made))
-    answer = search.solve_target(study, target, model)
+    answer = targets.solve_target(study, target, model)
     goal = made[0].question.terms[0]
-    reached = goal.sign * float(answer["exact"][0])
-    assert bool(answer["feasible"]) == np.isfinite(best)
+    reached = goal.sign * answer.terms[0].exact
+    assert answer.feasible == np.isfinite(best)
     # the dense search counts over the few scenarios, the verdict over many: a worst case is worse by what lies between
     assert not np.isfinite(best) or reached >= best - 1e-4 * abs(best)
 

@@ -11,8 +11,8 @@ from surrogate import GaussianProcess
 from tests.surrogate.hypervolume import hypervolume
 from tests.test_notebooks import table
 from workflow.dataset import factorial
-from workflow.design import search
-from workflow.design.chosen import Design
+from workflow.design.search import targets
+from workflow.design.search.design import Design
 from workflow.learning import training
 from workflow.study.model import Study, load
 from workflow.study.target import Target
@@ -48,14 +48,14 @@ def test_designs_have_no_regret_and_break_no_limit(
     quickstart: Study, model: GaussianProcess, dense: xr.Dataset
 ) -> None:
     for name, quantity in (("sensor", "voltage_sensitivity"), ("actuator", "stroke_per_volt")):
-        answer = search.solve_target(quickstart, name, model)
+        answer = targets.solve_target(quickstart, name, model)
         best, fraction = best_of(dense, quantity)
-        objective = float(answer["exact"].sel(term=f"abs({quantity})"))
+        objective = answer.term(f"abs({quantity})").exact
         assert objective >= best * (1 - 1e-9)  # 40,000 designs, and none is better
         assert objective <= best * 1.01
-        assert np.all(answer["margin"].values[1:] >= 0)
-        assert float(answer["value"].sel(factor="volume_fraction")) == pytest.approx(fraction, abs=0.01)
-        predicted, exact = answer["predicted"].values, answer["exact"].values
+        assert all(limit.margin >= 0 for limit in answer.limits)
+        assert answer.variable("volume_fraction").value == pytest.approx(fraction, abs=0.01)
+        predicted, exact = zip(*((term.predicted, term.exact) for term in answer.terms), strict=True)
         np.testing.assert_allclose(predicted, exact, rtol=1e-5)
 
 
@@ -67,8 +67,8 @@ def test_the_sensor_is_interior_in_composition_and_bound_in_radius(quickstart: S
     rows = table(design._repr_html_())
     assert ["volume_fraction", f"{design.factors['volume_fraction']:.5g}", "variable"] in rows
     assert ["trailing_tension <= 50 MPa", "50 MPa", "50 MPa"] in rows
-    assert 0.1 < float(answer["value"].sel(factor="volume_fraction")) < 0.9
-    assert float(answer["margin"].sel(term="trailing_tension <= 50 MPa")) < 1e-6
+    assert 0.1 < answer.variable("volume_fraction").value < 0.9
+    assert answer.term("trailing_tension <= 50 MPa").margin < 1e-6
 
 
 def test_the_front_has_the_hypervolume_of_a_dense_exact_one(
@@ -79,8 +79,8 @@ def test_the_front_has_the_hypervolume_of_a_dense_exact_one(
         at={"load": 1e4, "charge": 0.0}, worst_case={"friction": [0.1, 0.4]},
         subject_to=["trailing_tension <= 120 MPa"],
     )  # fmt: skip
-    answer = search.answer(quickstart, "front", target, model)
-    found = answer["front_exact"].values * [1, -1]
+    answer = targets.answer(quickstart, "front", target, model)
+    found = answer.pictures["front_exact"].values * [1, -1]
     worst = [abs(dense["voltage_sensitivity"]).min("friction"), -dense["trailing_tension"].max("friction")]
     every = np.stack([one.values.ravel() for one in worst], -1)
     every = every[every[:, 1] >= -120e6]

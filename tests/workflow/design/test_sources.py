@@ -3,7 +3,7 @@
 import numpy as np
 
 from tests.surrogate import curved
-from workflow.design.sources import Predicted
+from workflow.design.asking.sources import Predicted
 
 
 def test_curves_are_asked_for_the_quantities_of_a_term_even_if_it_has_none() -> None:

@@ -4,46 +4,54 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 
-from workflow.design import spoken
+from workflow.design.told import words
+from workflow.design.verdict import multipliers
+from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.term import Term
+from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
+from workflow.language import statements
 
 
 def design(
     exact: list[float],
     limits: list[float],
     elasticity: list[list[float]],
-    edge: tuple[str, str] = ("", ""),
+    edge: tuple[End | None, End | None] = (None, None),
+    *,
+    maximise: bool = True,
     **more: Any,
-) -> xr.Dataset:
+) -> Answer:
     """A design of radius and load with stroke_per_volt for its goal, trailing_tension and peak_pressure limited."""
     tension = more.get("tension", "trailing_tension <= 50 MPa")
-    terms = ["stroke_per_volt", tension, "peak_pressure <= 500 MPa"][: len(exact)]
-    bounds = np.array([np.nan, *limits])
-    return xr.Dataset(
-        {
-            "exact": ("term", exact),
-            "limit": ("term", bounds),
-            "margin": ("term", (bounds - exact) / bounds),
-            "units": ("term", ["m V-1", "Pa", "Pa"][: len(exact)]),
-            "bound": ("term", more.get("bound", [""] * len(exact))),
-            "source": ("term", ["", "a table", "another"][: len(exact)]),
-            "beyond": more.get("beyond", ""),
-            "elasticity": (("factor", "term"), elasticity),
-            "value": ("factor", [0.2, 1e4]),
-            "tolerance": ("factor", ["", ""]),
-            "edge": ("factor", list(edge)),
-            "matters": ("factor", more.get("matters", [True, True])),
-        },
-        {"factor": ["radius", "load"], "term": terms},
-        {"goal": more.get("goal", "maximise stroke_per_volt")},
-    )
+    stated = [
+        statements.objective("stroke_per_volt", maximise=maximise),
+        *map(statements.limit, (tension, "peak_pressure <= 500 MPa")),
+    ]
+    bounds = more.get("bound", ["", "", ""])
+    terms = [
+        Term(
+            statement, predicted=value, predicted_std=0.0, half=0.0, exact=value, inside=True, limit=limit,
+            margin=(limit - value) / limit, units=units, bound=bound, source=source, worst={},
+        )
+        for statement, value, limit, units, bound, source in zip(
+            stated, exact, [np.nan, *limits], ["m V-1", "Pa", "Pa"], bounds, ["", "a table", "another"], strict=False
+        )
+    ]  # fmt: skip
+    matters = more.get("matters", [True, True])
+    variables = [
+        Variable(name, value, Role.VARIABLE, Sensitivity(tuple(slopes), matters=matter), edge=end)
+        for name, value, slopes, matter, end in zip(
+            ("radius", "load"), (0.2, 1e4), elasticity, matters, edge, strict=True
+        )
+    ]
+    return Answer(tuple(terms), tuple(variables), beyond=more.get("beyond", ""))
 
 
 def test_a_limit_or_nothing_stops_a_recommended_design() -> None:
-    held = spoken.verdict(design([1e-9, 50e6, 1e6], [50e6, 500e6], [[1.0, 1, 0], [2, 2, 0]]))
+    held = words.verdict(design([1e-9, 50e6, 1e6], [50e6, 500e6], [[1.0, 1, 0], [2, 2, 0]]))
     assert str(held) == "Recommended: tension behind the contact of 50 MPa stops it."
-    free = spoken.verdict(design([1e-9, 5e6, 1e6], [50e6, 500e6], [[0.0, 1, 0], [0, 2, 0]], matters=[False, True]))
+    free = words.verdict(design([1e-9, 5e6, 1e6], [50e6, 500e6], [[0.0, 1, 0], [0, 2, 0]], matters=[False, True]))
     assert (
         str(free)
         == "Recommended: best within the ranges, and no limit stops it. Radius does not matter to the goal: the "
@@ -54,41 +62,40 @@ def test_a_limit_or_nothing_stops_a_recommended_design() -> None:
 @pytest.mark.parametrize(("farther", "goal"), [(2.0, 1e-9), (3.0, 1e-9), (2.0, -1e-9)])
 def test_an_end_is_worth_its_multiplier(farther: float, goal: float) -> None:
     """R^n P under R P <= constant, R at its upper end: P follows R, so that the goal grows as R^(n-1)."""
-    answer = design([goal, 50e6], [50e6], [[farther, 1.0], [1.0, 1.0]], ("upper end of the studied range", ""),
-                    goal=f"{'maximise' if goal > 0 else 'minimise'} stroke_per_volt")  # fmt: skip
-    told = spoken.verdict(answer)
-    assert told.kind == spoken.AT_EDGE
-    assert spoken.multipliers(answer, ["trailing_tension <= 50 MPa"], {"radius": "upper end"}) == pytest.approx(
-        {"radius": farther - 1}
-    )
+    answer = design([goal, 50e6], [50e6], [[farther, 1.0], [1.0, 1.0]], (End.UPPER, None),
+                    maximise=goal > 0)  # fmt: skip
+    told = words.verdict(answer)
+    assert told.kind == words.AT_EDGE
+    found = multipliers.multipliers(answer, answer.limits, answer.at_ends)
+    assert found == pytest.approx({"radius": farther - 1})
     assert told.stops == "radius at its upper end (200 mm) and tension behind the contact of 50 MPa stop it."
     assert told.advice == f"By the gradient, radius of 220 mm would likely bring {10 * (farther - 1):g} % more."
 
 
 def test_an_end_beyond_which_nothing_is_gained_does_not_stop_a_design() -> None:
-    upper = "upper end of the studied range"
-    told = spoken.verdict(design([1e-9, 5e6], [50e6], [[1e-5, 1.0], [1.0, 1.0]], (upper, upper)))
-    assert told.kind == spoken.AT_EDGE
+    upper = End.UPPER
+    told = words.verdict(design([1e-9, 5e6], [50e6], [[1e-5, 1.0], [1.0, 1.0]], (upper, upper)))
+    assert told.kind == words.AT_EDGE
     assert told.stops == "load at its upper end (10 kN/m) stops it."
     assert told.advice == "By the gradient, load of 11 kN/m would likely bring 10 % more."
     assert told.idle == "Radius at its upper end (200 mm) does not stop it: next to nothing is gained beyond."
-    alone = spoken.verdict(design([1e-9, 50e6], [50e6], [[1e-5, 0.0], [1.0, 1.0]], (upper, "")))
-    assert alone.kind == spoken.RECOMMENDED
+    alone = words.verdict(design([1e-9, 50e6], [50e6], [[1e-5, 0.0], [1.0, 1.0]], (upper, None)))
+    assert alone.kind == words.RECOMMENDED
     assert alone.stops == "tension behind the contact of 50 MPa stops it."
 
 
 def test_a_gradient_that_nothing_explains_promises_nothing() -> None:
-    answer = design([1e-9, 5e6], [50e6], [[1.0, 1.0], [1.0, 1.0]], ("upper end of the studied range", ""))
-    assert spoken.multipliers(answer, [], {"radius": "upper end"}) == {}
-    assert spoken.verdict(answer).advice == "A better design may lie beyond."
+    answer = design([1e-9, 5e6], [50e6], [[1.0, 1.0], [1.0, 1.0]], (End.UPPER, None))
+    assert multipliers.multipliers(answer, [], answer.at_ends) == {}
+    assert words.verdict(answer).advice == "A better design may lie beyond."
 
 
 @pytest.mark.parametrize("matters", [True, False])  # to the goal, which is not what is missed
 def test_a_miss_says_by_how_much_and_what_would_help(matters: bool) -> None:
-    answer = design([1e-9, 91.751e6], [50e6], [[1.0, -0.5], [1.0, 1.0]], ("upper end of the studied range", ""),
+    answer = design([1e-9, 91.751e6], [50e6], [[1.0, -0.5], [1.0, 1.0]], (End.UPPER, None),
                     matters=[matters, True])  # fmt: skip
-    told = spoken.verdict(answer)
-    assert told.kind == spoken.UNREACHABLE
+    told = words.verdict(answer)
+    assert told.kind == words.UNREACHABLE
     assert told.stops == (
         "tension behind the contact must be at most 50 MPa and comes to 91.75 MPa, 83.5 % beyond, in the least "
         "violated design."
@@ -104,7 +111,7 @@ def test_a_limit_of_the_material_is_named_with_its_source_and_linear_theory_come
                     tension="trailing_tension <= 0.5 tensile_strength",
                     bound=["", "tensile strength of PZT", ""],
                     beyond="nominal field of 2 kV/mm exceeds it (a book)")  # fmt: skip
-    told = spoken.verdict(answer)
+    told = words.verdict(answer)
     assert told.kind == "beyond linear theory; otherwise recommended"
     assert told.stops == "tension behind the contact of 25 MPa (50 % of the tensile strength of PZT) stops it."
     assert told.beyond == "Nominal field of 2 kV/mm exceeds it (a book)."

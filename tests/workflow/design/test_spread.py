@@ -7,7 +7,8 @@ import numpy as np
 
 from solver import find, solve
 from workflow.dataset import factorial
-from workflow.design import search, spread
+from workflow.design.search import targets
+from workflow.design.told import asides
 from workflow.learning import training
 from workflow.study.model import load
 from workflow.study.uncertainty import FAMILIES, uncertain
@@ -35,30 +36,31 @@ def test_the_spread_of_a_design_is_that_of_materials_moved_by_hand(tmp_path: Pat
     path.write_text(STUDY, encoding="utf-8")
     study = load(path)
     model = training.fit(study, factorial.exact(study, factorial.axes(study)))
-    found = search.solve_target(study, "sensor", model)
+    found = targets.solve_target(study, "sensor", model)
     constants = uncertain(study)
-    assert found["constant"].values.tolist() == [one.name for one in constants]
+    assert [one.constant for one in found.constants] == [one.name for one in constants]
     own, squares = find("BaTiO3"), np.zeros(2)
-    for one in constants:
+    for place, one in enumerate(constants):
         values = []
         for share in (1.001, 0.999):
             moved = replace(own, **{name: getattr(own, name) * share for name in FAMILIES[one.family]}, name="moved")
             for term in range(2):
-                case = dict(zip(found["factor"].values.tolist(), found["worst"][term].values.tolist(), strict=True))
-                solved = solve({**case, "load": 1e4, "material": "moved"}, materials={"moved": moved})
+                solved = solve(
+                    {**found.terms[term].worst, "load": 1e4, "material": "moved"}, materials={"moved": moved}
+                )
                 values.append(float(abs(solved["voltage_sensitivity"]) if term == 0 else solved["trailing_tension"]))
         slopes = np.log(np.array(values[:2]) / values[2:]) / np.log(1.001 / 0.999) * one.std
-        np.testing.assert_allclose(found["effect"].sel(constant=one.name)[:2], slopes, rtol=1e-4, atol=1e-7)
+        effects = [term.effect[place] for term in found.terms[:2]]
+        np.testing.assert_allclose(effects, slopes, rtol=1e-4, atol=1e-7)
         squares += slopes**2
-    np.testing.assert_allclose(found["spread"][:2], np.sqrt(squares), rtol=1e-4)
-    assert np.isnan(found["spread"][2])  # it counts over draws: no one case says what constants make of it
+    np.testing.assert_allclose([term.spread for term in found.terms[:2]], np.sqrt(squares), rtol=1e-4)
+    assert np.isnan(found.terms[2].spread)  # it counts over draws: no one case says what constants make of it
     goal = f"± {100 * np.sqrt(squares[0]):.2g} %"
-    assert spread.short(found) == f"The spread of the materials' constants moves it by {goal}."
-    told = spread.in_words(found)
+    assert asides.spread_of_goal(found) == f"The spread of the materials' constants moves it by {goal}."
+    told = asides.spread(found)
     assert f"moves the goal by {goal} (most by BaTiO3 " in told
     assert told.count("tension behind the contact by") == 1
-    assert ("it binds" in told) == (abs(float(found["margin"][1])) < 1e-3)
-    assert spread.short(found.drop_vars("spread")) == spread.in_words(found.drop_vars("spread")) == ""
+    assert ("it binds" in told) == (abs(found.terms[1].margin) < 1e-3)
 
 
 def test_what_has_no_uncertain_constant_has_no_spread(tmp_path: Path) -> None:
@@ -67,6 +69,7 @@ def test_what_has_no_uncertain_constant_has_no_spread(tmp_path: Path) -> None:
     path.write_text(alloy, encoding="utf-8")
     study = load(path)
     model = training.fit(study, factorial.exact(study, factorial.axes(study)))
-    found = search.solve_target(study, "sensor", model)
-    assert "spread" not in found
-    assert spread.in_words(found) == ""
+    found = targets.solve_target(study, "sensor", model)
+    assert found.constants == ()
+    assert np.isnan(found.terms[0].spread)
+    assert asides.spread(found) == asides.spread_of_goal(found) == ""

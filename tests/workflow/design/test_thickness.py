@@ -7,7 +7,8 @@ import pytest
 
 from solver import solve
 from workflow.dataset import factorial
-from workflow.design import search, spoken
+from workflow.design.search import targets
+from workflow.design.told import words
 from workflow.learning import training
 from workflow.study.model import load
 
@@ -36,19 +37,19 @@ def test_the_optimum_in_thickness_comes_out_by_itself(tmp_path: Path, fraction: 
     study = load(path)
     model = training.fit(study, factorial.exact(study, factorial.axes(study)))
     exact = solve({**study.fixed, "thickness": DENSE})
-    found = search.solve_target(study, "charge", model)
+    found = targets.solve_target(study, "charge", model)
     best = float(abs(exact["charge_sensitivity"]).max())
-    assert float(found["exact"][0]) >= best * (1 - 1e-3)
-    thickness = float(found["value"].sel(factor="thickness"))
+    assert found.terms[0].exact >= best * (1 - 1e-3)
+    thickness = found.variable("thickness").value
     assert (2.1e-5 < thickness < 0.95e-3) == interior
-    assert (spoken.AT_EDGE in spoken.verdict(found).kind) != interior
+    assert (words.AT_EDGE in words.verdict(found).kind) != interior
 
-    voltage = search.solve_target(study, "voltage", model)
+    voltage = targets.solve_target(study, "voltage", model)
     circuit = exact["capacitance"] * 0.01 + 110e-12
     signal = abs(exact["charge_sensitivity"] * 1e4 * 0.01 / circuit).where(circuit * 1e12 >= 100)
-    assert float(voltage["exact"][0]) >= float(signal.max()) * (1 - 1e-3)
-    figures = voltage["figure_low"].to_series()
+    assert voltage.terms[0].exact >= float(signal.max()) * (1 - 1e-3)
+    figures = {one.figure: one.figure_low for one in voltage.figures}
     assert figures["force"] == pytest.approx(100.0)
-    assert abs(figures["signal_voltage"]) == pytest.approx(float(voltage["exact"][0]), rel=1e-9)
+    assert abs(figures["signal_voltage"]) == pytest.approx(voltage.terms[0].exact, rel=1e-9)
     assert figures["smallest_force"] * abs(figures["signal_charge"]) / figures["force"] == pytest.approx(1e-15)
-    assert "time constant" in spoken.verdict(voltage).device
+    assert "time constant" in words.verdict(voltage).device

@@ -10,7 +10,10 @@ from scipy import stats
 from solver import solve
 from surrogate import GaussianProcess
 from workflow.dataset import factorial
-from workflow.design import scenarios, search, spoken
+from workflow.design.asking import scenarios
+from workflow.design.search import targets
+from workflow.design.told import words
+from workflow.design.verdict.answer import Answer
 from workflow.learning import training
 from workflow.study.asked import check_target
 from workflow.study.model import Study, load
@@ -39,14 +42,14 @@ def fitted(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, GaussianPro
     return study, training.fit(study, factorial.exact(study, factorial.axes(study)))
 
 
-def answer(fitted: tuple[Study, GaussianProcess], **changed: Any) -> xr.Dataset:
+def answer(fitted: tuple[Study, GaussianProcess], **changed: Any) -> Answer:
     asked = {
         "maximise": "abs(voltage_sensitivity)", "over": OVER, "worst_case": {"friction": [0.1, 0.4]},
         "subject_to": ["trailing_tension <= 50 MPa"],
     }  # fmt: skip
     target = Target.model_validate(asked | changed)
     check_target(fitted[0], "mine", target)
-    return search.answer(fitted[0], "mine", target, fitted[1])
+    return targets.answer(fitted[0], "mine", target, fitted[1])
 
 
 def test_the_worst_of_the_tolerances_keeps_the_limit_and_costs_what_a_dense_search_says(
@@ -67,24 +70,25 @@ def test_the_worst_of_the_tolerances_keeps_the_limit_and_costs_what_a_dense_sear
         return float(goal.where(part["trailing_tension"].max(["dv", "dr", "f"]) <= LIMIT).max())
 
     whole = best(exact)
-    assert float(found["exact"][0]) >= whole * (1 - 1e-3)
+    assert found.terms[0].exact >= whole * (1 - 1e-3)
     nominal, radius, fraction = (best(exact.isel(only)) for only in (
         {"dv": [1], "dr": [1]}, {"dv": slice(None), "dr": [1]}, {"dv": [1], "dr": slice(None)},
     ))  # fmt: skip
-    assert float(found["nominal_exact"]) == pytest.approx(nominal, rel=1e-3)
-    costs = found["tolerance_cost"].to_series()
+    assert found.tolerated is not None
+    assert found.tolerated.exact == pytest.approx(nominal, rel=1e-3)
+    costs = found.tolerated.cost
     assert costs["radius"] == pytest.approx(radius / whole - 1, abs=5e-4)
     assert costs["volume_fraction"] == pytest.approx(fraction / whole - 1, abs=5e-4)
     assert costs["radius"] > costs["volume_fraction"] > 0
-    assert found["tolerance_gain"].sel(factor="radius") == pytest.approx(costs["radius"] / 2, rel=0.1)
+    assert found.tolerated.gain["radius"] == pytest.approx(costs["radius"] / 2, rel=0.1)
     # and nothing within the tolerances of this design is beyond the limit
-    at = found["value"].to_series()
+    at = {variable.name: variable.value for variable in found.variables}
     box = {
         "volume_fraction": at["volume_fraction"] + np.linspace(-0.02, 0.02, 9),
         "radius": at["radius"] * np.linspace(0.95, 1.05, 9), "friction": np.linspace(0.1, 0.4, 9),
     }  # fmt: skip
     assert float(solve({**box, "composite": "fibrous", "load": 1e4})["trailing_tension"].max()) <= LIMIT * (1 + 1e-9)
-    told = spoken.verdict(found).tolerance
+    told = words.verdict(found).tolerance
     assert told.startswith("Within 0.02 of volume fraction and 5 % of radius every limit is kept as it is asked for. ")
     assert "5 % of radius costs 0.54 % (half of it would gain 0.27 %)" in told
 
@@ -99,7 +103,7 @@ def test_a_promised_share_of_the_tolerances_is_kept_in_a_dense_exact_sample(
     )
     shares = (np.arange(300) + 0.5) / 300
     even = solve(  # every pair of two even samples, a radius and a friction
-        {"radius": float(found["value"].sel(factor="radius")) * (0.95 + 0.1 * shares),
+        {"radius": found.variable("radius").value * (0.95 + 0.1 * shares),
          "friction": stats.triang.ppf(shares, 1 / 3, 0.1, 0.3), "volume_fraction": 0.66, "composite": "fibrous",
          "load": 1e4}
     )  # fmt: skip
@@ -111,13 +115,13 @@ def test_a_deviation_is_from_the_mean_of_its_distribution(fitted: tuple[Study, G
         minimise="deviation(charge_sensitivity over friction)", over=["radius"], at={"volume_fraction": 0.6},
         worst_case={"friction": [0.0, 0.5]}, subject_to=["deviation(trailing_tension) <= 500 %"],
     )  # fmt: skip
-    found = search.answer(fitted[0], "mine", target, fitted[1])
-    at = {"radius": float(found["value"].sel(factor="radius")), "volume_fraction": 0.6, "composite": "fibrous"}
+    found = targets.answer(fitted[0], "mine", target, fitted[1])
+    at = {"radius": found.variable("radius").value, "volume_fraction": 0.6, "composite": "fibrous"}
     dense = solve({**at, "load": 1e4, "friction": np.linspace(0, 0.5, 2001)})
     for k, name in enumerate(("charge_sensitivity", "trailing_tension")):
         values = dense[name].values
         mean = (values.sum() - (values[0] + values[-1]) / 2) / 2000  # of a uniform friction
-        assert float(found["exact"][k]) == pytest.approx(np.abs(values / mean - 1).max(), rel=1e-6)
+        assert found.terms[k].exact == pytest.approx(np.abs(values / mean - 1).max(), rel=1e-6)
 
 
 @pytest.mark.parametrize("count", [5, 31])

@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 
 from tests.workflow.conftest import Project
-from workflow.design import outcome, unreached
+from workflow.design.told import table, unreached
 
 LINE = (
     "target impossible: not reachable: trailing_tension <= 1 MPa binds; the least violated design misses it by 9075 %"
@@ -21,19 +21,19 @@ def test_a_run_ends_with_it_also_where_nothing_is_to_be_done(ran: Project, tmp_p
     done = ran.run("meecontact", "run", "small", "--cores", "2")
     assert done.stdout.splitlines()[-2:] == [LINE, "report: results/small/report.html"]
     assert done.stdout.count(LINE) == 1
-    table = done.stdout.splitlines()[:-2]
-    assert table == outcome.table(ran.folder / "results/small", ["sensor", "impossible"])
-    assert table[0].split() == ["target", "verdict", "goal", "design"]
+    lines = done.stdout.splitlines()[:-2]
+    assert lines == table.outcome(ran.folder / "results/small", ["sensor", "impossible"])
+    assert lines[0].split() == ["target", "verdict", "goal", "design"]
     assert re.match(
         r"sensor +beyond linear theory; otherwise recommended +voltage per load 4[\d.]+ mV·m/N "
         r"+volume fraction 0\.6\d+, radius 1",
-        table[1],
+        lines[1],
     )
-    assert table[2].strip() == "Tension behind the contact of 50 MPa stops it."
-    assert re.match("impossible +not reachable +stroke per volt", table[3])
-    assert "9075 % beyond" in table[4]
+    assert lines[2].strip() == "Tension behind the contact of 50 MPa stops it."
+    assert re.match("impossible +not reachable +stroke per volt", lines[3])
+    assert "9075 % beyond" in lines[4]
     assert "writing the page" not in done.stderr  # nothing was to be done
-    assert outcome.table(tmp_path, []) == []
+    assert table.outcome(tmp_path, []) == []
 
 
 def test_plain_snakemake_tells_it_of_the_designs_that_it_makes(ran: Project, tmp_path: Path) -> None:

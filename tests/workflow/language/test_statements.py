@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from solver.names import ALL_QUANTITIES, FACTORS
-from workflow.language import grammar, statements, units
+from workflow.language import grammar, statements, statistics, units
 from workflow.language.constants import FIGURES
 from workflow.language.expressions import units_of
 
@@ -117,7 +117,7 @@ def test_an_overflow_is_infinite_without_a_warning(text: str) -> None:
 @settings(max_examples=300, deadline=None)
 @given(st.text(max_size=60) | st.lists(st.sampled_from([*NAMES, *"+-*/^()<>=.,1e "])).map("".join))
 def test_any_text_is_read_or_refused_in_one_line(text: str) -> None:
-    for read in (statements.objective, statements.limit, statements.statistic, units.parse):
+    for read in (statements.objective, statements.limit, statistics.statistic, units.parse):
         reader: Any = read
         try:
             reader(text)
@@ -199,11 +199,11 @@ def test_refuses_other_limits(text: str, reason: str) -> None:
 
 
 def test_statistics_of_the_objective() -> None:
-    assert statements.statistic("worst case").deviations is None
-    assert statements.statistic("mean").deviations == 0
-    assert statements.statistic("mean - 2.5 std").deviations == 2.5
+    assert statistics.statistic("worst case") == statistics.Worst()
+    assert statistics.statistic("mean") == statistics.statistic("mean - 0 std") == statistics.Mean(0.0)
+    assert statistics.statistic("mean - 2.5 std") == statistics.Mean(2.5)
     with pytest.raises(ValueError, match="'best case' is not 'worst case', 'mean'"):
-        statements.statistic("best case")
+        statistics.statistic("best case")
 
 
 def test_every_unit_of_the_interface_is_known() -> None:

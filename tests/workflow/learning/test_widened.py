@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver import solve
-from workflow.design import search
+from workflow.design.search import targets
 from workflow.learning import widened
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
@@ -57,12 +57,12 @@ def test_a_wider_question_is_answered_exactly(study: Study) -> None:
     own = widened.made(study, target, wider)
     assert (own.factors["volume_fraction"].levels, own.factors["radius"].levels) == (15, 6)
     assert own.outputs == ["trailing_tension", "voltage_sensitivity"]
-    found = search.answer(own, "mine", target, widened.learned(own))
+    found = targets.answer(own, "mine", target, widened.learned(own))
     over = {"volume_fraction": np.linspace(0.5, 0.8, 301), "radius": np.geomspace(0.05, 0.2, 301)}
     exact = solve({**over, "composite": "fibrous", "load": 1e4, "friction": 0.2})
     dense = abs(exact["voltage_sensitivity"]).where(exact["trailing_tension"] <= 40e6).max()
-    assert float(found["exact"][0]) >= float(dense) * (1 - 1e-6)
-    assert bool(found["feasible"])
+    assert found.terms[0].exact >= float(dense) * (1 - 1e-6)
+    assert found.feasible
 
 
 def test_what_cannot_be_wider_is_one_line(study: Study) -> None:
@@ -98,12 +98,12 @@ def test_groups_widen_with_their_factors(tmp_path: Path) -> None:
     assert {text: one.levels for text, one in own.groups.items()} == {
         "volume_fraction": 18, "friction": 3, "load * radius": 8,
     }  # fmt: skip
-    found = search.answer(own, "mine", target, widened.learned(own))
+    found = targets.answer(own, "mine", target, widened.learned(own))
     over = {"volume_fraction": np.linspace(0.5, 0.8, 101), "radius": np.geomspace(0.05, 0.4, 101)}
     exact = solve({**over, "friction": np.linspace(0.1, 0.3, 5), "composite": "fibrous", "load": 1e4})
     goal, tension = abs(exact["voltage_sensitivity"]).min("friction"), exact["trailing_tension"].max("friction")
-    assert float(found["exact"][0]) >= float(goal.where(tension <= 40e6).max()) * (1 - 1e-6)
-    assert bool(found["feasible"])
+    assert found.terms[0].exact >= float(goal.where(tension <= 40e6).max()) * (1 - 1e-6)
+    assert found.feasible
     beyond_one = {"over": {"volume_fraction": {"high": 1.0}, "radius": {}}}
     for changed, words in (
         (beyond_one, "volume_fraction: scale: logit needs a range between 0"),

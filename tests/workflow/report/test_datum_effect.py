@@ -10,6 +10,7 @@ import solver
 from solver.halfplane.surface import HalfPlane
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
+from workflow.design.verdict import netcdf
 from workflow.report import datum_effect
 from workflow.study.datum import HANGING
 from workflow.study.model import load
@@ -37,22 +38,22 @@ def test_changes_with_the_datum_are_those_of_the_exact_solver(ran: Project) -> N
 
 def test_a_design_says_what_another_datum_makes_of_it(ran: Project) -> None:
     study = load(ran.folder / "config/small.yaml")
-    answer = read_whole(ran.folder / "results/small/design/sensor.nc")
+    answer = netcdf.read(ran.folder / "results/small/design/sensor.nc")
     (row,) = datum_effect.of_design(study, study.design["sensor"], answer)
     assert row["name"] == "abs(voltage_sensitivity)"
     assert row["units"] == "V m N-1"
-    assert row["values"][1] == pytest.approx(float(answer["exact"][0]), rel=1e-9)
+    assert row["values"][1] == pytest.approx(answer.terms[0].exact, rel=1e-9)
     assert row["values"][2] - row["values"][1] == pytest.approx(row["values"][1] - row["values"][0], rel=1e-9)
-    other = read_whole(ran.folder / "results/small/design/impossible.nc")
+    other = netcdf.read(ran.folder / "results/small/design/impossible.nc")
     assert datum_effect.of_design(study, study.design["impossible"], other) == []  # a stroke, under a tension
 
 
 def test_conduction_outweighs_the_tension_in_the_zone_that_the_page_names(ran: Project) -> None:
     study = load(ran.folder / "config/small.yaml")
-    answer = read_whole(ran.folder / "results/small/design/sensor.nc")
-    edge = datum_effect.singular_zone(study, study.design["sensor"], answer)
+    answer = netcdf.read(ran.folder / "results/small/design/sensor.nc")
+    edge = datum_effect.singular_zone(study, answer)
     assert edge is not None
-    case = {str(name): float(answer["worst"].sel(factor=name)[1]) for name in answer["factor"].values}
+    case = dict(answer.terms[1].worst)
     inside, outside = 1 - np.array([1.0, 25.0]) * edge["zone"] / edge["half"], [1 + 1e-9]
     exact = solver.solve(case, [*inside, *outside])
     stress = exact["stress_xx"].values

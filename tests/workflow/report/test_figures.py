@@ -2,6 +2,7 @@
 
 import re
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,8 @@ from matplotlib.text import Text
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
 from workflow.dataset import slabs as dataset
+from workflow.design.verdict import netcdf
+from workflow.language import statements
 from workflow.report import problem, svg
 from workflow.report.figures import design_plots, field_panels, sobol, style, surrogate_errors
 from workflow.study import partition
@@ -49,8 +52,12 @@ def test_the_drawing_of_the_problem_follows_light_and_dark() -> None:
 
 def test_no_text_is_cut_and_no_power_of_ten_stands_apart_from_its_ticks(ran: Project) -> None:
     study, folder = load(ran.folder / "config/small.yaml"), ran.folder / "results/small"
-    answer, long = read_whole(folder / "design/sensor.nc"), "abs(voltage_sensitivity) * (contact_trailing + radius) / 2"
-    answer.attrs["objective"] = long
+    answer, long = (
+        netcdf.read(folder / "design/sensor.nc"),
+        "abs(voltage_sensitivity) * (contact_trailing + radius) / 2",
+    )
+    goal = replace(answer.terms[0], statement=statements.objective(long))
+    answer = replace(answer, terms=(goal, *answer.terms[1:]))
     drawn = [*design_plots.figures_of(answer, study.design["sensor"]).values()]
     drawn += [surrogate_errors.parity(read_whole(folder / "validation.nc"))]
     drawn += [sobol.main_effects(read_whole(folder / "sensitivity.nc"), study.of_interest)]

@@ -1,14 +1,16 @@
 """The first screen's sentences and drawings follow their numbers."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
 
 from tests.workflow.conftest import Project
-from workflow.design.spoken import verdict
-from workflow.report import device, firstscreen, sentences
+from workflow.design.told.words import verdict
+from workflow.design.verdict import netcdf
+from workflow.report import device, exact, firstscreen, sentences
 from workflow.report.device import Device
 from workflow.report.firstscreen import Case
 from workflow.report.svg import ACCENT, BAD
@@ -59,24 +61,30 @@ def test_every_punch_touches_its_contact(one: Device, words: str) -> None:
 def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     study = load(ran.folder / "config/small.yaml")
     folder, target = ran.folder / "results/small/design", study.design["sensor"]
-    found = xr.load_dataset(folder / "sensor.nc")
-    one = firstscreen.answered(study, "sensor", target, found)
+    found = netcdf.read(folder / "sensor.nc")
+    one = firstscreen.answered(study, "sensor", target, found, exact.contact(study, found))
     assert one.reachable
     assert one.limit == "Tension behind the contact of 50 MPa stops it."
     assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane", one.body)
     assert one.good.endswith(" of voltage per load (ground 1 m away) at worst over friction 0.1 to 0.4")
-    other = found.copy(deep=True)
-    other["exact"][0] *= 2
-    other["cost"][:] *= 2
-    other["value"].loc[{"factor": "radius"}] = 0.05
-    changed = firstscreen.answered(study, "sensor", target, other)
+    goal = replace(found.terms[0], exact=2 * found.terms[0].exact)
+    variables = [
+        replace(
+            variable,
+            value=0.05 if variable.name == "radius" else variable.value,
+            sensitivity=replace(variable.sensitivity, cost=2 * variable.sensitivity.cost),
+        )
+        for variable in found.variables
+    ]
+    other = replace(found, terms=(goal, *found.terms[1:]), variables=tuple(variables))
+    changed = firstscreen.answered(study, "sensor", target, other, exact.contact(study, other))
     assert changed.punch == "R = 50 mm" != one.punch
     number = [float(text.good.split("\N{NO-BREAK SPACE}")[0]) for text in (one, changed)]
     assert number[1] == pytest.approx(2 * number[0], rel=0.01)
     assert changed.cost != one.cost
     assert changed.sure != one.sure
     assert changed.drawing != one.drawing
-    missed = verdict(xr.load_dataset(folder / "impossible.nc"))
+    missed = verdict(netcdf.read(folder / "impossible.nc"))
     assert sentences.reached({"sensor": one.verdict, "a_b": missed}) == "A b is not reachable (1 of 2 targets)."
     assert sentences.reached({"sensor": one.verdict}) == "The target is reachable."
 
@@ -94,7 +102,7 @@ def test_the_body_is_said_by_what_it_is() -> None:
     layers = study.model_copy(update={"body": [BodyLayer.model_validate(one) for one in body]})
     told = "Fibrous, 20 % BaTiO3, 100 µm on fibrous, 40 % BaTiO3, 100 µm on fibrous, 60 % BaTiO3, 100 µm on steel"
     assert firstscreen.body_in_words(layers, case) == told
-    contact = xr.Dataset({"contact_trailing": 1e-4, "contact_leading": 1e-4})
+    contact = {"contact_trailing": 1e-4, "contact_leading": 1e-4}
     assert firstscreen.of_case(layers, {**case, "load": 1e4}, contact).base == "2 more layers on steel"
     assert firstscreen.punch_in_words({"profile": "flat", "width": 2e-3}) == "flat punch 2 mm wide"
     assert firstscreen.punch_in_words({"profile": "wedge", "slope": 0.02}) == "wedge of slope 0.02"

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -19,7 +20,9 @@ from tests.workflow.conftest import Project
 from tests.workflow.report.browser import needs_browser, opened
 from workflow.cli import predictions
 from workflow.dataset.slabs import open_results
-from workflow.design import assessment, scenarios
+from workflow.design.asking import scenarios
+from workflow.design.verdict import netcdf
+from workflow.language import statements
 from workflow.report import whatif
 from workflow.study.model import load
 from workflow.study.target import Target
@@ -240,13 +243,15 @@ def test_the_page_is_self_contained(ran: Project) -> None:
     assert set(re.findall(r"url\((.)", text)) == {"#"}
 
 
-def test_text_from_the_study_is_escaped(ran: Project) -> None:
+def test_text_from_the_study_is_escaped_and_nothing_is_solved(ran: Project, monkeypatch: pytest.MonkeyPatch) -> None:
+    from workflow.dataset import factorial
     from workflow.report import page
     from workflow.study import model as studies
 
     config = studies.load(ran.folder / "config/small.yaml").model_copy(update={"title": "<script>alert(1)</script>"})
     results = ran.folder / "results/small"
     figures = sorted((results / "figures").rglob("*.svg"))
+    monkeypatch.delattr(factorial, "exact")
     text = page.page(config, "small", results, figures, results / "provenance.json")
     assert "<script>alert" not in text
     assert "&lt;script&gt;" in text
@@ -308,25 +313,26 @@ def test_sliders_move_numbers_that_are_those_of_python(ran: Project, moved: dict
             assert float(value) == pytest.approx(float(model.box[name].from_unit(t)), rel=1e-12)
     texts = {tuple(one["shown"]) for one in found["seen"]}
     assert len(texts) == len(found["seen"])
-    design = read_whole(ran.folder / "results/small/design/sensor.nc")
+    design = netcdf.read(ran.folder / "results/small/design/sensor.nc")
     for name, value in found["presets"][0]["inputs"].items():
-        assert float(value) == pytest.approx(float(design["worst"].sel(factor=name)[0]), rel=1e-9)
+        assert float(value) == pytest.approx(design.terms[0].worst[name], rel=1e-9)
 
 
 def designs_are_never_called_broken(found: dict[str, Any], folder: Path, targets: list[str]) -> None:
     """The panel on every design says what the design's own verdict says, of the design's own limits."""
     for shown, moved, name in zip(found["presets"], found["moved"], targets, strict=True):
-        answer = read_whole(folder / "design" / f"{name}.nc")
-        limited = answer.sel(term=np.isfinite(answer["limit"]))
-        held = limited["margin"].values >= -assessment.ROUNDING
-        assert [one["limit"] for one in shown["limits"]] == list(limited["term"].values)
+        answer = netcdf.read(folder / "design" / f"{name}.nc")
+        limits, held = answer.limits, [not limit.broken for limit in answer.limits]
+        assert [one["limit"] for one in shown["limits"]] == [limit.name for limit in limits]
         assert [one["verdict"] for one in shown["limits"]] == ["held" if one else "broken" for one in held]
-        assert [one["value"] for one in shown["limits"]] == pytest.approx(limited["exact"].values)
+        assert [one["value"] for one in shown["limits"]] == pytest.approx([limit.exact for limit in limits])
         # the surrogate, asked for the same design: by the same tolerance as the verdict's
-        assert [one["verdict"] != "broken" for one in moved["limits"]] == list(held)
-        assert [one["value"] for one in moved["limits"]] == pytest.approx(limited["predicted"].values, rel=1e-9)
-        assert [one["room"] for one in moved["limits"]] == pytest.approx(limited["half"].values, rel=1e-6)
-        assert bool(answer["feasible"]) == all(held)
+        assert [one["verdict"] != "broken" for one in moved["limits"]] == held
+        assert [one["value"] for one in moved["limits"]] == pytest.approx(
+            [limit.predicted for limit in limits], rel=1e-9
+        )
+        assert [one["room"] for one in moved["limits"]] == pytest.approx([limit.half for limit in limits], rel=1e-6)
+        assert answer.feasible == all(held)
 
 
 @needs_browser
@@ -359,8 +365,9 @@ def test_the_page_knows_which_limits_a_point_decides(ran: Project, limit: str, j
     changed = {"worst_case": {}, "uncertain": {"friction": {"normal": [0.2, 0.03]}}, "subject_to": [limit]}
     changed |= {"tolerance": {"radius": "5 %"}}
     target = Target.model_validate(config.design["sensor"].model_dump() | changed)
-    answer = read_whole(ran.folder / "results/small/design/sensor.nc").isel(term=[0, 1])
-    answer = answer.assign_coords(term=[str(answer["term"].values[0]), limit])
+    answer = netcdf.read(ran.folder / "results/small/design/sensor.nc")
+    goal, first, *_ = answer.terms
+    answer = replace(answer, terms=(goal, replace(first, statement=statements.limit(limit))))
     folder, model = ran.folder / "results/small", surrogate.load(ran.folder / "results/small/surrogate.nc")
     quantities = read_whole(folder / "quantities.nc")
     found = whatif.content(config.model_copy(update={"design": {"one": target}}), model, quantities, [answer])

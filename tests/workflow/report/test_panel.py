@@ -13,10 +13,12 @@ import surrogate
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
 from tests.workflow.report.browser import needs_browser, opened
-from workflow.design import assessment, scenarios, search
-from workflow.design.designs import Designs
-from workflow.design.question import ask
-from workflow.design.sources import Exact, Predicted
+from workflow.design.asking import scenarios
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import ask
+from workflow.design.asking.sources import Exact, Predicted
+from workflow.design.search import targets
+from workflow.design.verdict import assessment
 from workflow.language.numbers import shown
 from workflow.learning import surface
 from workflow.report import device, live, whatif
@@ -237,7 +239,7 @@ def test_limits_within_tolerances_are_judged_as_python_judges_them(
     asked = study.design["sensor"].model_dump() | {"tolerance": {"radius": "5 %", "volume_fraction": 0.02}}
     asked["subject_to"] = [*asked["subject_to"], "abs(voltage) / contact_trailing <= 4 MV/m"]
     mine = study.model_copy(update={"design": {"sensor": Target.model_validate(asked)}})
-    design = search.answer(mine, "sensor", mine.design["sensor"], model)
+    design = targets.answer(mine, "sensor", mine.design["sensor"], model)
     content = whatif.content(mine, model, read_whole(folder / "quantities.nc"), [design])
     page = re.sub(
         r'(<script type="application/json" id="whatif-data">).*?(</script>)',

@@ -24,7 +24,7 @@ def test_slabs_reach_the_solver_and_its_data() -> None:
     } <= files
     assert not files & {
         "workflow/report/page.py",
-        "workflow/design/search.py",
+        "workflow/design/search/targets.py",
         "workflow/report/figures/style.py",
         "workflow/cli/main.py",
     }
@@ -33,7 +33,7 @@ def test_slabs_reach_the_solver_and_its_data() -> None:
 
 def test_a_design_reaches_solver_and_surrogate() -> None:
     files = reached("target.py")
-    assert {"solver/halfplane/contact.py", "surrogate/search/optimise.py", "workflow/design/search.py"} <= files
+    assert {"solver/halfplane/contact.py", "surrogate/search/optimise.py", "workflow/design/search/targets.py"} <= files
     assert "workflow/report/page.py" not in files
 
 
@@ -53,7 +53,7 @@ def test_jobs_without_models_and_figures_start_without_their_libraries(module: s
 
 
 def test_the_page_does_not_reach_the_design_search() -> None:
-    assert "workflow/design/search.py" not in reached("report.py")
+    assert "workflow/design/search/targets.py" not in reached("report.py")
 
 
 def test_the_hash_follows_the_bytes() -> None:

@@ -12,7 +12,8 @@ from surrogate import GaussianProcess
 from tests.surrogate.hypervolume import hypervolume
 from workflow.cli import questions
 from workflow.dataset import factorial
-from workflow.design import answers, search
+from workflow.design.search import targets
+from workflow.design.told import table
 from workflow.learning import readout_trial, training
 from workflow.study.categories import output
 from workflow.study.model import Study, load
@@ -60,45 +61,47 @@ def test_every_combination_is_learned(study: Study, model: GaussianProcess) -> N
 
 
 def test_the_chosen_combination_is_the_best_of_all(study: Study, model: GaussianProcess) -> None:
-    answer = search.solve_target(study, "voltage", model)
+    answer = targets.solve_target(study, "voltage", model)
     best = {}
     for kinds in product(MATERIALS, PROFILES):
         sensitivity, tension = dense(*kinds)
         if np.any(tension <= 50e6):
             best[kinds] = float(sensitivity[tension <= 50e6].max())
     winner = max(best, key=lambda kinds: best[kinds])
-    assert tuple(kind for _, kind, _ in answers.kinds(answer)) == winner
-    objective = float(answer["exact"].sel(term=f"abs({SENSITIVITY})"))
+    assert tuple(answer.kinds.values()) == winner
+    objective = answer.term(f"abs({SENSITIVITY})").exact
     assert best[winner] * (1 - 1e-9) <= objective <= best[winner] * 1.001
-    assert np.all(answer["margin"].values[1:] >= 0)
-    listed = dict(zip(answer["choice"].values, answer["choice_objective"].values, strict=True))
+    assert all(limit.margin >= 0 for limit in answer.limits)
+    listed = {one.choice: one.choice_objective for one in answer.choices}
     assert len(listed) == 8
-    feasible = answer["choice_feasible"].values
-    assert {name for name, good in zip(listed, feasible, strict=True) if good} == {", ".join(kinds) for kinds in best}
+    assert {one.choice for one in answer.choices if one.choice_feasible} == {", ".join(kinds) for kinds in best}
     for kinds, value in best.items():
         assert listed[", ".join(kinds)] == pytest.approx(value, rel=1e-3)
 
 
 def test_choices_of_numbers_and_names_together(study: Study, model: GaussianProcess) -> None:
-    answer = search.solve_target(study, "charge", model)
-    assert answers.kinds(answer) == [("material", "PZT-5H", "variable"), ("profile", "cylinder", "given")]
-    assert answer.sizes["choice"] == 20
-    assert float(answer["value"].sel(factor="radius")) in (0.02, 0.05, 0.1, 0.15, 0.2)
-    rows = answers.table([answer]).splitlines()
+    answer = targets.solve_target(study, "charge", model)
+    categories = [(one.category, one.kind, one.kind_role) for one in answer.categories]
+    assert categories == [("material", "PZT-5H", "variable"), ("profile", "cylinder", "given")]
+    assert len(answer.choices) == 20
+    assert answer.variable("radius").value in (0.02, 0.05, 0.1, 0.15, 0.2)
+    rows = table.as_csv([answer]).splitlines()
     assert "charge,variable,material,,,,PZT-5H,,," in rows
     assert "charge,given,profile,,,,cylinder,,," in rows
 
 
 def test_the_front_is_that_of_all_combinations(study: Study, model: GaussianProcess) -> None:
-    answer = search.solve_target(study, "front", model)
-    found = answer["front_exact"].values * [1, -1]
+    answer = targets.solve_target(study, "front", model)
+    found = answer.pictures["front_exact"].values * [1, -1]
     everything = np.concatenate([np.stack(dense(*kinds), -1) for kinds in product(MATERIALS, PROFILES)]) * [1, -1]
     everything = everything[everything[:, 1] >= -150e6]
     reference = everything.min(0)
     assert hypervolume(found, reference) >= 0.999 * hypervolume(everything, reference)
-    chosen = set(answer["front_choice"].values)
+    chosen = set(answer.pictures["front_choice"].values)
     assert len(chosen) > 1
-    for value, choice in zip(answer["front_exact"].values, answer["front_choice"].values, strict=True):
+    for value, choice in zip(
+        answer.pictures["front_exact"].values, answer.pictures["front_choice"].values, strict=True
+    ):
         sensitivity, tension = dense(*choice.split(", "))
         assert tension[np.abs(sensitivity - value[0]).argmin()] == pytest.approx(value[1], rel=0.02)
 

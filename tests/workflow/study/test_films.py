@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from solver.names import FILM_QUANTITIES, QUANTITIES
-from workflow.design import budget
+from workflow.design.asking import budget
 from workflow.study import datum, solvable
 from workflow.study.model import Study, load, thawed
 from workflow.study.reading import InputError

@@ -11,9 +11,10 @@ from solver.names import FIELDS
 from storage.netcdf import read_whole
 from workflow.dataset import datacard, factorial
 from workflow.dataset import slabs as dataset
-from workflow.design import search
-from workflow.design.contact_fields import fields
+from workflow.design.search import targets
+from workflow.design.search.contact_fields import fields
 from workflow.learning import training
+from workflow.report import exact as report
 from workflow.report import firstscreen, page
 from workflow.study.datum import hanging
 from workflow.study.model import Study, load, thawed
@@ -108,10 +109,10 @@ def test_a_body_of_one_layer_is_the_film_of_the_same_factors(tmp_path: Path) -> 
 def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
     model = training.fit(study, factorial.exact(study, factorial.axes(study)))
     model.calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
-    answer = search.solve_target(study, "thin", model)
-    design = {name: float(answer["value"].sel(factor=name)) for name in study.factors}
+    answer = targets.solve_target(study, "thin", model)
+    design = {name: answer.variable(name).value for name in study.factors}
     assert design["copper_thickness"] <= 55e-6 * (1 + 1e-9)
-    base = str(answer["kind"].sel(category="base").item())
+    base = answer.kinds["base"]
     body = stack(design["copper_thickness"], design["volume_fraction"], base)
     case = {"body": body, "radius": 0.05, "friction": 0.1, "load": design["load"]}
     exact = solver.solve(case)
@@ -119,8 +120,10 @@ def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
         ("abs(voltage_sensitivity)", abs(exact["voltage_sensitivity"])),
         ("nominal_field <= 3 kV/mm", exact["nominal_field"]),
     ):
-        assert float(answer["exact"].sel(term=term)) == pytest.approx(float(value), rel=1e-9)
-    told = firstscreen.answered(study, "thin", study.design["thin"], answer).body
+        assert answer.term(term).exact == pytest.approx(float(value), rel=1e-9)
+    ends = report.contact(study, answer)
+    assert ends["contact_leading"] == pytest.approx(float(exact["contact_leading"]), rel=1e-9)
+    told = firstscreen.answered(study, "thin", study.design["thin"], answer, ends).body
     assert told.startswith("Fibrous, 50 % BaTiO3, 200 µm on copper, ")
     assert told.endswith(" on a rigid base" if base == "rigid" else " on silicon")
     shown = fields(study.narrowed({"base": base}), design)

@@ -343,3 +343,14 @@ def test_a_study_over_the_composition_of_an_alloy(tmp_path: Path) -> None:
     path.write_text(ALLOY.replace("high: 0.4", "high: 0.6"), encoding="utf-8")
     with pytest.raises(InputError, match=r"scandium_fraction: 0.6 is not a finite number >= 0 and <= 0.5 \[1\]"):
         load(path)
+
+
+def test_a_level_that_the_calibration_does_not_tell_is_refused() -> None:
+    one = load(QUICKSTART)
+    content = one.model_dump(exclude_unset=True)
+    content["validation"]["calibration"] = 99
+    assert Study.model_validate({**content, "surrogate": {"level": 0.97}}).surrogate.level == 0.97
+    with pytest.raises(
+        ValueError, match=r"surrogate: level: 0\.99 is more than 0\.98, all that 99 cases of validation"
+    ):
+        Study.model_validate({**content, "surrogate": {"level": 0.99}})

@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from surrogate.intervals.distribution import NOMINAL
 from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
 
 _COLUMNS = 4
-_NOMINAL = 0.95
 
 
 @styled
@@ -46,7 +46,7 @@ def _deciles(ax: Axes, one: xr.Dataset, name: str) -> None:
     ):
         line.set_gid(str(quantity))
     ax.plot(one["decile"], coverage.min(axis=0), color=ORANGE, lw=1.5, label="least of all quantities")
-    ax.axhline(_NOMINAL, color=GREY, ls="--", lw=1)
+    ax.axhline(NOMINAL, color=GREY, ls="--", lw=1)
     ax.set_ylim(min(0.84, float(coverage.min()) - 0.01), 1.003)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_title(f"decile of {name.replace('_', ' ')}")

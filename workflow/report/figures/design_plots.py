@@ -4,14 +4,13 @@ from collections.abc import Callable
 
 import matplotlib.pyplot as plt
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from workflow.design.contact_fields import SURFACE
+from workflow.design.search.contact_fields import SURFACE
+from workflow.design.verdict.answer import Answer
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import label, number, prefixed
-from workflow.language.titles import objective
 from workflow.report.figures.contours import below
 from workflow.report.figures.design_kinds import kinds
 from workflow.report.figures.hover import attach_map
@@ -33,25 +32,25 @@ from workflow.report.svg import INK
 from workflow.study.target import Target
 
 
-def figures_of(answer: xr.Dataset, target: Target) -> dict[str, Figure]:
+def figures_of(answer: Answer, target: Target) -> dict[str, Figure]:
     """All of them, by kind."""
     return {kind: draw(kind, answer) for kind in kinds(target)}
 
 
-def draw(kind: str, answer: xr.Dataset) -> Figure:
+def draw(kind: str, answer: Answer) -> Figure:
     """One figure of an answer of `design.answer`."""
     return _DRAWN[kind](answer)
 
 
 @styled
-def _map(answer: xr.Dataset) -> Figure:
+def _map(answer: Answer) -> Figure:
     """First objective over two design variables, the infeasible region hatched, the exact optimum marked."""
-    axes = (answer["map_x"], answer["map_y"])
+    axes = (answer.pictures["map_x"], answer.pictures["map_y"])
     names = [str(axis.attrs["factor"]) for axis in axes]
     sizes = [factor_scale(name, axis.values)[0] for name, axis in zip(names, axes, strict=True)]
     x, y = (axis.values / size for axis, size in zip(axes, sizes, strict=True))
     figure, ax = plt.subplots(figsize=(5.6, 4.1))
-    values, excess = answer["map_objective"].values.T, answer["map_excess"].values.T
+    values, excess = (answer.pictures[f"map_{key}"].values.T for key in ("objective", "excess"))
     size, words = _objective(answer)
     filled = ax.contourf(x, y, values / size, 24, cmap="viridis")
     filled.set_rasterized(True)
@@ -59,7 +58,7 @@ def _map(answer: xr.Dataset) -> Figure:
         ax.contourf(x, y, excess, [0.0, float(excess.max())], colors="none", hatches=["////"])
         if excess.min() < 0:
             ax.contour(x, y, excess, [0.0], colors="white", linewidths=1.6)
-    best = [float(answer["value"].sel(factor=name)) / one for name, one in zip(names, sizes, strict=True)]
+    best = [answer.variable(name).value / one for name, one in zip(names, sizes, strict=True)]
     ax.plot(*([one] for one in best), "*", ms=15, mfc=ORANGE, mec="white", label=_star(answer))
     for name, axis, which in zip(names, axes, ("x", "y"), strict=True):
         _factor_axis(ax, which, name, axis.values)
@@ -71,18 +70,19 @@ def _map(answer: xr.Dataset) -> Figure:
 
 
 @styled
-def _slices(answer: xr.Dataset) -> Figure:
+def _slices(answer: Answer) -> Figure:
     """The first objective along each variable through the design: as it counts, and its band over the scenarios."""
-    names = [str(name) for name in answer["slice"].values]
+    slices = answer.pictures
+    names = [str(name) for name in slices["slice"].values]
     figure, axes = plt.subplots(
         1, len(names), figsize=(max(2.6 * len(names) + 0.6, 4.6), 3.0), squeeze=False, sharey=True
     )
     size, words = _objective(answer)
-    lowest, highest = float(answer["slice_low"].min()) / size, float(answer["slice_high"].max()) / size
+    lowest, highest = float(slices["slice_low"].min()) / size, float(slices["slice_high"].max()) / size
     pad = 0.05 * (highest - lowest)
     ends = (lowest - pad, highest + pad)
     for ax, name in zip(axes.flat, names, strict=True):
-        one = answer.sel(slice=name)
+        one = slices.sel(slice=name)
         width = factor_scale(name, one["slice_value"].values)[0]
         x, excess = one["slice_value"].values / width, one["slice_excess"].values
         low, high = one["slice_low"].values / size, one["slice_high"].values / size
@@ -90,8 +90,8 @@ def _slices(answer: xr.Dataset) -> Figure:
         ax.plot(x, one["slice_objective"].values / size, color=BLUE, lw=1.6, label="as it counts")
         ax.fill_between(x, *ends, where=list(excess > 0), facecolor="none", edgecolor=GREY, hatch="////", lw=0,
                         label="breaks a limit")  # fmt: skip
-        best = float(answer["value"].sel(factor=name)) / width
-        ax.plot([best], [float(answer["exact"][0]) / size], "*", ms=13, mfc=ORANGE, mec=INK, mew=0.6,
+        best = answer.variable(name).value / width
+        ax.plot([best], [answer.terms[0].exact / size], "*", ms=13, mfc=ORANGE, mec=INK, mew=0.6,
                 label=f"{_star(answer)}, exact")  # fmt: skip
         ax.set_ylim(ends)
         _factor_axis(ax, "x", name, one["slice_value"].values)
@@ -101,15 +101,15 @@ def _slices(answer: xr.Dataset) -> Figure:
 
 
 @styled
-def _bars(answer: xr.Dataset) -> Figure:
+def _bars(answer: Answer) -> Figure:
     """Elasticities of objective and limits: percent for a percent, exact."""
-    names = [str(name) for name in answer["factor"].values if np.isfinite(answer["elasticity"].sel(factor=name)).any()]
-    terms = [str(term) for term in answer["term"].values]
-    figure, ax = plt.subplots(figsize=(5.8, 0.3 * len(terms) * max(len(names), 1) + 1.1))
-    height = 0.8 / max(len(names), 1)
-    for k, name in enumerate(names):
-        values = answer["elasticity"].sel(factor=name).values
-        places = np.arange(len(terms)) + (k - (len(names) - 1) / 2) * height
+    varied = [variable for variable in answer.variables if np.isfinite(variable.sensitivity.elasticity).any()]
+    terms = [term.name for term in answer.terms]
+    figure, ax = plt.subplots(figsize=(5.8, 0.3 * len(terms) * max(len(varied), 1) + 1.1))
+    height = 0.8 / max(len(varied), 1)
+    for k, variable in enumerate(varied):
+        values, name = np.array(variable.sensitivity.elasticity), variable.name
+        places = np.arange(len(terms)) + (k - (len(varied) - 1) / 2) * height
         drawn = ax.barh(places, values, height * 0.9, color=DISTINCT[k % len(DISTINCT)], label=name.replace("_", " "))
         texts = [number(value, 2) if np.isfinite(value) else "" for value in values]
         ax.bar_label(drawn, texts, padding=3, fontsize=7.5)
@@ -123,18 +123,19 @@ def _bars(answer: xr.Dataset) -> Figure:
 
 
 @styled
-def _contact(answer: xr.Dataset) -> Figure:
+def _contact(answer: Answer) -> Figure:
     """Exact fields of the contact on the surface, and stresses below it."""
-    surface = [name for name in SURFACE if f"field_{name}" in answer]
-    inside = [name for name in ("von_mises", "stress_xx") if f"inside_{name}" in answer]
+    fields = answer.pictures
+    surface = [name for name in SURFACE if f"field_{name}" in fields]
+    inside = [name for name in ("von_mises", "stress_xx") if f"inside_{name}" in fields]
     figure = plt.figure(figsize=(10.4, 5.2))
     # apart, so that a colour bar below makes no gap above
     above, under = figure.subfigures(2, 1, height_ratios=[1, 1.15], squeeze=False)[:, 0]
-    X = answer["position"].values
+    X = fields["position"].values
     for name, ax in zip(surface, above.subplots(1, len(surface)), strict=True):
-        values = answer[f"field_{name}"].values
+        values = fields[f"field_{name}"].values
         away = (np.abs(np.abs(X) - 1) > NEAR_EDGE) & (np.abs(X) < 3)
-        size, words = field_label(answer[f"field_{name}"].rename(name), float(np.abs(values[away]).max()))
+        size, words = field_label(fields[f"field_{name}"].rename(name), float(np.abs(values[away]).max()))
         for part in (X < -1, np.abs(X) < 1, X > 1):
             ax.plot(X[part], values[part] / size, color=BLUE, lw=1.5)
         ends = np.array([min(values[away].min(), 0.0), max(values[away].max(), 0.0)]) / size
@@ -145,7 +146,7 @@ def _contact(answer: xr.Dataset) -> Figure:
         ax.set_ylabel("")
         ax.set_xlabel("(x - c)/h")
     for name, ax in zip(inside, under.subplots(1, len(inside), squeeze=False).flat, strict=True):
-        field = answer[f"inside_{name}"].rename(name).transpose("y", "x")
+        field = fields[f"inside_{name}"].rename(name).transpose("y", "x")
         size, words = below(under, [ax], [field], "below")
         attach_map(ax, field["x"].values, field["y"].values, field.values / size, words)
         ax.set_xlabel("(x - c)/h")
@@ -154,22 +155,22 @@ def _contact(answer: xr.Dataset) -> Figure:
 
 
 @styled
-def _front(answer: xr.Dataset) -> Figure:
+def _front(answer: Answer) -> Figure:
     """The exact Pareto front: the first objective against each other one, the compromise marked."""
-    traced = "front" in answer.dims  # which no target has that is not reachable
-    names = [
-        str(name) for name in (answer["objective"] if traced else answer["term"][np.isnan(answer["limit"])]).values
-    ]
+    front = answer.pictures
+    traced = "front" in front.dims  # which no target has that is not reachable
+    names = [goal.name for goal in answer.objectives]
     figure, axes = plt.subplots(1, len(names) - 1, figsize=(5.8 * (len(names) - 1) ** 0.7, 4.0), squeeze=False)
     for ax, other in zip(axes.flat, names[1:], strict=True):
         labels, columns, best = [], [], []
-        choices = answer["front_choice"].values if traced else np.empty(0, dtype=str)
+        choices = front["front_choice"].values if traced else np.empty(0, dtype=str)
         for name in (names[0], other):
-            values = (answer["front_exact"].sel(objective=name) if traced else answer["exact"].sel(term=[name])).values
-            size, units = prefixed(float(np.abs(values).max()), str(answer["units"].sel(term=name).values))
+            goal = answer.term(name)
+            values = front["front_exact"].sel(objective=name).values if traced else np.array([goal.exact])
+            size, units = prefixed(float(np.abs(values).max()), goal.units)
             columns.append(values / size)
             labels.append(label(name, units, 44))
-            best.append([float(answer["exact"].sel(term=name)) / size])
+            best.append([goal.exact / size])
         for k, choice in enumerate(dict.fromkeys(choices)):
             own = choices == choice
             # a line would join what another choice lies between
@@ -190,7 +191,7 @@ def _front(answer: xr.Dataset) -> Figure:
     return figure
 
 
-_DRAWN: dict[str, Callable[[xr.Dataset], Figure]] = {
+_DRAWN: dict[str, Callable[[Answer], Figure]] = {
     "map": _map,
     "slices": _slices,
     "bars": _bars,
@@ -199,15 +200,15 @@ _DRAWN: dict[str, Callable[[xr.Dataset], Figure]] = {
 }
 
 
-def _star(answer: xr.Dataset, kind: str = "design") -> str:
+def _star(answer: Answer, kind: str = "design") -> str:
     """What the star of a figure is."""
-    return f"recommended {kind}" if bool(answer["feasible"]) else "least violated design: not reachable"
+    return f"recommended {kind}" if answer.feasible else "least violated design: not reachable"
 
 
-def _objective(answer: xr.Dataset) -> tuple[float, str]:
+def _objective(answer: Answer) -> tuple[float, str]:
     """What to divide the first objective by, and its label."""
-    size, units = prefixed(float(np.abs(answer["exact"][0])), str(answer["units"].values[0]))
-    return size, label(f"{answer.attrs['statistic']} {objective(str(answer.attrs['objective']))}", units, 34)
+    size, units = prefixed(abs(answer.terms[0].exact), answer.terms[0].units)
+    return size, label(f"{answer.statistic} {answer.terms[0].title}", units, 34)
 
 
 def _factor_axis(ax: Axes, which: str, name: str, values: Array) -> None:

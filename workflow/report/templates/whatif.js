@@ -134,7 +134,7 @@ function startWhatIf(root) {
     return { goal: (maximise ? Math.min : Math.max)(...found), broken };
   }
 
-  // The verdict of workflow/design/assessment.py: exact at the design; elsewhere the worst scenario on the surrogate, where what
+  // The verdict of workflow/design/verdict/assessment.py: exact at the design; elsewhere the worst scenario on the surrogate, where what
   // is within its interval and the study's tolerance of the limit counts as held.
   function verdict(limit, cases) {
     if (design !== null) return { value: limit.exact, room: 0, words: limit.held ? "held" : "broken" };

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 import surrogate
+from approximation.chebyshev import gauss_points
 from approximation.measure import Measure
 from approximation.panels import Panels
 from surrogate import CurveGP, GridGP
-from surrogate.data.inputs import gauss_points
 from surrogate.face.engines import ENGINES
 from surrogate.face.persistence import nested, restored
 from surrogate.transforms.curves.basis import Basis

@@ -1,0 +1,106 @@
+"""Point contacts through the face: half-spaces, films, mixed tables, refusals."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver.names import FACTORS, POINT_QUANTITIES
+from solver.similarity import FACTOR_WEIGHTS, QUANTITY_WEIGHTS
+
+BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
+COATED = BALL | {"thickness": 1e-4, "base": "steel"}
+
+
+def test_ball_on_a_half_space_has_the_figures_of_the_theory() -> None:
+    found = solver.solve(BALL | {"material": ["PZT-4", "BaTiO3"]})
+    np.testing.assert_allclose(found["contact_radius"], [75.826e-6, 66.220e-6], rtol=1e-5)
+    np.testing.assert_allclose(found["peak_pressure"], [830.4e6, 1088.9e6], rtol=1e-4)
+    np.testing.assert_allclose(found["voltage"], [-728.16, -417.98], rtol=1e-5)
+    np.testing.assert_allclose(found["charge_sensitivity"], [250.1001e-12, 168.2812e-12], rtol=1e-6)
+
+
+def test_every_quantity_has_its_unit_and_none_hangs_on_a_datum() -> None:
+    found = solver.solve(COATED)
+    assert set(found.data_vars) == {*POINT_QUANTITIES, "nominal_field"}
+    for name, value in found.items():
+        assert "datum" not in f"{value.attrs}", name
+        assert name == "nominal_field" or value.attrs["units"] == POINT_QUANTITIES[str(name)].units
+    assert "half-space" in solver.solve(BALL).attrs["title"]
+    assert "datum" not in found.attrs["defaults"]
+    assert "charge = 0 C m-1" not in found.attrs["defaults"]
+
+
+def test_profiles_and_films_may_be_mixed_along_one_dimension() -> None:
+    dims = {"profile": ["sphere", "cone"], "force": [1.0, 10.0]}
+    mixed = solver.solve(COATED | dims | {"slope": 0.1})
+    for name in ("sphere", "cone"):
+        own = {"slope": 0.1} if name == "cone" else {"radius": 5e-3}
+        rest = {key: value for key, value in COATED.items() if key != "radius"}
+        alone = solver.solve(rest | own | {"profile": name, "force": [1.0, 10.0]})
+        np.testing.assert_array_equal(mixed["depth"].sel(profile=name), alone["depth"])
+    both = solver.solve(
+        {"material": "BaTiO3", "profile": ["sphere", "cylinder"], "radius": 0.01, "force": 1.0, "load": 1e4}
+    )
+    assert both["depth"].shape == (2,)
+
+
+def test_a_power_of_2_is_a_sphere_and_a_conduction_of_cases_is_told_apart() -> None:
+    power = {key: value for key, value in COATED.items() if key != "radius"}
+    kinds = {"electric": ["conducting", "insulating"]}
+    one = solver.solve(COATED | kinds)
+    other = solver.solve(power | kinds | {"profile": "power", "exponent": 2.0, "coefficient": 100.0})
+    assert "voltage" not in one
+    np.testing.assert_allclose(one["contact_radius"], other["contact_radius"], rtol=1e-13)
+
+
+def test_quantities_scale_as_they_are_said_to() -> None:
+    size, strength = 3.0, 2.0
+    case = COATED | {"total_charge": 1e-10, "magnetic": "insulating"}
+    scaled = {
+        name: value * size ** FACTOR_WEIGHTS[name].size * strength ** FACTOR_WEIGHTS[name].strength
+        if name in FACTORS and name in FACTOR_WEIGHTS
+        else value
+        for name, value in case.items()
+    }
+    one, other = solver.solve(case), solver.solve(scaled)
+    for name in one:
+        weight = QUANTITY_WEIGHTS[str(name)]
+        assert float(other[name] / one[name]) == pytest.approx(size**weight.size * strength**weight.strength, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"load": 1e4}, "load: the profile sphere has none; give force [N]"),
+        ({"charge": 1e-9}, "charge: the profile sphere has none; give total_charge [C]"),
+        ({"datum": 0.1}, "datum: the profile sphere has none; only contacts along a line have it"),
+        ({"speed": 1.0}, "speed: the profile sphere has none; only contacts along a line have it"),
+        ({"friction": 0.3}, "friction: of point contacts is not solved; must be 0"),
+        ({"force": -1.0}, "force: -1 is not a finite number > 0 [N]"),
+        ({"force": 1e12, "thickness": 1e-6, "base": "rigid"}, "contact: wider than the resolved range"),
+        ({"thickness": 1e-4}, "base: missing"),
+        ({"total_flux": 1.0, "magnetic": "insulating"}, "total_flux: 1 on a punch that is magnetic insulating"),
+        ({"slope": 0.1}, "slope: the profile sphere has none"),
+        ({"profile": "cylinder"}, "load: missing"),
+    ],
+)
+def test_bad_cases_are_refused_in_one_line(changed: dict[str, Any], message: str) -> None:
+    with pytest.raises(solver.FactorError) as refusal:
+        solver.solve(BALL | changed)
+    assert str(refusal.value).startswith(message)
+    assert "\n" not in str(refusal.value)
+
+
+def test_fields_of_points_are_refused() -> None:
+    with pytest.raises(solver.FactorError, match=r"^positions: "):
+        solver.solve(BALL, [0.0])
+    with pytest.raises(solver.FactorError, match=r"^fields: "):
+        solver.solve_interior(BALL, [0.0], [-1.0])
+
+
+def test_a_graded_film_is_refused() -> None:
+    graded = {"volume_fraction": 0.3, "base_volume_fraction": 0.8, "thickness": 1e-4, "base": "rigid"}
+    with pytest.raises(solver.MaterialError, match=r"^layers: point contacts need"):
+        solver.solve({"profile": "sphere", "radius": 5e-3, "force": 1.0} | graded)

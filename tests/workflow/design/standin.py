@@ -1,0 +1,64 @@
+"""Designs of a small study without a fit: the exact solver, or what is off by a share, stands for the surrogate."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import ask
+from workflow.design.asking.sources import Exact, Factors, Predicted
+from workflow.design.search.candidate import Candidate
+from workflow.study.model import Study, load
+from workflow.study.target import Target
+
+Array = NDArray[np.float64]
+
+FACTORS = {
+    "radius": {"low": 0.02, "high": 0.2, "levels": 4, "scale": "log"},
+    "load": {"low": 5e3, "high": 5e4, "levels": 4, "scale": "log"},
+}
+FIXED = {"material": "BaTiO3", "friction": 0.2}
+
+
+class StandIn(Predicted):
+    """The exact solver as a surrogate that is off by a share of every quantity, and takes itself for sure."""
+
+    step = Exact.step
+
+    def __init__(self, study: Study, off: float = 0.0) -> None:
+        self._exact, self._off = Exact(study), off
+
+    def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        """Quantities by name."""
+        return {name: (1 + self._off) * values for name, values in self._exact.values(factors, names).items()}
+
+    def stds(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        """Nothing."""
+        return {name: 0 * values for name, values in self.values(factors, names).items()}
+
+    reaches = stds
+
+
+def study(folder: Path, **changed: Any) -> Study:
+    """A punch on BaTiO3 of which radius and load are factors."""
+    validation = {"cases": 20, "calibration": 40, "tolerance": 1e-2}
+    text = {"title": "small", "fixed": FIXED, "factors": FACTORS, "validation": validation}
+    (folder / "one.yaml").write_text(yaml.safe_dump(text | changed), encoding="utf-8")
+    return load(folder / "one.yaml")
+
+
+def candidate(study: Study, off: float = 0.0, **target: Any) -> Candidate:
+    """A question for which nothing is searched yet."""
+    predicted = StandIn(study, off)
+    question = ask(study, "mine", Target.model_validate(target), predicted)
+    return Candidate({}, Designs(question, predicted, Exact(study), np.empty((0, len(question.inputs)))))
+
+
+def design(study: Study, at: dict[str, float], off: float = 0.0, **target: Any) -> Designs:
+    """One design of a question, by its variables in SI."""
+    asked = candidate(study, off, **target).asked
+    return asked.at(np.array([axis.to_unit(at[name]) for name, axis in asked.question.inputs.items()], dtype=float))

@@ -1,0 +1,100 @@
+"""What terms count as over scenarios, by hand: kinks, margins, bounds without a unit, a new statistic."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import pytest
+
+from workflow.design.asking import kinks, risk, terms, unitless
+from workflow.language import statements, statistics
+from workflow.language.grammar import parse
+from workflow.study.reading import InputError
+from workflow.study.target import Distribution, Target
+
+
+def term(text: str, bound: float) -> terms.Term:
+    """A limit over the worst case."""
+    return terms.limited(statements.limit(text), 1.0, bound, drawn=False)
+
+
+def test_a_limit_counts_its_largest_use_and_an_objective_its_least() -> None:
+    values = np.array([[[1.0, 4.0], [3.0, 2.0]]])
+    upper = term("voltage <= 2 V", 2.0)
+    assert upper.counted(values) == [4.0]
+    assert upper.oriented(4.0) == pytest.approx(1.0)  # excess over the bound, relative
+    assert upper.weights(values[0]).tolist() == [0, 1, 0, 0]
+    assert upper.deciding(values[0]).tolist() == [False, True, False, False]
+    goal = terms.wanted(statements.objective("voltage"), statistics.Worst())
+    assert goal.counted(values) == [1.0]
+    mean = terms.wanted(statements.objective("voltage"), statistics.Mean(1.0))
+    assert mean.counted(values) == pytest.approx([1.0])  # the lesser of 2.5 - 1.5 and 2.5 - 0.5, groups of two draws
+
+
+def test_two_limits_meet_in_an_equality() -> None:
+    upper, lower = term("voltage <= 2 V", 2.0), term("voltage >= 2 V", 2.0)
+    assert upper.meets(lower)
+    assert not upper.meets(term("voltage >= 1 V", 1.0))
+    assert not upper.meets(upper)
+
+
+@pytest.mark.parametrize("text", ["min(load, 2 - load)", "-abs(load - 1)", "-max(abs(load), 0.5)"])
+def test_the_least_of_smooth_pieces_is_the_expression(text: str) -> None:
+    known = {"load": np.linspace(-3, 3, 61)}
+    expression = parse(text)
+    pieces = kinks.pieces(expression, 1.0, known)
+    assert len(pieces) > 1
+    least = np.min([np.broadcast_to(piece.evaluate(known), 61) for piece in pieces], 0)
+    np.testing.assert_allclose(least, expression.evaluate(known), atol=1e-12)
+    assert kinks.pieces(expression, -1.0, known) == [expression]  # the most of them is no least
+
+
+def test_a_bound_without_a_unit_is_told_or_refused() -> None:
+    limit = terms.limited(statements.limit("peak_pressure <= 500"), 1.0, 500.0, drawn=False)
+    stresses = np.array([[1e8, 4e8]])
+    with pytest.raises(InputError, match=r"nothing keeps: .* did you mean 500 MPa\?"):
+        unitless.notes("mine", limit, stresses)
+    loose = terms.limited(statements.limit("peak_pressure <= 5e12"), 1.0, 5e12, drawn=False)
+    assert "which everything keeps" in unitless.notes("mine", loose, stresses)[0]
+    assert unitless.notes("mine", term("peak_pressure <= 2e8", 2e8), stresses) == []
+
+
+def test_a_new_statistic_is_one_class_and_its_measure() -> None:
+    """The mean of the worst tenth, added here: read by the study, counted by the question."""
+
+    @dataclass(frozen=True)
+    class WorstTenth(statistics.Statistic):
+        forms = ("worst tenth",)
+
+        @classmethod
+        def read(cls, text: str) -> Self | None:
+            return cls() if text in cls.forms else None
+
+        @property
+        def told(self) -> str:
+            return "in the worst tenth"
+
+        def __str__(self) -> str:
+            return "worst tenth of"
+
+    @dataclass(frozen=True)
+    class Tail(risk.RiskMeasure):
+        sign: float
+
+        def rows(self, values: risk.Array) -> risk.Array:
+            ordered = np.sort(self.sign * values, -1)
+            return np.asarray(self.sign * ordered[..., : max(values.shape[-1] // 10, 1)].mean(-1))
+
+        def jacobian(self, values: risk.Array) -> risk.Array:
+            raise NotImplementedError
+
+    risk.measure.register(WorstTenth, lambda statistic, sign: Tail(sign))
+    drawn = {"load": Distribution(uniform=[1e4, 2e4])}
+    target = Target(maximise="load", over=["radius"], uncertain=drawn, robust="worst tenth")
+    assert str(target.statistic) == "worst tenth of"
+    goal = terms.wanted(target.objectives[0], target.statistic)
+    assert goal.drawn
+    draws = target.uncertain["load"].quantile((np.arange(1000) + 0.5) / 1000)
+    assert goal.counted(draws[None, None]) == pytest.approx([1.05e4])
+    with pytest.raises(ValueError, match="is not 'worst case', 'mean', 'mean - K std' or 'worst tenth'"):
+        statistics.statistic("best case")

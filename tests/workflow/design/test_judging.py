@@ -1,0 +1,88 @@
+"""What is said of one design, against closed forms: Hertz on a body without charges, bounds of the library, by hand."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver import find
+from tests.workflow.design import standin
+from workflow.design.verdict import assessment, figures, linearity, perturbation, spread
+from workflow.design.verdict.answer import Constant
+
+HERTZ = {"friction": 0.0}  # then the largest pressure goes as the root of load over radius
+AT = {"radius": 0.1, "load": 1e4}
+
+
+def test_elasticities_and_costs_are_those_of_hertz(tmp_path: Path) -> None:
+    study = standin.study(tmp_path, fixed=standin.FIXED | HERTZ)
+    design = standin.design(study, AT, minimise="peak_pressure", over=["radius", "load"], subject_to=["load >= 9 kN/m"])
+    exact, _ = assessment.exactly(design, design.question.terms)
+    found = perturbation.sensitivities(design, exact)
+    assert found["radius"].elasticity == pytest.approx((-0.5, 0.0), abs=1e-6)
+    assert found["load"].elasticity == pytest.approx((0.5, 1.0), rel=1e-6)
+    assert found["radius"].cost == pytest.approx(0.99**-0.5 - 1, rel=1e-9)
+    assert found["load"].cost == pytest.approx(1.01**0.5 - 1, rel=1e-9)
+    assert found["load"].loss == pytest.approx(found["load"].cost * exact[0])
+    assert found["radius"].matters
+    assert found["load"].margin_left == pytest.approx(0.99e4 / 9e3 - 1)  # of the bound
+
+
+@pytest.mark.parametrize("room", [1.2, 3.0])
+def test_the_load_at_the_first_limit_is_that_of_hertz(tmp_path: Path, room: float) -> None:
+    study = standin.study(tmp_path, fixed=standin.FIXED | HERTZ)
+    open_ = standin.design(study, AT, maximise="load", over=["radius", "load"])
+    pressure = float(open_.exact.values({name: np.full((1, 1), one) for name, one in AT.items()}, ["peak_pressure"])[
+        "peak_pressure"
+    ][0, 0])  # fmt: skip
+    limit = f"peak_pressure <= {room * pressure:.12g} Pa"
+    design = standin.design(study, AT, maximise="load", over=["radius", "load"], subject_to=[limit])
+    found = figures.first_limit(design, [AT, AT])
+    assert found is not None
+    assert found.overload == pytest.approx(room**2, rel=1e-3)
+    assert found.overload_term == limit
+    free = standin.design(study, AT, maximise="load", over=["radius", "load"], subject_to=["peak_pressure <= 1e6 MPa"])
+    found = figures.first_limit(free, [AT, AT])
+    assert found is not None
+    assert (found.overload, found.overload_term) == (figures.MOST_LOAD, "")
+
+
+def test_a_device_has_the_figures_of_its_charge(tmp_path: Path) -> None:
+    device = {"electrode_length": "10 mm", "amplifier": {"input_capacitance": "10 pF", "charge_noise": "1 fC"}}
+    study = standin.study(tmp_path, device=device)
+    design = standin.design(study, AT, maximise="load", over=["radius", "load"])
+    corner = {"charge_sensitivity": np.array([[2e-11, 3e-11]])}
+    corner |= {f"contact_{side}": np.full((1, 2), 1e-4) for side in ("trailing", "leading")}
+    found = {one.figure: (one.figure_low, one.figure_high) for one in figures.over(design, corner)}
+    assert found["force"] == pytest.approx((100.0, 100.0))  # N, of 10 kN/m along 10 mm
+    assert found["signal_charge"] == pytest.approx((2e-9, 3e-9))
+
+
+def test_what_exceeds_the_library_is_told_with_its_source(tmp_path: Path) -> None:
+    study = standin.study(tmp_path)
+    limits = find("BaTiO3").limits
+    strength = limits["tensile_strength"].value
+    corner = {"trailing_tension": np.array([[0.5 * strength, 1.1 * strength]])}
+    ((words, source),) = linearity.beyond(study, corner)
+    assert words.startswith("tension behind the contact of ")
+    assert "exceeds the tensile strength of BaTiO3, " in words
+    assert source == limits["tensile_strength"].source
+    assert linearity.beyond(study, {"trailing_tension": np.array([[0.9 * strength]])}) == []
+
+
+def test_effects_of_constants_add_as_squares() -> None:
+    found = spread.Spread((Constant("a", "5 %"), Constant("b", "5 %")), np.array([[0.03, -0.04], [0.0, np.nan]]))
+    assert found.whole == pytest.approx([0.05, np.nan], nan_ok=True)
+    assert np.isnan(spread.Spread((), np.empty((2, 0))).whole).all()
+
+
+def test_a_design_is_judged_with_a_surrogate_that_errs(tmp_path: Path) -> None:
+    study = standin.study(tmp_path)
+    target = {"maximise": "abs(voltage_sensitivity)", "over": ["radius", "load"], "subject_to": ["load <= 10 kN/m"]}
+    right, wrong = (assessment.judge(standin.design(study, AT, off, **target)) for off in (0.0, 0.1))
+    assert right.terms[0].inside
+    assert not wrong.terms[0].inside
+    assert wrong.outside.startswith("abs(voltage_sensitivity): exact ")
+    assert wrong.terms[0].predicted == pytest.approx(1.1 * right.terms[0].exact, rel=1e-12)
+    assert [limit.name for limit in right.binding] == ["load <= 10 kN/m"]
+    assert right.status.startswith("feasible; binding: load <= 10 kN/m")

@@ -1,0 +1,183 @@
+"""Quantities of which an exact case is costly, and how a design question spends such cases.
+
+A case of the closed-form quantities costs microseconds, so that a design question may ask for many thousands. One of
+`solver.names.PEAKS` costs 6 ms in a batch and 18 ms scattered, and one of any quantity of a film that needs tables of
+its own 30 to 200 ms: a question solves `most` of them in each of its parts (the polish, the front), some seconds to 20.
+They go to the scenarios that decide what a term counts as; in all others the surrogate is believed.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question
+from workflow.design.asking.scenarios import Scenarios
+from workflow.design.asking.sources import Exact, Factors, Predicted, Source
+from workflow.design.asking.terms import Key, Term
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Bools = NDArray[np.bool_]
+
+#: Costly cases of one part of a question, and of one about films.
+AFFORDABLE, AFFORDABLE_FILMS = 1000, 150
+_MOST = 256  # of one value of one term
+_LEAST = 9  # designs of a front
+_BATCH = 12  # scenarios solved at a time, at least: a dozen peaks cost as much as three alone
+_BATCH_FILMS = 3  # every one with tables of its own
+_SAFETY = 3e-7  # relative safety margin: near a kink a shifted limit leaves 0.14 of what the shift corrects
+
+
+def names(question: Question, term: Term) -> list[str]:
+    """Quantities of a term of which a case is costly."""
+    return [name for name in term.expression.names() if name in question.study.costly]
+
+
+def most(question: Question) -> int:
+    """Costly cases of one part of a question."""
+    return AFFORDABLE_FILMS if question.study.kind.tabled else AFFORDABLE
+
+
+def asked(question: Question) -> bool:
+    """Whether some term of a question asks for them."""
+    return any(names(question, term) for term in question.terms)
+
+
+class Hybrid:
+    """The exact solver but for what is costly, which comes from the surrogate."""
+
+    step: float | None = Exact.step
+
+    def __init__(self, exact: Exact, predicted: Predicted, costly: frozenset[str]) -> None:
+        self._exact, self._predicted, self._costly = exact, predicted, costly
+
+    def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        """Quantities by name."""
+        searched = [name for name in names if name in self._costly]
+        closed = [name for name in names if name not in self._costly]
+        out = self._exact.values(factors, closed) if closed else {}
+        return out | (self._predicted.values(factors, searched) if searched else {})
+
+    def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
+        """Not given, as those of the exact solver."""
+        return self._exact.slopes(factors, names, over)
+
+
+def affordable(designs: Designs) -> Source:
+    """What stands for the exact solver where a question asks for many cases, as in difference quotients."""
+    if not asked(designs.question):
+        return designs.exact
+    return Hybrid(designs.exact, designs.predicted, designs.question.study.costly)
+
+
+def safety(question: Question, usual: float) -> float:
+    """Safety margin that a polish keeps from the limits, relative; more where the surrogate leads it."""
+    return _SAFETY if asked(question) else usual
+
+
+def words(question: Question, cases: int, moved: bool) -> str:
+    """How a design was polished: on the exact solver alone, led by the surrogate, or not at all."""
+    searched = ", ".join(dict.fromkeys(name for term in question.terms for name in names(question, term)))
+    kind = "exact" if question.study.kind.tabled else "searched"
+    if not searched:
+        return "on the exact solver"
+    if not moved:
+        return f"none; as far from the limits as the interval of the surrogate asks for ({cases} {kind} cases)"
+    shifted = f", limits shifted to exact values ({cases} {kind} cases)" if cases else ""
+    return f"{'' if question.study.kind.tabled else 'on the exact solver; '}{searched} led by the surrogate{shifted}"
+
+
+@dataclass(frozen=True)
+class Counted:
+    """What a term counts as at a design, exactly where it matters, and how many searched cases that took."""
+
+    value: float
+    cases: int
+
+
+def count_exactly(design: Designs, term: Term) -> Counted:
+    """What a term counts as at one design over the many scenarios of the verdict, those that decide solved exactly.
+
+    The surrogate says which these are; they are solved, and so are those that decide then or may do so by the errors
+    that the surrogate has shown, until none is left. Scenarios that in a mean weigh a thousandth together are not
+    solved, so that a mean or a deviation errs by a thousandth of the surrogate's own errors. Where a great many decide,
+    as in a mean, all of the few scenarios of the search are solved instead, and the surrogate says what the many
+    change.
+    """
+    many, few = design.question.judged[term.key], design.question.searched[term.key]
+    whole = design.values(design.predicted, many, term)
+    if term.deciding(whole[0]).sum() <= _MOST:
+        return _count_exactly(design, many, term, whole)
+    part = design.values(design.predicted, few, term)
+    found = _count_exactly(design, few, term, part)
+    return Counted(found.value + float(term.counted(whole)[0]) - float(term.counted(part)[0]), found.cases)
+
+
+def _count_exactly(design: Designs, chosen: Scenarios, term: Term, predicted: Array) -> Counted:
+    """From predicted values (1, groups, draws): batch by batch they are solved, until all that may decide are."""
+    values = predicted.copy()
+    flat, solved, error = values.ravel(), np.zeros(chosen.count, dtype=bool), 0.0
+    while True:
+        value = float(term.counted(values)[0])
+        away = np.abs(flat - value)
+        missing = term.deciding(values[0])
+        if solved.sum() < _MOST:
+            # what the surrogate may have put on the wrong side of those that decide, by twice its largest error so far
+            missing |= away <= 2 * error
+        missing &= ~solved
+        if not missing.any():
+            return Counted(value, int(solved.sum()))
+        batch = _batch(missing, solved, away, _BATCH_FILMS if design.question.study.kind.tabled else _BATCH)
+        found = _solve(design, chosen, batch, [term])[0][0]
+        error = max(error, float(np.abs(found - flat[batch]).max()))
+        flat[batch], solved[batch] = found, True
+
+
+def _batch(missing: Bools, solved: Bools, away: Array, least: int) -> Indices:
+    """Scenarios to solve next: what is missing, and up to ``least`` those nearest to what decides."""
+    order = np.argsort(np.where(solved, np.inf, np.where(missing, -1.0, away)), kind="stable")
+    return order[: min(max(least, int(missing.sum())), int((~solved).sum()))]
+
+
+def thinned(designs: Designs, share: float) -> tuple[Designs, dict[Key, Indices]]:
+    """Of designs in a row, evenly, as many as a share of all cases suffices for.
+
+    With the scenarios of the search in which they are solved: those that decide some term at some design by the
+    surrogate.
+    """
+    columns: dict[Key, Indices] = {}
+    for drawn, chosen in designs.question.searched.items():
+        terms = [term for term in chosen.terms.values() if names(designs.question, term)]
+        found = designs.question.values(designs.predicted, designs.variables, chosen, terms) if terms else []
+        marks = [term.deciding(values) for term, every in zip(terms, found, strict=True) for values in every]
+        if marks:
+            columns[drawn] = np.flatnonzero(np.any(marks, 0))
+    if not columns:
+        return designs, columns
+    count = max(_LEAST, int(share * most(designs.question) / sum(len(indices) for indices in columns.values())))
+    n = len(designs.x)
+    return designs.at(designs.x[np.unique(np.linspace(0, n - 1, min(count, n)).astype(int))]), columns
+
+
+def corrected(designs: Designs, counts: Array, columns: Mapping[Key, Indices]) -> Array:
+    """What all terms count as at designs, (n, terms), with the scenarios that `thinned` gave solved exactly."""
+    out = counts.copy()
+    for drawn, indices in columns.items():
+        chosen = designs.question.searched[drawn]
+        terms = {place: term for place, term in chosen.terms.items() if names(designs.question, term)}
+        guessed = designs.question.values(designs.predicted, designs.variables, chosen, list(terms.values()))
+        solved = _solve(designs, chosen, indices, list(terms.values()))
+        for (place, term), values, found in zip(terms.items(), guessed, solved, strict=True):
+            flat = values.reshape(len(values), -1).copy()
+            flat[:, indices] = found
+            out[:, place] = term.counted(flat.reshape(values.shape))
+    return out
+
+
+def _solve(designs: Designs, chosen: Scenarios, columns: Indices, terms: list[Term]) -> list[Array]:
+    """Exact values of some terms in some scenarios, (n, columns) each."""
+    found = designs.question.values(designs.exact, designs.variables, chosen.only(columns), terms)
+    return [values.reshape(len(values), -1) for values in found]

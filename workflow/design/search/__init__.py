@@ -1,0 +1,1 @@
+"""The best design: searched on the surrogate, polished on the exact solver."""

@@ -1,0 +1,111 @@
+"""Pareto fronts of a question: traced on the surrogate, solved again exactly."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from surrogate.search.optimise import Optimum, Problem
+from surrogate.search.pareto import Front, front, non_dominated
+from workflow.design.asking import budget, program
+from workflow.design.asking.designs import Designs
+from workflow.design.verdict import assessment
+
+Array = NDArray[np.float64]
+
+_SAFETY = 1e-6  # relative safety margin to the limits, beside the surrogate's own doubt
+_KEPT = 1e-9  # exact excess that counts as none: the optimiser's own accuracy
+
+
+def trace(asked: Designs, scan: int) -> Front | None:
+    """The front on the surrogate, with the safety margin that its uncertainty asks for; None: not feasible."""
+    question, predicted = asked.question, asked.predicted
+    problem = program.problem(question, predicted, _SAFETY * question.inequality)
+    if not question.inputs:
+        return _point(problem, question.objectives)
+    coarse = front(problem, question.objectives, points=3, fill=1, scan=scan)
+    if coarse is None:
+        return None
+    doubt = assessment.doubts(asked.at(coarse.x[len(coarse.x) // 2]))
+    problem = program.problem(question, predicted, (_SAFETY + doubt) * question.inequality)
+    return front(problem, question.objectives, scan=scan) or coarse
+
+
+def _point(problem: Problem, objectives: int) -> Front | None:
+    """The front of a question without continuous variables: its one design, if that keeps the limits."""
+    x = np.empty((1, 0))
+    rows, excess = problem.value(x)
+    values = rows.reshape(1, objectives, -1).min(-1)
+    return Front(x, values, values[0], np.ones(objectives)) if excess.max(initial=-np.inf) <= 0 else None
+
+
+def normalisation(traced: Sequence[Front]) -> tuple[Array, Array]:
+    """Least value of every objective over some fronts together, and its range: what a compromise is measured by."""
+    values = np.concatenate([part.values for part in traced])
+    values = values[non_dominated(values)]
+    span = np.ptp(values, axis=0)
+    return values.min(0), np.where(span > 0, span, 1.0)
+
+
+def best_of(traced: Front, problem: Problem) -> Optimum:
+    """The design of a front that a scalarised problem rates highest."""
+    objective, excess = problem.value(traced.x)
+    best = int(objective.min(1).argmax())
+    return Optimum(traced.x[best], float(objective[best].min()), excess[best], True)
+
+
+def verified(traced: Designs, share: float = 1.0) -> xr.Dataset:
+    """The front of one choice solved again exactly; what breaks a limit is left out.
+
+    What is searched for, milliseconds a case, is solved in the scenarios that decide, for fewer designs if need be:
+    ``share`` says how much of what a question can afford is for this choice.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``front``: ``front_exact`` and ``front_predicted`` (with ``objective``), ``front_value`` (with ``factor``:
+        the variables).
+    """
+    question, (designs, columns) = traced.question, budget.thinned(traced, share)
+    wanted, sets = question.objectives, question.searched
+    found, guessed = (designs.count(source, sets) for source in (budget.affordable(designs), designs.predicted))
+    found = budget.corrected(designs, found, columns)
+    excess = np.stack(
+        [term.oriented(found[:, k]) for k, term in enumerate(question.terms) if term.limited] or [np.zeros(len(found))]
+    )
+    kept = np.flatnonzero(excess.max(0) <= _KEPT)
+    variables = designs.at(designs.x[kept]).variables | {
+        name: np.full(kept.size, value) for name, value in question.held.items() if name in question.target.variables
+    }
+    return xr.Dataset(
+        {
+            "front_exact": (("front", "objective"), found[kept, :wanted]),
+            "front_predicted": (("front", "objective"), guessed[kept, :wanted]),
+            "front_value": (("front", "factor"), np.stack(list(variables.values()), -1)),
+        },
+        coords={"objective": [term.label for term in question.terms[:wanted]], "factor": list(variables)},
+    )
+
+
+def merged(parts: Mapping[str, xr.Dataset], signs: Array) -> xr.Dataset:
+    """The front of all choices: what no design of any of them dominates, sorted by the first objective.
+
+    Parameters
+    ----------
+    parts
+        What `verified` gives, by the choice in words.
+    signs
+        1 for every objective that is maximised, -1 for every other one.
+
+    Returns
+    -------
+    xarray.Dataset
+        The same over all, with ``front_choice``.
+    """
+    whole = xr.concat(
+        [part.assign(front_choice=("front", [name] * part.sizes["front"])) for name, part in parts.items()], "front"
+    )
+    found = whole["front_exact"].transpose("front", "objective").values
+    kept = np.flatnonzero(non_dominated(found * signs))
+    return whole.isel(front=kept[np.argsort(found[kept, 0])])

@@ -1,0 +1,189 @@
+"""Polish of candidates on the exact solver: limits are shifted until a design stands its verdict."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workflow.design.asking import budget
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.sources import Source
+from workflow.design.search.candidate import Candidate
+from workflow.design.verdict import assessment
+from workflow.design.verdict.answer import ROOM
+from workflow.design.verdict.term import ROUNDING
+
+Array = NDArray[np.float64]
+
+_ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios say
+_SAFETY = 1e-10  # relative safety margin, beyond rounding
+_NEAR = 1e-6  # relative distance at which a limit binds
+_FLAT, _SAME = 5, 1e-9  # values of a variable, and relative change of the goal over them that is none
+_CLOSE = 1e-6  # length of a scaled range to which a variable that does not matter is found
+_LOST = 1e-6  # share of the objective that safety margins may cost
+_RETREATS = 3  # steps back behind limits that many more scenarios judge
+
+
+def first_feasible(ranked: list[Candidate]) -> Candidate:
+    """The best choice that stays feasible on the exact solver, or else the first one, polished.
+
+    Better choices that no polish brings within their limits are told in its words and kept in ``passed``.
+    """
+    passed: list[Candidate] = []
+    for candidate in ranked:
+        polished = _cheapest(_polish(candidate))
+        if polished.best.feasible:
+            return replace(polished, passed=tuple(passed), polish="; ".join([polished.polish, *map(_missed, passed)]))
+        passed.append(polished)
+        if not candidate.best.feasible or sum(one.cases for one in passed) > budget.most(candidate.question):
+            break
+    return passed[0]
+
+
+def _missed(passed: Candidate) -> str:
+    """Why a choice that is better by the surrogate is not taken."""
+    limits = [term for term in passed.question.terms if term.limited]
+    excess = _excess(passed.design, budget.affordable(passed.asked)).judged
+    return (
+        f"{passed.words} is better and not taken: it misses {limits[excess.argmax()].label} by {excess.max():.2g} of it"
+    )
+
+
+@dataclass(frozen=True)
+class _Excess:
+    """Relative excess of every limit at one design.
+
+    Attributes
+    ----------
+    judged, searched
+        Over the many scenarios of the verdict, exactly, and the few of the search, on what polishes; (k,).
+    cases
+        Searched cases that this took.
+    """
+
+    judged: Array
+    searched: Array
+    cases: int
+
+    @property
+    def kept(self) -> NDArray[np.bool_]:
+        """Which limits hold in the verdict."""
+        return self.judged <= ROUNDING
+
+    @property
+    def beyond(self) -> bool:
+        """Whether some limit is missed, and none by more than a step back takes."""
+        return not np.all(self.kept) and bool(np.all(self.judged <= _NEAR))
+
+    def agrees(self, safety: Array) -> bool:
+        """Whether all limits hold, and those bind in the verdict that bound the search with its safety margins."""
+        bound = self.searched + safety > -_NEAR
+        return bool(np.all(self.kept & ((self.judged > -_NEAR) | ~bound)))
+
+
+def _excess(design: Designs, source: Source) -> _Excess:
+    limits = [term for term in design.question.terms if term.limited]
+    values, cases = assessment.exactly(design, limits)
+    judged = [float(term.oriented(value)) for term, value in zip(limits, values, strict=True)]
+    return _Excess(np.array(judged), assessment.excesses(design, source), cases)
+
+
+def _polish(found: Candidate) -> Candidate:
+    """The same on the exact solver, until the many scenarios of the verdict say what the few of the search say.
+
+    What is too costly for the optimiser it takes from the surrogate, shifted to what the exact solver says. Where the
+    surrogate has led to no design that keeps the limits though it knows one, the exact solver is searched itself.
+    """
+    polished = _shifted(found)
+    if polished.best.feasible or not found.best.feasible or budget.asked(found.question) or not found.question.inputs:
+        return polished
+    anew = _shifted(found.sought(found.asked.exact))
+    return anew if anew.best.feasible else polished
+
+
+def _shifted(found: Candidate) -> Candidate:
+    """The best of the designs that keep the limits, each polished with these shifted by what the last one missed."""
+    question, source = found.question, budget.affordable(found.asked)
+    usual = budget.safety(question, _SAFETY) * question.inequality
+    rounds = _ROUNDS if question.inputs else 0
+    first = found.counted(source)
+    now, last, safety, spent = first, None, np.zeros(len(question.inequality)), 0
+    for k in range(rounds + 1):
+        excess = _excess(now.design, source)
+        spent += excess.cases
+        if last is not None and _lost(last, now):
+            break
+        last = now if np.all(excess.kept) else last
+        done = not now.best.feasible or excess.agrees(safety)
+        if (k > 0 and done) or k == rounds or spent + excess.cases > budget.most(question):
+            break
+        # what a few scenarios make of a limit differs from what many do: shift it by that
+        safety = excess.judged - excess.searched + usual
+        now = now.improved(source, safety)
+    if excess.beyond and not (last is not None and _lost(last, now)):
+        last, cases = _retreated(last, now, excess, source, usual)
+        spent += cases
+    best = replace(now.best, feasible=False) if last is None else last.best
+    return replace(
+        found, best=best, cases=spent, polish=budget.words(question, spent, rounds > 0 and last is not first)
+    )
+
+
+def _retreated(
+    last: Candidate | None, now: Candidate, excess: _Excess, source: Source, usual: Array
+) -> tuple[Candidate | None, int]:
+    """The nearest design to one next to the limits that keeps them, or the last one, and the searched cases it took."""
+    cases = 0
+    for _ in range(_RETREATS):
+        now = now.retreated(source, excess.judged - excess.searched + usual)
+        excess = _excess(now.design, source)
+        cases += excess.cases
+        if np.all(excess.kept):
+            kept = replace(now, best=replace(now.best, feasible=True))
+            return (kept if last is None or not _lost(last, kept) else last), cases
+    return last, cases
+
+
+def _lost(last: Candidate, now: Candidate) -> bool:
+    """Whether the objective fell by more than a polish costs: a search that went astray."""
+    return now.best.objective < last.best.objective - _LOST * last.size(last.best.objective)
+
+
+def _cheapest(found: Candidate) -> Candidate:
+    """The least of every variable that does not matter to the goal, at which every limit keeps its room.
+
+    What does not matter need not be bought: a stated rule. Every limit has ``ROOM`` then, or as much as it
+    has anyway. Where cases are costly no variable was seen not to matter.
+    """
+    question, design, x = found.question, found.design, found.best.x.copy()
+    if not found.best.feasible or question.objectives > 1 or budget.asked(question):
+        return found
+    limited = np.array([place for place, term in enumerate(question.terms) if term.limited], dtype=np.intp)
+
+    def excess(points: Array) -> Array:
+        counts = design.at(points).count(design.exact, question.judged)
+        rows = [question.terms[place].oriented(counts[:, place]) for place in limited]
+        return np.stack(rows, -1) if rows else np.empty((len(points), 0))
+
+    room = np.maximum(excess(x[None])[0], -ROOM)
+    for column in range(len(x)):
+        ends = np.tile(x, (_FLAT, 1))
+        ends[:, column] = np.linspace(-1.0, 1.0, _FLAT)
+        goals = design.at(ends).count(design.exact, question.searched)[:, 0]
+        if np.ptp(goals) > _SAME * np.abs(goals).max():
+            continue
+        low, high = -1.0, float(x[column])
+        if np.all(excess(_moved(x, column, low)) <= room):
+            high = low
+        while high - low > _CLOSE:
+            middle = (low + high) / 2
+            low, high = (low, middle) if np.all(excess(_moved(x, column, middle)) <= room) else (middle, high)
+        x[column] = high
+    return replace(found, best=replace(found.best, x=x))
+
+
+def _moved(x: Array, column: int, value: float) -> Array:
+    """One design with one variable elsewhere, (1, d)."""
+    moved = x[None].copy()
+    moved[0, column] = value
+    return moved

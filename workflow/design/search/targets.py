@@ -1,0 +1,178 @@
+"""Design: the best factors under limits, found on the surrogate, polished and judged on the exact solver."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import xarray as xr
+
+from solver.names import ALL_QUANTITIES
+from surrogate import GaussianProcess
+from surrogate.search.optimise import Optimum, Problem
+from surrogate.search.pareto import Front
+from workflow.design.asking import budget, program
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question, ask
+from workflow.design.asking.sources import Exact, Predicted
+from workflow.design.search import contact_fields, front, landscape, polish, tolerances
+from workflow.design.search.candidate import Candidate
+from workflow.design.verdict import assessment
+from workflow.design.verdict.answer import Answer, Category, Choice, Tolerated
+from workflow.design.verdict.netcdf import SOURCE, SOURCE_OF_FILMS
+from workflow.design.verdict.term import ROUNDING
+from workflow.design.verdict.variable import Role
+from workflow.study.categories import output
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+from workflow.study.target import Target
+
+
+def solve_target(study: Study, name: str, model: GaussianProcess) -> Answer:
+    """Answer one design target of a study.
+
+    Parameters
+    ----------
+    study, name
+        The study and the name of its target.
+    model
+        Surrogate of the study's quantities.
+
+    Raises
+    ------
+    InputError
+        An objective that is constant, unbounded or undefined; an exact value outside the surrogate's interval, unless
+        the target allows it.
+    """
+    return answer(study, name, study.design[name], model)
+
+
+def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> Answer:
+    """Answer any target on the study's factors; see `solve_target`."""
+    found = _found(study, name, target, model)
+    several = len(target.objectives) > 1
+    best = polish.first_feasible(sorted(found, key=lambda candidate: _rank(candidate.best), reverse=True))
+    judged = assessment.judge(best.design)
+    if judged.outside and not target.allow_outside_interval:
+        raise InputError(f"design: {name}: {judged.outside}; allow_outside_interval: true would accept it")
+    toleranced = target.tolerance and best.best.feasible and not several
+    pictures = [landscape.landscape(best.design), contact_fields.fields(best.question.study, judged.case)]
+    if any(candidate.front is not None for candidate in found):
+        pictures.append(_front(found).reindex(factor=[variable.name for variable in judged.variables]))
+    return replace(
+        judged,
+        target=name,
+        polish=best.polish,
+        source=SOURCE_OF_FILMS if study.kind.tabled else SOURCE,
+        tolerated=_costs(study, name, target, model, best) if toleranced else None,
+        categories=_categories(target, best),
+        choices=_choices(best, found, 1.0 if several else target.objectives[0].sign),
+        pictures=xr.merge(pictures, compat="no_conflicts", join="outer"),
+    )
+
+
+def _found(study: Study, name: str, target: Target, model: GaussianProcess) -> list[Candidate]:
+    """The best design of every choice."""
+    return _search([_asked(study, name, target, model, choice) for choice in combinations(study, target)])
+
+
+def _costs(study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate) -> Tolerated:
+    """What the tolerances of the best design cost."""
+    nominal = tolerances.nominal(target)
+    if budget.asked(best.question):  # near the design: a search of its own would cost as much as the design did
+        without = tolerances.near(best, _asked(study, name, nominal, model, best.choice))
+    else:
+        others = _found(study, name, nominal, model)
+        without = polish.first_feasible(sorted(others, key=lambda candidate: _rank(candidate.best), reverse=True))
+
+    def asked(other: Target) -> Question:
+        return replace(best.question, target=other)
+
+    return tolerances.costs(best, without, asked)
+
+
+def combinations(study: Study, target: Target) -> list[dict[str, float | str]]:
+    """Every combination of the values of variables with a list, and of the names of categories."""
+    lists: dict[str, Sequence[float | str]] = {
+        name: variable.choices for name, variable in target.variables.items() if variable.choices
+    }
+    for name, names in study.categories.items():
+        if name not in lists:
+            lists[name] = names if name in target.variables else [target.at[name]]
+    return [dict(zip(lists, values, strict=True)) for values in product(*lists.values())]
+
+
+def _asked(
+    study: Study, name: str, target: Target, model: GaussianProcess, choice: dict[str, float | str]
+) -> Candidate:
+    categories = {key: str(choice[key]) for key in study.categories}
+    held = {key: float(value) for key, value in choice.items() if key not in categories}
+    wanted = [output(quantity, categories) for quantity in target.names() if quantity in ALL_QUANTITIES]
+    own, predicted = study.narrowed(categories), Predicted(model.only(wanted) if wanted else model, categories)
+    question = ask(own, name, target, predicted, held)
+    return Candidate(choice, Designs(question, predicted, Exact(own), np.empty((0, len(question.inputs)))))
+
+
+def _rank(best: Optimum) -> tuple[bool, float]:
+    """Feasible before infeasible; then the objective, or the least violation."""
+    return best.feasible, best.objective if best.feasible else -float(best.excess.max(initial=-np.inf))
+
+
+def _search(asked: list[Candidate]) -> list[Candidate]:
+    """Optimum of every choice on the surrogate, with the safety margin that its uncertainty asks for."""
+    traced: list[Front | None] = [None] * len(asked)
+    if asked[0].question.objectives > 1:
+        traced = [front.trace(candidate.asked, program.scan(candidate.question)) for candidate in asked]
+    fronts = [own for own in traced if own is not None]
+    scales = front.normalisation(fronts) if fronts else None
+    return [_climbed(replace(one, front=own, normalisation=scales)) for one, own in zip(asked, traced, strict=True)]
+
+
+def _climbed(candidate: Candidate) -> Candidate:
+    question, predicted = candidate.question, candidate.asked.predicted
+    if not question.inputs:
+        return replace(candidate, best=_only(candidate.problem(budget.affordable(candidate.asked))))
+    if candidate.front is not None:
+        first = replace(candidate, best=front.best_of(candidate.front, candidate.problem(predicted)))
+    else:
+        first = candidate.sought(predicted)
+    kept = first.improved(predicted, assessment.doubts(first.design) * question.inequality)
+    # where no design is as far from the limits as the surrogate is in doubt, the exact solver decides if it can
+    decided = first.best.feasible and not kept.best.feasible and not budget.asked(question)
+    return first if decided else kept
+
+
+def _front(found: list[Candidate]) -> xr.Dataset:
+    """The exact front of all choices."""
+    traced = [(candidate, candidate.asked.at(candidate.front.x)) for candidate in found if candidate.front]
+    parts = {candidate.words: front.verified(designs, 1 / len(traced)) for candidate, designs in traced}
+    return front.merged(parts, np.array([objective.sign for objective in found[0].question.target.objectives]))
+
+
+def _categories(target: Target, best: Candidate) -> tuple[Category, ...]:
+    """The categories of a design."""
+    return tuple(
+        Category(name, kind, Role.VARIABLE if name in target.variables else Role.GIVEN)
+        for name, kind in best.choice.items()
+        if isinstance(kind, str)
+    )
+
+
+def _choices(best: Candidate, found: list[Candidate], sign: float) -> tuple[Choice, ...]:
+    """The best of every choice on the surrogate, where there are several."""
+    several = found if len(found) > 1 else []
+    passed = [candidate.choice for candidate in best.passed]
+    return tuple(
+        Choice(
+            candidate.words,
+            float(sign * candidate.best.objective),
+            bool(candidate.best.feasible) and candidate.choice not in passed,
+        )
+        for candidate in several
+    )
+
+
+def _only(problem: Problem) -> Optimum:
+    """The one design of a question without continuous variables."""
+    objective, excess = (rows[0] for rows in problem.value(np.empty((1, 0))))
+    return Optimum(np.empty(0), float(objective.min()), excess, bool(np.all(excess <= ROUNDING)))

@@ -1,0 +1,81 @@
+"""What the tolerances of a design cost: against the nominal optimum, each alone, and what tightening one would gain."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.search.optimise import improve
+from workflow.design.asking import program
+from workflow.design.asking.question import Question
+from workflow.design.search.candidate import Candidate
+from workflow.design.verdict import assessment
+from workflow.design.verdict.answer import Tolerated
+from workflow.language.factors import FACTORS
+from workflow.study.target import Target
+
+Array = NDArray[np.float64]
+
+_TIGHTER = 0.5  # share of a tolerance that is left when it is tightened in words
+
+#: A question for another target, with the choices of a design.
+Asked = Callable[[Target], Question]
+
+
+def nominal(target: Target) -> Target:
+    """The target without any tolerance."""
+    return target.model_copy(update={"tolerance": {}})
+
+
+def costs(best: Candidate, without: Candidate, asked: Asked) -> Tolerated:
+    """What tolerances cost.
+
+    Parameters
+    ----------
+    best, without
+        The design with all tolerances, and the nominal optimum: the design without any.
+    asked
+        Makes the question of the design's own choice for a target with other tolerances.
+
+    Returns
+    -------
+    Tolerated
+        Costs and gains on the surrogate, the goal of the nominal optimum on the exact solver.
+    """
+    target, design = best.question.target, without.design
+    whole = _reached(best, asked(target))
+    cost, gain = dict[str, float](), dict[str, float]()
+    for name in target.tolerance:
+        rest = {key: one for key, one in target.tolerance.items() if key != name}
+        cost[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": rest}))), whole)
+        tighter = {**target.tolerance, name: _tightened(target, name)}
+        gain[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": tighter}))), whole)
+    values = {name: float(one[0]) for name, one in design.variables.items()} | without.question.held
+    exact, _ = assessment.exactly(design, design.question.terms[:1])
+    kinds = ", ".join(kind for kind in without.choice.values() if isinstance(kind, str))
+    return Tolerated(cost, gain, values, float(exact[0]), kinds)
+
+
+def _tightened(target: Target, name: str) -> str:
+    absolute, share = target.tolerances[name]
+    return f"{100 * _TIGHTER * share} %" if share else f"{_TIGHTER * absolute} {FACTORS[name].units}".removesuffix(" 1")
+
+
+def near(best: Candidate, other: Candidate) -> Candidate:
+    """The best design of another question near that of one with the same variables, on the surrogate."""
+    physical = best.design.variables
+    inputs = other.question.inputs
+    start = np.array([float(axis.to_unit(physical[name])[0]) for name, axis in inputs.items()])
+    problem = program.problem(other.question, best.asked.predicted)
+    return replace(other, best=improve(problem, np.clip(start, -1, 1), best.size(best.best.objective)))
+
+
+def _reached(best: Candidate, question: Question) -> float:
+    """The goal near a design under other tolerances, on the surrogate."""
+    found = near(best, replace(best, asked=replace(best.asked, question=question))).best
+    return found.objective if found.feasible else np.nan
+
+
+def _share(other: float, whole: float) -> float:
+    return max((other - whole) / abs(whole), 0.0) if np.isfinite(other) else np.nan

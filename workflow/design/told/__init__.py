@@ -1,0 +1,1 @@
+"""The answer told: its verdict in words, its tables."""

@@ -1,0 +1,164 @@
+"""The answer as tables: lines for the terminal, JSON, CSV."""
+
+import csv
+import io
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from workflow.design.told import asides
+from workflow.design.told.words import verdict
+from workflow.design.verdict import netcdf
+from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.term import Term
+from workflow.language.factors import FACTORS
+from workflow.language.numbers import shown
+from workflow.language.statements import Limit
+
+_FORMULA = tuple("=+-@\t\r")  # with which a spreadsheet begins to calculate
+_HEAD = ("target", "verdict", "goal", "design")
+_COLUMNS = ("target", "kind", "name", "units", "predicted", "predicted_std", "exact", "limit", "margin", "inside")
+_NUMBERS = ("predicted", "predicted_std", "exact", "limit", "margin")
+
+
+def as_text(answer: Answer) -> str:
+    """All that an engineer asks of one design, in lines."""
+    notes = filter(None, (answer.flags, asides.spread(answer)))
+    lines = [answer.goal, str(verdict(answer)), answer.status, f"polish: {answer.polish}"]
+    lines += [f"note: {note}" for note in notes]
+    lines += [f"  {one.category:44s} {one.kind:25s} {one.kind_role}" for one in answer.categories]
+    for one in answer.variables:
+        within = f", within {one.tolerance}" if one.tolerance else ""
+        lines.append(f"  {one.name:44s} {one.value:<14.8g} {FACTORS[one.name].units:10s} {one.role}{within}")
+    lines.append(f"  {'':44s} {'exact':14s} {'predicted':14s} margin")
+    for term in answer.terms:
+        margin = "" if np.isnan(term.margin) else f"{100 * term.margin:.3g} %"
+        lines.append(f"  {term.name:44s} {term.exact:<14.8g} {term.predicted:<14.8g} {margin:10s} {term.units}")
+    lines += ["best of every choice, on the surrogate"] if answer.choices else []
+    for choice in answer.choices:
+        flag = "" if choice.choice_feasible else "infeasible"
+        lines.append(f"  {choice.choice:44s} {choice.choice_objective:<14.8g} {flag}".rstrip())
+    return "\n".join(lines)
+
+
+def as_json(answer: Answer) -> str:
+    """The answer as JSON; what is not a number is null."""
+    out: dict[str, Any] = {
+        "goal": answer.goal,
+        "polish": answer.polish,
+        "verdict": str(verdict(answer)),
+        "status": answer.status,
+        "flags": answer.flags,
+        "feasible": answer.feasible,
+        "spread": asides.spread(answer),
+        "factors": {
+            one.name: {
+                "value": one.value,
+                "role": one.role,
+                "units": FACTORS[one.name].units,
+                "tolerance": one.tolerance,
+            }
+            for one in answer.variables
+        },
+        "categories": {one.category: {"value": one.kind, "role": one.kind_role} for one in answer.categories},
+        "choices": [
+            {"choice": one.choice, "objective": _finite(one.choice_objective), "feasible": one.choice_feasible}
+            for one in answer.choices
+        ],
+        "terms": {
+            term.name: {key: _finite(value) for key, value in _numbers(term).items()}
+            | {"inside": term.inside, "units": term.units}
+            for term in answer.terms
+        },
+    }
+    if "front" in answer.pictures.dims:
+        out["front"] = _front(answer)
+    return json.dumps(out, indent=2, allow_nan=False)
+
+
+def _numbers(term: Term) -> dict[str, float]:
+    """What a term comes to, in the order of the JSON."""
+    return {key: getattr(term, key) for key in ("exact", "predicted", "predicted_std", "limit", "margin")}
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def _front(answer: Answer) -> list[dict[str, Any]]:
+    """Exact objectives of every design of the Pareto front, and its choice where there are several."""
+    front = answer.pictures
+    names = front["objective"].values.tolist()
+    rows: list[dict[str, Any]] = [
+        dict(zip(names, values, strict=True))
+        for values in front["front_exact"].transpose("front", "objective").values.tolist()
+    ]
+    if answer.choices:
+        rows = [row | {"choice": name} for row, name in zip(rows, front["front_choice"].values.tolist(), strict=True)]
+    return rows
+
+
+def as_csv(answers: Iterable[Answer]) -> str:
+    """The designs as CSV: one row a category, then one a factor, one a term, and the status."""
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(_COLUMNS)
+    for answer in answers:
+        rows.writerows(map(plain, (answer.target, *row)) for row in _rows(answer))
+    return text.getvalue()
+
+
+def _rows(answer: Answer) -> list[tuple[Any, ...]]:
+    """Rows of one design, without its target."""
+    rows: list[tuple[Any, ...]] = [
+        (one.kind_role, one.category, "", "", "", one.kind, "", "", "") for one in answer.categories
+    ]
+    for one in answer.variables:
+        rows.append((one.role, one.name, FACTORS[one.name].units, "", "", one.value, "", "", ""))
+    for term in answer.terms:
+        numbers = [getattr(term, key) for key in _NUMBERS]
+        cells = ["" if np.isnan(number) else number for number in numbers]
+        kind = "limit" if isinstance(term.statement, Limit) else "objective"
+        rows.append((kind, term.name, term.units, *cells, int(term.inside)))
+    return [*rows, ("status", answer.status, *[""] * 7), ("flags", answer.flags, *[""] * 7)]
+
+
+def outcome(folder: Path, targets: Sequence[str]) -> list[str]:
+    """What a run's targets came to: lines of a table, every design with its verdict; none without targets.
+
+    Parameters
+    ----------
+    folder
+        ``results/<study>``, holding ``design/<target>.nc``.
+    targets
+        Names, in the study's order.
+    """
+    if not targets:
+        return []
+    answers = {name: netcdf.read(folder / "design" / f"{name}.nc") for name in targets}
+    rows = [_HEAD, *_outcomes(answers)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    for place, answer in reversed(list(enumerate(answers.values(), 1))):
+        lines.insert(place + 1, f"{'':{widths[0]}}  {verdict(answer).why}")
+    return lines
+
+
+def _outcomes(answers: Mapping[str, Answer]) -> list[tuple[str, str, str, str]]:
+    """Target, verdict, goal and variables of every design."""
+    rows = []
+    for name, answer in answers.items():
+        goal = answer.terms[0]
+        parts = [one.kind for one in answer.categories if one.kind_role == "variable"]
+        parts += [f"{one.title} {one.words}" for one in answer.variables if one.chosen]
+        value = shown(goal.exact, goal.units, 4)
+        rows.append((name, verdict(answer).kind, f"{goal.title} {value}", ", ".join(parts)))
+    return rows
+
+
+def plain(cell: object) -> object:
+    """A cell of CSV: a text that a spreadsheet would calculate stands behind an apostrophe."""
+    return f"'{cell}" if isinstance(cell, str) and cell[:1] in _FORMULA else cell

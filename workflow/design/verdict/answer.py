@@ -1,0 +1,225 @@
+"""The answer to a design question, as values: its terms, its variables, and the case that decides."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import xarray as xr
+
+from workflow.design.verdict.term import Scenario, Term
+from workflow.design.verdict.variable import Role, Variable
+from workflow.language.statements import Limit, Objective
+
+#: Margin that a variable which does not matter leaves to every limit.
+ROOM = 0.01
+_PLAIN = 10.0  # times a limit, from which an excess is written without digits behind the point
+
+
+@dataclass(frozen=True)
+class Category:
+    """What was chosen of a category, or given."""
+
+    category: str
+    kind: str
+    kind_role: Role
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A choice of categories and listed values in words, with its best objective on the surrogate."""
+
+    choice: str
+    choice_objective: float
+    choice_feasible: bool
+
+
+@dataclass(frozen=True)
+class Range:
+    """Least and largest exact value of a quantity over the scenarios, over its SI unit."""
+
+    quantity: str
+    exact_low: float
+    exact_high: float
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Least and largest exact value of a device's figure over the scenarios, over its SI unit."""
+
+    figure: str
+    figure_low: float
+    figure_high: float
+
+
+@dataclass(frozen=True)
+class Constant:
+    """An uncertain constant of a material, or a family of them, with its prior standard deviation in words."""
+
+    constant: str
+    prior: str
+
+
+@dataclass(frozen=True)
+class Overload:
+    """The load at the first limit over the design's own, and the name of that limit; empty where none stops it."""
+
+    overload: float
+    overload_term: str
+
+
+@dataclass(frozen=True)
+class Tolerated:
+    """What the tolerances cost.
+
+    Attributes
+    ----------
+    cost, gain
+        By variable: the share of the goal that is gained without this one tolerance, and by half of it.
+    values
+        Factors of the optimum without tolerances.
+    exact, choice
+        Its exact goal, and its categories.
+    """
+
+    cost: Mapping[str, float]
+    gain: Mapping[str, float]
+    values: Scenario
+    exact: float
+    choice: str
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What is known of the design that answers one target.
+
+    Attributes
+    ----------
+    terms
+        The objectives first, then the limits in the study's order.
+    variables
+        Every factor of the factorial.
+    ranges
+        Of every quantity.
+    beyond, flags
+        What is beyond what the materials bear, in words with sources; that, and what else is to be known.
+    target
+        Name of the target.
+    statistic
+        How uncertain cases count in the objective, in words.
+    polish, source
+        How the design was polished, and how all was computed.
+    figures, overload
+        Of the study's device.
+    constants
+        Those of which the terms have effects.
+    tolerated
+        What the tolerances cost; None where there is none, or where the design is not feasible.
+    categories, choices
+        What was chosen, and the best of every choice.
+    pictures
+        What only pictures need: map, slices, fields of the contact, Pareto front.
+    """
+
+    terms: tuple[Term, ...]
+    variables: tuple[Variable, ...]
+    ranges: tuple[Range, ...] = ()
+    beyond: str = ""
+    flags: str = ""
+    target: str = ""
+    statistic: str = ""
+    polish: str = ""
+    source: str = ""
+    figures: tuple[Figure, ...] = ()
+    overload: Overload | None = None
+    constants: tuple[Constant, ...] = ()
+    tolerated: Tolerated | None = None
+    categories: tuple[Category, ...] = ()
+    choices: tuple[Choice, ...] = ()
+    pictures: xr.Dataset = field(default_factory=xr.Dataset, compare=False)
+
+    @cached_property
+    def objectives(self) -> tuple[Term, ...]:
+        """What is wanted."""
+        return tuple(term for term in self.terms if isinstance(term.statement, Objective))
+
+    @cached_property
+    def limits(self) -> tuple[Term, ...]:
+        """What is limited."""
+        return tuple(term for term in self.terms if isinstance(term.statement, Limit))
+
+    def term(self, name: str) -> Term:
+        """The term that the study has under this text."""
+        return next(term for term in self.terms if term.name == name)
+
+    def variable(self, name: str) -> Variable:
+        """The factor of this name."""
+        return next(variable for variable in self.variables if variable.name == name)
+
+    @property
+    def goal(self) -> str:
+        """What is asked for, as the study writes it."""
+        stated = [term.statement for term in self.objectives]
+        return " and ".join(
+            f"{'maximise' if isinstance(one, Objective) and one.maximise else 'minimise'} {one}" for one in stated
+        )
+
+    @property
+    def kinds(self) -> dict[str, str]:
+        """What stands for every category."""
+        return {category.category: category.kind for category in self.categories}
+
+    @property
+    def case(self) -> dict[str, float]:
+        """Every factor in the case that decides the first objective, the variables without their tolerances."""
+        worst = self.terms[0].worst
+        return {one.name: one.value if one.chosen else worst[one.name] for one in self.variables}
+
+    @property
+    def feasible(self) -> bool:
+        """Whether the design keeps every limit."""
+        return not self.broken
+
+    @cached_property
+    def broken(self) -> tuple[Term, ...]:
+        """Limits that are not kept."""
+        return tuple(limit for limit in self.limits if limit.broken)
+
+    @cached_property
+    def binding(self) -> tuple[Term, ...]:
+        """Limits with next to no margin."""
+        return tuple(limit for limit in self.limits if limit.binds)
+
+    @cached_property
+    def idle(self) -> tuple[Variable, ...]:
+        """Variables that do not matter to any objective."""
+        return tuple(variable for variable in self.variables if not variable.sensitivity.matters)
+
+    @cached_property
+    def at_ends(self) -> tuple[Variable, ...]:
+        """Variables that stand at an end of their range, and matter."""
+        return tuple(variable for variable in self.variables if variable.edge and variable not in self.idle)
+
+    @property
+    def miss(self) -> str:
+        """The limit that is missed by most, and by how much."""
+        worst = min(self.limits, key=lambda limit: limit.margin)
+        missed = f"{-100 * worst.margin:.3g}" if worst.margin > -_PLAIN else f"{-100 * worst.margin:.0f}"
+        return f"{worst.name} binds; the least violated design misses it by {missed} %"
+
+    @property
+    def status(self) -> str:
+        """What binds or is violated, in one line."""
+        if not self.feasible:
+            return f"infeasible: {self.miss}"
+        parts = [f"feasible; binding: {', '.join(limit.name for limit in self.binding) or 'none'}"]
+        parts += [f"{variable.name} at the {variable.edge}" for variable in self.at_ends]
+        parts += [f"{', '.join(variable.name for variable in self.idle)} of no effect on the goal"] if self.idle else []
+        return "; ".join(parts)
+
+    @property
+    def outside(self) -> str:
+        """Which exact values left their intervals, in words; empty where none did."""
+        left = [term for term in self.terms if not term.inside]
+        return "; ".join(
+            f"{one.name}: exact {one.exact:.7g} is outside {one.predicted:.7g} +- {one.half:.2g}" for one in left
+        )

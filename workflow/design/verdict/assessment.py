@@ -1,0 +1,255 @@
+"""The verdict on a design: predicted against exact, margins, what binds, and where the theory ends."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from solver.names import ALL_QUANTITIES, CHOICES, PROFILES
+from workflow.dataset import factorial
+from workflow.design.asking import budget
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.question import Question
+from workflow.design.asking.scenarios import Scenarios
+from workflow.design.asking.sources import Predicted, Source, shape
+from workflow.design.asking.terms import Key, Term
+from workflow.design.verdict import figures, linearity, perturbation, spread
+from workflow.design.verdict.answer import Answer, Range
+from workflow.design.verdict.term import Scenario
+from workflow.design.verdict.term import Term as JudgedTerm
+from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
+from workflow.language.factors import FACTORS
+from workflow.language.numbers import written
+from workflow.language.statements import Limit, Objective
+from workflow.study.model import Study
+
+Array = NDArray[np.float64]
+
+_EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
+_SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
+_PILOT = 512
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What the terms count as on the surrogate: values, the deciding scenario of each, and how far off they may be.
+
+    The standard deviation, and the reach of the 95 % interval.
+    """
+
+    values: Array
+    scenarios: list[int]
+    stds: Array
+    reaches: Array
+
+
+def exactly(design: Designs, terms: Sequence[Term]) -> tuple[Array, int]:
+    """What some terms exactly count as at one design in the verdict, and the costly cases that they took."""
+    values, cases = [], 0
+    for term in terms:
+        if budget.names(design.question, term):
+            found = budget.count_exactly(design, term)
+            values.append(found.value)
+            cases += found.cases
+        else:
+            values.append(float(term.counted(design.values(design.exact, design.question.judged[term.key], term))[0]))
+    return np.array(values), cases
+
+
+def excesses(design: Designs, source: Source) -> Array:
+    """Relative excess of every limit at one design over the scenarios of the search; (k,)."""
+    terms, counts = design.question.terms, design.count(source, design.question.searched)[0]
+    return np.array([float(t.oriented(value)) for t, value in zip(terms, counts, strict=True) if t.limited])
+
+
+def doubts(design: Designs) -> Array:
+    """Half of the 95 % interval of every limited term at one design, over its scale; (k,)."""
+    terms, reaches = design.question.terms, predict(design, design.question.searched).reaches
+    scaled = [reach / term.scale for term, reach in zip(terms, reaches, strict=True) if term.limited]
+    return np.array(scaled).reshape(-1)
+
+
+def predict(design: Designs, sets: Mapping[Key, Scenarios]) -> Prediction:
+    """Terms on the surrogate, with what may be off carried through expression and risk measure as if it added."""
+    values, scenarios = [], []
+    stds: list[float] = []
+    reaches: list[float] = []
+    for term in design.question.terms:
+        chosen = sets[term.key]
+        found = design.values(design.predicted, chosen, term)
+        weights = term.weights(found[0])
+        values.append(float(term.counted(found)[0]))
+        scenarios.append(int(weights.argmax()))
+        for source, sizes in ((design.predicted.stds, stds), (design.predicted.reaches, reaches)):
+            own = {name: size[0] for name, size in source(design.factors(chosen), _quantities(term)).items()}
+            sizes.append(float(weights @ _carried(design, chosen, term, own)))
+    return Prediction(np.array(values), scenarios, np.array(stds), np.array(reaches))
+
+
+def _quantities(term: Term) -> list[str]:
+    return [name for name in term.expression.names() if name in ALL_QUANTITIES]
+
+
+def _carried(design: Designs, chosen: Scenarios, term: Term, sizes: Mapping[str, Array]) -> Array:
+    """Sum over quantities of |d expression / d quantity| times a size of each; (scenarios,)."""
+    known = design.question.known(design.predicted, design.factors(chosen), [term.expression])
+    partials = term.expression.partials({name: values[0] for name, values in known.items()})[1]
+    total = np.zeros(chosen.count)
+    for name, size in sizes.items():
+        total += np.abs(partials[name]) * size
+    return total
+
+
+def judge(design: Designs) -> Answer:
+    """Everything that is said about one design; its name, its choices and its pictures are for others to add."""
+    question, terms = design.question, design.question.terms
+    guessed = predict(design, question.judged)
+    exact, _ = exactly(design, terms)
+    corner = _corners(design)
+    worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
+    beyond = linearity.beyond(question.study, corner)
+    notes = [*(words for words, _ in beyond), *_flags(corner, _radius(design, corner)), *question.notes]
+    spreads = spread.over(design, worst)
+    out = Answer(
+        terms=_terms(design, guessed, exact, worst, spreads),
+        variables=_variables(design, exact, worst[0]),
+        ranges=tuple(Range(name, float(values.min()), float(values.max())) for name, values in corner.items()),
+        beyond="; ".join(f"{words} ({reason})" for words, reason in beyond),
+        flags="; ".join(notes),
+        statistic=str(question.target.statistic),
+        figures=figures.over(design, corner),
+        constants=spreads.constants,
+    )
+    return replace(out, overload=figures.first_limit(design, worst)) if out.feasible else out
+
+
+def _terms(
+    design: Designs, guessed: Prediction, exact: Array, worst: Sequence[Scenario], spreads: spread.Spread
+) -> tuple[JudgedTerm, ...]:
+    """What every term comes to."""
+    question, terms = design.question, design.question.terms
+    stated: list[Objective | Limit] = [*question.target.objectives, *question.target.limits]
+    half = guessed.reaches + tolerances(design)
+    inside = np.abs(exact - guessed.values) <= half + 1e-12 * np.abs(exact)
+    margins = [term.sign * (term.bound - value) / term.scale for term, value in zip(terms, exact, strict=True)]
+    bounds = [linearity.bound(question.study, one) if isinstance(one, Limit) else ("", "") for one in stated]
+    return tuple(
+        JudgedTerm(
+            statement=stated[k],
+            predicted=float(guessed.values[k]),
+            predicted_std=float(guessed.stds[k]),
+            half=float(half[k]),
+            exact=float(exact[k]),
+            inside=bool(inside[k]),
+            limit=term.bound,
+            margin=float(margins[k]),
+            units=term.units,
+            bound=bounds[k][0],
+            source=bounds[k][1],
+            worst=worst[k],
+            effect=tuple(spreads.effects[k].tolist()),
+            spread=float(spreads.whole[k]),
+        )
+        for k, term in enumerate(terms)
+    )
+
+
+def _variables(design: Designs, exact: Array, worst: Scenario) -> tuple[Variable, ...]:
+    """Every factor in the case that decides the first objective, the variables without their tolerances."""
+    question = design.question
+    nominal = {**worst, **{name: float(values[0]) for name, values in design.variables.items()}}
+    nominal |= {name: value for name, value in question.held.items() if name in question.target.variables}
+    unknown, known = Sensitivity((np.nan,) * len(exact)), perturbation.sensitivities(design, exact)
+    edges = _edges(design)
+    return tuple(
+        Variable(
+            name,
+            value,
+            _role(question, name),
+            known.get(name, unknown),
+            tolerance=_tolerance(question, name),
+            edge=edges.get(name),
+        )
+        for name, value in nominal.items()
+    )
+
+
+def _corners(design: Designs) -> dict[str, Array]:
+    """Every quantity of a design, exactly, over many corners of the ranges; what is costly over a few."""
+    out: dict[str, Array] = {}
+    for sets, costly in ((design.question.judged, False), (design.question.searched, True)):
+        names = [name for name in design.exact.quantities if (name in design.question.study.costly) == costly]
+        out |= design.exact.values(design.factors(sets[False]), names) if names else {}
+    return out
+
+
+def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[str, float]:
+    """The study's tolerance of some quantities: a share of their range over the box."""
+    box = qmc.Sobol(len(study.factors), rng=0).random(_PILOT)
+    levels = {
+        axis.name: axis.from_unit(2 * box[:, [column]] - 1).clip(axis.low, axis.high)
+        for column, axis in enumerate(factorial.inputs(study))
+    }
+    ranges = {name: np.ptp(values) for name, values in source.values(levels, names).items()}
+    return {name: float(study.validation.tolerance * size) for name, size in ranges.items()}
+
+
+def tolerances(design: Designs) -> Array:
+    """What the study's tolerance may make of each term; (terms,)."""
+    terms = design.question.terms
+    names = list(dict.fromkeys(name for term in terms for name in _quantities(term)))
+    sizes = allowances(design.question.study, design.predicted, names)
+    out = []
+    for term in terms:
+        chosen = design.question.searched[term.key]
+        weights = term.weights(design.values(design.predicted, chosen, term)[0])
+        own = {name: np.asarray(sizes[name]) for name in _quantities(term)}
+        out.append(float(weights @ _carried(design, chosen, term, own)))
+    return np.array(out)
+
+
+def _case(design: Designs, term: Term, scenario: int) -> dict[str, float]:
+    """Every factor of the factorial in one scenario of a term's verdict on one design."""
+    factors = design.factors(design.question.judged[term.key])
+    return {name: float(np.broadcast_to(values, shape(factors))[0, scenario]) for name, values in factors.items()}
+
+
+def _role(question: Question, name: str) -> Role:
+    target = question.target
+    if name in target.variables:
+        return Role.VARIABLE
+    return Role.WORST_CASE if name in target.worst_case else Role.UNCERTAIN if name in target.uncertain else Role.GIVEN
+
+
+def _tolerance(question: Question, name: str) -> str:
+    """A tolerance as the study writes it; empty where there is none."""
+    given = question.target.tolerance.get(name, "")
+    return given if isinstance(given, str) else f"{given:g} {written(FACTORS[name].units)}".strip()
+
+
+def _edges(design: Designs) -> dict[str, End]:
+    """Variables that stand at an end of their range, which is the study's box or a part of it that was asked for."""
+    out = {}
+    for (name, axis), u in zip(design.question.inputs.items(), design.x[0], strict=True):
+        if abs(u) > 1 - _EDGE:
+            low, high = design.question.room(name)
+            out[name] = End.of(upper=u > 0, studied=axis.high == high if u > 0 else axis.low == low)
+    return out
+
+
+def _radius(design: Designs, corner: Mapping[str, Array]) -> Array | None:
+    """Radius of a round punch over the scenarios, wherever the question has it; None for other profiles."""
+    fixed = design.question.study.fixed
+    if "radius" not in PROFILES[str(fixed.get("profile", CHOICES["profile"][0]))].needs:
+        return None
+    factors = design.factors_of(corner["contact_trailing"])
+    return factors["radius"] if "radius" in factors else np.full((1, 1), float(fixed["radius"]))
+
+
+def _flags(corner: Mapping[str, Array], radius: Array | None) -> list[str]:
+    """Where a design leaves what the theory of the contact holds for."""
+    width = corner["contact_trailing"] + corner["contact_leading"]
+    share = float((width / radius).max()) if radius is not None else 0.0
+    return [f"the contact is {share:.2g} of the radius wide: no longer a parabola"] if share > _SLENDER else []

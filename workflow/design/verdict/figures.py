@@ -1,0 +1,107 @@
+"""Figures of a device at a design: signal, noise and drive over its scenarios, and the load at its first limit."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.face.refusal import FactorError
+from workflow.design.asking.designs import Designs
+from workflow.design.verdict.answer import Figure, Overload
+from workflow.design.verdict.term import Scenario
+from workflow.language import grammar
+from workflow.language.constants import CONSTANTS, FIGURES
+from workflow.language.expressions import Expression
+from workflow.language.factors import FACTORS
+
+Array = NDArray[np.float64]
+
+_LOADS = 33  # of one search, which is refined
+_REFINED = 3
+#: How far a load is raised in search of the first limit.
+MOST_LOAD = 10.0
+
+
+def over(design: Designs, corner: Mapping[str, Array]) -> tuple[Figure, ...]:
+    """Least and largest value of every figure that the study's device has.
+
+    Parameters
+    ----------
+    design
+        One design.
+    corner
+        Its quantities, exactly, over the scenarios of the verdict or the search, (1, scenarios) each.
+    """
+    if design.question.study.device is None:
+        return ()
+    found = {name: _figure(design, corner, grammar.parse(name)) for name in FIGURES}
+    return tuple(
+        Figure(name, float(values.min()), float(values.max())) for name, values in found.items() if values is not None
+    )
+
+
+def _figure(design: Designs, corner: Mapping[str, Array], expression: Expression) -> Array | None:
+    """A figure's values over the scenarios; None where something of it is not known."""
+    question = design.question
+    known: dict[str, Array] = {}
+    for name in expression.names():
+        if name in corner:
+            known[name] = corner[name]
+        elif name in CONSTANTS:
+            try:
+                known[name] = np.full((1, 1), question.study.constant(name))
+            except ValueError:
+                return None
+        elif name in FACTORS:
+            factors, held = design.factors_of(corner["contact_trailing"]), question.study.held(name)
+            if name not in factors and not isinstance(held, float | int):
+                return None
+            known[name] = factors[name] if name in factors else np.full((1, 1), float(held or 0.0))
+        else:
+            return None
+    return expression.evaluate(known)
+
+
+def first_limit(design: Designs, worst: Sequence[Scenario]) -> Overload | None:
+    """How far the load may rise before a limit stops it, all else as in the case that decides that limit.
+
+    Parameters
+    ----------
+    design
+        One design that keeps its limits.
+    worst
+        The case that decides each term.
+
+    Returns
+    -------
+    Overload or None
+        At most ``MOST_LOAD``. None where the load is no factor, or where no limit is known to stop it and one might
+        that no case alone tells.
+    """
+    limits = [
+        (term, case)
+        for term, case in zip(design.question.terms, worst, strict=True)
+        if term.limited and term.sign > 0 and not term.drawn and not term.along
+    ]
+    if "load" not in design.question.study.factors or not limits:
+        return None
+    least, which = MOST_LOAD, ""
+    for term, case in limits:
+        low, high = 1.0, least
+        for _ in range(_REFINED):
+            shares = np.geomspace(low, high, _LOADS)
+            factors = {name: np.full((1, 1), value) for name, value in case.items()}
+            factors["load"] = case["load"] * shares[:, None]
+            try:
+                known = design.question.known(design.exact, factors, [term.expression])
+            except FactorError:  # a load that no case of this kind bears
+                break
+            values = np.broadcast_to(term.expression.evaluate(known), (_LOADS, 1))[:, 0]
+            beyond = np.flatnonzero(values[1:] > term.bound)
+            if not beyond.size:
+                break
+            low, high = shares[beyond[0]], shares[beyond[0] + 1]
+            least, which = float(high), term.label
+    if not which and len(limits) < sum(term.limited for term in design.question.terms):
+        return None  # a limit that no one case tells may stop it
+    return Overload(least, which)

@@ -1,0 +1,81 @@
+"""What the ends of the ranges are worth: the multipliers of an optimum, from its elasticities."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.term import Term
+from workflow.design.verdict.variable import Variable
+from workflow.language.factors import FACTORS
+
+Array = NDArray[np.float64]
+
+_FARTHER = 0.1  # share by which an end of a range is moved in words
+_UNEXPLAINED = 0.1  # share of a gradient that limits and ends may leave, and yet explain the optimum
+
+
+def multipliers(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable]) -> dict[str, float]:
+    """Relative gain of the objective for a relative move outwards of every end at which a variable stands.
+
+    At an optimum the objective's gradient is a sum of those of the limits that bind and of the ends of the ranges, none
+    with a negative weight (Karush, Kuhn and Tucker): the weights, by non-negative least squares on the elasticities.
+    Nothing where they do not explain the gradient, as at a kink.
+
+    Parameters
+    ----------
+    answer
+        A design with one objective.
+    binding
+        Limits of it that bind.
+    ends
+        Variables of it that stand at an end of their range.
+    """
+    known = [variable for variable in answer.variables if np.isfinite(variable.sensitivity.elasticity[0])]
+    ends = [variable for variable in ends if variable in known]
+    columns = [_slopes(answer, term, known) for term in binding]
+    columns += [_outward(end) * np.array([variable == end for variable in known]) for end in ends]
+    wanted = _slopes(answer, answer.terms[0], known)
+    if not ends or not np.all(np.isfinite(columns)):
+        return {}
+    weights, left = nnls(np.stack(columns, -1).astype(np.float64), wanted)
+    explained = left <= _UNEXPLAINED * np.linalg.norm(wanted)
+    gains = weights[len(binding) :].tolist()
+    return dict(zip([end.name for end in ends], gains, strict=True)) if explained else {}
+
+
+def gains(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable]) -> dict[str, float]:
+    """What ends of the ranges, `moved`, would likely bring; of those of which it is known."""
+    if len(answer.objectives) > 1:  # a compromise of several goals has no one gradient
+        return {}
+    changes = {end.name: abs(moved(end)) for end in ends}
+    return {name: gain * changes[name] for name, gain in multipliers(answer, binding, ends).items() if changes[name]}
+
+
+def lessened(answer: Answer, broken: Term, end: Variable) -> float:
+    """Relative change for the better of a limit's value, were the end moved."""
+    place = answer.terms.index(broken)
+    return float(-broken.statement.sign * np.sign(broken.exact) * end.sensitivity.elasticity[place]) * moved(end)
+
+
+def moved(end: Variable) -> float:
+    """Relative change of a variable that moves its end outwards, no farther than it has a meaning."""
+    value = end.value
+    if value == 0:
+        return 0.0
+    farther = value + _outward(end) * _FARTHER * abs(value)
+    return float(np.clip(farther, FACTORS[end.name].low, FACTORS[end.name].high)) / value - 1
+
+
+def _outward(end: Variable) -> float:
+    assert end.edge is not None
+    return end.edge.outward
+
+
+def _slopes(answer: Answer, term: Term, known: Sequence[Variable]) -> Array:
+    """Relative change of a term's size, with the sign of its statement, for one of every variable."""
+    place = answer.terms.index(term)
+    slopes = np.array([variable.sensitivity.elasticity[place] for variable in known])
+    return np.asarray(term.statement.sign * np.sign(term.exact) * slopes)

@@ -1,0 +1,289 @@
+"""The answer as a data set, and back: every field of the values of `answer` has a variable of its own name."""
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from storage.described import described
+from storage.netcdf import read_whole
+from workflow.design.verdict.answer import Answer, Category, Choice, Constant, Figure, Overload, Range, Tolerated
+from workflow.design.verdict.term import Term
+from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
+from workflow.language import statements
+
+_LOCAL = ("map_x", "map_y", "slice", "step", "front", "choice", "position", "x", "y")  # what only pictures need
+
+SOURCE = "meecontact: search on a Gaussian process, polished and judged on the closed-form solution"
+SOURCE_OF_FILMS = "meecontact: search on a Gaussian process, judged on the exact solver of films"
+_MEANINGS = {
+    "target": "name of a design target",
+    "factor": "name of a factor",
+    "term": "objective or limit",
+    "quantity": "name of a quantity",
+    "category": "name of a category",
+    "goal": "what is asked for",
+    "value": "factor of the design, over its SI unit",
+    "tolerance": "how far the factor may be off as built",
+    "tolerance_cost": "share of the goal that is gained without this one tolerance",
+    "tolerance_gain": "share of the goal that is gained by half of this one tolerance",
+    "nominal_value": "factor of the optimum without tolerances, over its SI unit",
+    "nominal_exact": "exact goal of the optimum without tolerances, over its unit in units",
+    "nominal_choice": "categories of the optimum without tolerances",
+    "figure": "name of a figure of a device",
+    "figure_low": "least exact value of the figure over the scenarios, over its SI unit",
+    "figure_high": "largest exact value of the figure over the scenarios, over its SI unit",
+    "overload": "load at the first limit over the design's own",
+    "overload_term": "the limit that stops the load; empty where none does up to ten times the load",
+    "constant": "an uncertain constant of a material, or a family of them",
+    "prior": "standard deviation of the constant",
+    "effect": "relative change of the term by one standard deviation of the constant",
+    "spread": "standard deviation of the term by all uncertain constants, over the term; to first order",
+    "role": "what the factor is in the design",
+    "predicted": "predicted term, over its unit in units",
+    "predicted_std": "predicted standard deviation of the term, over its unit in units",
+    "half": "half of the interval of the predicted term, over its unit in units",
+    "exact": "exact term, over its unit in units",
+    "inside": "whether the exact term lies inside the predicted interval",
+    "limit": "limit of the term, over its unit in units",
+    "margin": "share of the limit that is left; negative beyond it",
+    "units": "unit of the term",
+    "bound": "what of a material the limit is, if it names that",
+    "source": "where that comes from",
+    "beyond": "what is beyond what the materials bear: linear theory does not hold there",
+    "worst": "factor in the scenario that decides the term, over its SI unit",
+    "exact_low": "least exact quantity over the scenarios, over its SI unit",
+    "exact_high": "largest exact quantity over the scenarios, over its SI unit",
+    "feasible": "whether the design keeps every limit",
+    "status": "what binds or is violated",
+    "flags": "what else is to be known of the design",
+    "elasticity": "relative change of the term for a relative change of the factor",
+    "cost": "share of the objective lost by an error of 1 % in the factor",
+    "loss": "what an error of 1 % in the factor takes from the objective, over its unit in units",
+    "edge": "which end of its range the factor stands at, if any",
+    "matters": "whether an error of 1 % in the factor changes any objective",
+    "margin_left": "least margin of all limits after an error of 1 % in the factor",
+    "kind": "what was chosen of the category",
+    "kind_role": "whether the category was chosen or given",
+}
+_PICTURES = {
+    "map_x": "first variable of the design map, over its SI unit",
+    "map_y": "second variable of the design map, over its SI unit",
+    "map_objective": "predicted objective on the design map, over its unit in units",
+    "map_excess": "largest predicted excess over any limit on the design map, over the limit",
+    "slice": "variable of a slice through the design",
+    "step": "step along a slice",
+    "slice_value": "variable along a slice, over its SI unit",
+    "slice_objective": "predicted objective along a slice, over its unit in units",
+    "slice_excess": "largest predicted excess over any limit along a slice, over the limit",
+    "slice_low": "lower end of the interval of the objective along a slice, over its unit in units",
+    "slice_high": "upper end of the interval of the objective along a slice, over its unit in units",
+    "position": "surface position X = (x - c)/h, in half-lengths from the middle of the contact",
+    "x": "position (x - c)/h below the punch, in half-lengths from the middle of the contact",
+    "y": "height above the surface, in half-lengths of the contact",
+    "choice": "a choice of categories, in words",
+    "choice_objective": "best objective of a choice, over its unit in units",
+    "choice_feasible": "whether a choice keeps every limit",
+    "front": "a design of the Pareto front",
+    "objective": "an objective of the Pareto front",
+    "front_exact": "exact objective of a design of the front, over its unit in units",
+    "front_predicted": "predicted objective of a design of the front, over its unit in units",
+    "front_value": "factor of a design of the front, over its SI unit",
+}
+
+
+_TERM = ("predicted", "predicted_std", "half", "exact", "inside", "limit", "margin", "units", "bound", "source")
+_VARIABLE = ("value", "tolerance", "role")
+_SENSITIVITY = ("cost", "loss", "matters", "margin_left")
+_TOLERATED = {"tolerance_cost": "cost", "tolerance_gain": "gain", "nominal_value": "values"}
+#: What of an answer has rows over a dimension of their own: the first field of each names it.
+_ROWS: dict[str, type[Any]] = {
+    "ranges": Range, "figures": Figure, "constants": Constant, "categories": Category, "choices": Choice,
+}  # fmt: skip
+
+
+_SCALARS = ("overload", "overload_term")
+#: Variables that are no pictures.
+_OWN = {
+    *_TERM, *_VARIABLE, *_SENSITIVITY, *_TOLERATED, *_SCALARS, "edge", "elasticity", "worst", "effect", "spread",
+    "feasible", "status", "beyond", "flags", "nominal_exact", "nominal_choice",
+    *(one.name for row in _ROWS.values() for one in fields(row)),
+}  # fmt: skip
+
+
+def dataset(answer: Answer) -> xr.Dataset:
+    """The answer as a data set.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``term`` the fields of `answer.Term`, over ``factor`` those of `answer.Variable` and its
+        `answer.Sensitivity`, over both ``elasticity`` and ``worst``; over ``quantity``, ``figure``, ``constant``,
+        ``category`` and ``choice`` what the answer has of each; its pictures as they are.
+    """
+    terms, variables = answer.terms, answer.variables
+    names = [variable.name for variable in variables]
+    data: dict[str, Any] = {key: ("term", [getattr(term, key) for term in terms]) for key in _TERM}
+    data |= {key: ("factor", [getattr(variable, key) for variable in variables]) for key in _VARIABLE}
+    data |= {key: ("factor", [getattr(variable.sensitivity, key) for variable in variables]) for key in _SENSITIVITY}
+    data["edge"] = ("factor", [variable.edge or "" for variable in variables])
+    data["elasticity"] = (("factor", "term"), [variable.sensitivity.elasticity for variable in variables])
+    data["worst"] = (("term", "factor"), [[term.worst[name] for name in names] for term in terms])
+    data |= {key: getattr(answer, key) for key in ("feasible", "status", "beyond", "flags")}
+    coords: dict[str, Any] = {"factor": names, "term": [term.name for term in terms], "target": answer.target}
+    if answer.constants:
+        data["effect"] = (("term", "constant"), [term.effect for term in terms])
+        data["spread"] = ("term", [term.spread for term in terms])
+    if answer.overload:
+        data |= vars(answer.overload)
+    if found := answer.tolerated:
+        for key, name in _TOLERATED.items():
+            data[key] = ("factor", [getattr(found, name).get(factor, np.nan) for factor in names])
+        data |= {"nominal_exact": found.exact, "nominal_choice": found.choice}
+    for rows in filter(None, (getattr(answer, key) for key in _ROWS)):
+        (dimension, labels), *columns = _columns(rows)
+        coords[dimension] = labels
+        data |= {key: (dimension, values) for key, values in columns}
+    stored = xr.Dataset({key: _plain(value) for key, value in data.items()}, coords)
+    out = xr.merge([stored, answer.pictures], compat="no_conflicts", join="outer")
+    out.attrs = {
+        "title": f"design target {answer.target}",
+        "goal": answer.goal,
+        "objective": answer.terms[0].name,
+        "statistic": answer.statistic,
+        "polish": answer.polish,
+        "source": answer.source,
+        "signs": [term.statement.sign for term in answer.objectives],
+    }
+    return out
+
+
+def _columns(rows: Sequence[Any]) -> list[tuple[str, list[Any]]]:
+    """Names of the fields of rows of one type, with a value a row."""
+    return [(one.name, [getattr(row, one.name) for row in rows]) for one in fields(rows[0])]
+
+
+def _plain(value: Any) -> Any:
+    """Texts as plain texts, which their own types are to Python but not to netCDF."""
+    if isinstance(value, tuple) and value[1] and isinstance(value[1][0], str):
+        return value[0], [str(text) for text in value[1]]
+    return value
+
+
+def answer_of(data: xr.Dataset) -> Answer:
+    """The answer that a data set of `dataset` holds."""
+    names = _list(data, "factor")
+    worst = data["worst"].transpose("term", "factor").values.tolist()
+    effects = _lists(data, "effect", "term", "constant") or [()] * data.sizes["term"]
+    spreads = _list(data, "spread") or [np.nan] * data.sizes["term"]
+    terms = [
+        Term(
+            stated,
+            worst=dict(zip(names, case, strict=True)),
+            effect=tuple(effect),
+            spread=spread,
+            **dict(zip(_TERM, values, strict=True)),
+        )
+        for stated, values, case, effect, spread in zip(
+            _stated(data), _rows(data, _TERM), worst, effects, spreads, strict=True
+        )
+    ]
+    errors = [
+        Sensitivity(tuple(elasticity), *values)
+        for elasticity, values in zip(
+            _lists(data, "elasticity", "factor", "term"), _rows(data, _SENSITIVITY), strict=True
+        )
+    ]
+    variables = [
+        Variable(name, value, Role(role), error, tolerance, End(edge) if edge else None)
+        for name, error, (value, tolerance, role, edge) in zip(
+            names, errors, _rows(data, (*_VARIABLE, "edge")), strict=True
+        )
+    ]
+    rest: dict[str, Any] = {key: tuple(_members(data, row)) for key, row in _ROWS.items()}
+    rest |= {key: str(data[key].item()) for key in ("beyond", "flags", "target")}
+    rest |= {key: str(data.attrs[key]) for key in ("statistic", "polish", "source")}
+    return Answer(
+        tuple(terms),
+        tuple(variables),
+        overload=Overload(*(data[key].item() for key in _SCALARS)) if set(_SCALARS) <= set(data) else None,
+        tolerated=_tolerated(data),
+        pictures=data.drop_vars([name for name in data.data_vars if name in _OWN]).drop_attrs(deep=False),
+        **rest,
+    )
+
+
+def _stated(data: xr.Dataset) -> Iterator[statements.Objective | statements.Limit]:
+    """The statements of the terms, read by the grammar of a study."""
+    signs = iter(np.atleast_1d(data.attrs["signs"]))
+    for text, limit in zip(_list(data, "term"), _list(data, "limit"), strict=True):
+        limited = np.isfinite(limit)
+        yield statements.limit(text) if limited else statements.objective(text, maximise=next(signs) > 0)
+
+
+def _tolerated(data: xr.Dataset) -> Tolerated | None:
+    if "nominal_exact" not in data:
+        return None
+    names = _list(data, "factor")
+    cost, gain, values = (
+        {name: value for name, value in zip(names, _list(data, key), strict=True) if np.isfinite(value)}
+        for key in _TOLERATED
+    )
+    return Tolerated(cost, gain, values, data["nominal_exact"].item(), str(data["nominal_choice"].item()))
+
+
+def _members(data: xr.Dataset, row: type[Any]) -> Iterator[Any]:
+    """Rows of one type; none where the data set has no such dimension."""
+    keys = [one.name for one in fields(row)]
+    if keys[0] in data.dims:
+        yield from itertools.starmap(row, _rows(data, keys))
+
+
+def _rows(data: xr.Dataset, keys: Sequence[str]) -> list[tuple[Any, ...]]:
+    """Values of some variables over one dimension, a row each."""
+    return list(zip(*(_list(data, key) for key in keys), strict=True))
+
+
+def _list(data: xr.Dataset, key: str) -> list[Any]:
+    """The values of a variable as Python's own; none where it is not there."""
+    return data[key].values.tolist() if key in data.variables else []
+
+
+def _lists(data: xr.Dataset, key: str, *dims: str) -> list[Any]:
+    return data[key].transpose(*dims).values.tolist() if key in data.variables else []
+
+
+def read(path: Path) -> Answer:
+    """The answer in a file ``design/<target>.nc``."""
+    return answer_of(read_whole(path))
+
+
+def together(answers: list[xr.Dataset]) -> xr.Dataset:
+    """All designs over ``target``; what a target has not is missing there."""
+    kept = [
+        answer.drop_dims(_LOCAL, errors="ignore").assign(goal=str(answer.attrs["goal"])).drop_attrs()
+        for answer in answers
+    ]
+    whole = xr.concat(kept, dim="target", join="outer", data_vars="all", fill_value=_missing(kept))
+    return described(whole, "designs", str(answers[0].attrs["source"]), _MEANINGS)
+
+
+def entire(answer: Answer) -> xr.Dataset:
+    """An answer as a data set in which every variable says what it is."""
+    data = dataset(answer)
+    pictured = {
+        str(name): f"{str(name).partition('_')[2].replace('_', ' ')} under the recommended design"
+        for name in data.data_vars
+        if str(name).startswith(("field_", "inside_"))
+    }
+    return described(data, str(data.attrs["title"]), str(data.attrs["source"]), _MEANINGS | _PICTURES | pictured)
+
+
+def _missing(answers: list[xr.Dataset]) -> dict[str, object]:
+    """What stands where a target has no such term or factor."""
+    types = {str(name): array.dtype.kind for answer in answers for name, array in answer.data_vars.items()}
+    return {name: "" if code in "UOT" else False if code == "b" else np.nan for name, code in types.items()}

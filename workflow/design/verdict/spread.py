@@ -1,0 +1,99 @@
+"""What the uncertain constants of the materials make of a design: to first order, by the exact solver."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.names import ALL_PEAKS
+from workflow.design.asking.designs import Designs
+from workflow.design.asking.risk import WorstCase
+from workflow.design.asking.sources import Exact
+from workflow.design.asking.terms import Term
+from workflow.design.verdict import answer
+from workflow.design.verdict.term import Scenario
+from workflow.study import uncertainty
+from workflow.study.model import Study
+from workflow.study.reading import InputError
+from workflow.study.uncertainty import Constant
+
+Array = NDArray[np.float64]
+
+_STEP = 0.1  # of difference quotients, in prior standard deviations: what they leave out is 1e-5 of a derivative
+
+
+@dataclass(frozen=True)
+class Spread:
+    """What one standard deviation of each constant makes of each term.
+
+    Attributes
+    ----------
+    constants
+        Of the materials.
+    effects
+        Relative changes of the terms, (terms, constants).
+    """
+
+    constants: tuple[answer.Constant, ...]
+    effects: Array
+
+    @property
+    def whole(self) -> Array:
+        """Root of the sum of the squares, (terms,); NaN without a constant."""
+        return np.sqrt((self.effects**2).sum(1)) if self.constants else np.full(len(self.effects), np.nan)
+
+
+def over(design: Designs, worst: Sequence[Scenario]) -> Spread:
+    """First-order spread of the terms of one design by the constants of its materials.
+
+    Each constant, a family of them as :mod:`workflow.study.uncertainty` scales it, is moved by itself, up and down by
+    a tenth of its prior standard deviation, in the case that decides a term; the design stays as it is. Constants are
+    independent a priori, so that their effects add as squares. What a material bears is not moved.
+
+    Parameters
+    ----------
+    design
+        One design.
+    worst
+        The case that decides each term.
+
+    Returns
+    -------
+    Spread
+        NaN for a term that counts over distributions, is next to zero, or is searched for in a film. No constants where
+        none is uncertain.
+    """
+    question = design.question
+    try:
+        constants = uncertainty.uncertain(question.study)
+    except InputError:  # a material whose constants follow its composition
+        return Spread((), np.empty((len(question.terms), 0)))
+    effects = np.full((len(question.terms), len(constants)), np.nan)
+    told = [k for k, term in enumerate(question.terms) if _tells(question.study, term)]
+    terms, cases = [question.terms[k] for k in told], [worst[k] for k in told]
+    here = _values(design, question.study, terms, cases)
+    for column, one in enumerate(constants):
+        ends = [_values(design, _moved(question.study, one, z), terms, cases) for z in (_STEP, -_STEP)]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            effects[told, column] = (ends[0] - ends[1]) / (2 * _STEP) / here
+    effects[~np.isfinite(effects)] = np.nan
+    return Spread(tuple(answer.Constant(one.name, one.prior) for one in constants), effects)
+
+
+def _tells(study: Study, term: Term) -> bool:
+    """Whether one case tells what a term counts as, in less than seconds for every constant."""
+    searched = study.kind.tabled and not ALL_PEAKS.keys().isdisjoint(term.expression.names())
+    return isinstance(term.measure, WorstCase) and not searched
+
+
+def _moved(study: Study, one: Constant, z: float) -> Study:
+    return uncertainty.moved(study, [one], np.array([z]))
+
+
+def _values(design: Designs, study: Study, terms: Sequence[Term], cases: Sequence[Mapping[str, float]]) -> Array:
+    """Each term in its own case, with the constants of a study; (terms,)."""
+    factors = {name: np.array([[case[name]] for case in cases]) for name in (cases[0] if cases else {})}
+    known = design.question.known(Exact(study), factors, [term.expression for term in terms])
+    values = [np.broadcast_to(term.expression.evaluate(known), (len(terms), 1)) for term in terms]
+    return np.array([rows[place, 0] for place, rows in enumerate(values)])

@@ -1,0 +1,111 @@
+"""A factor of a design: its role, the end of the range at which it stands, what small errors in it cost."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from workflow.language import titles
+
+
+class Role(StrEnum):
+    """What a factor or a category is in a design."""
+
+    VARIABLE = "variable"
+    WORST_CASE = "worst case"
+    UNCERTAIN = "uncertain"
+    GIVEN = "given"
+
+
+class End(StrEnum):
+    """An end of a range: of the studied one, or of the part of it that was asked for."""
+
+    UPPER = "upper end of the studied range"
+    LOWER = "lower end of the studied range"
+    UPPER_ASKED = "upper end of the range asked for"
+    LOWER_ASKED = "lower end of the range asked for"
+
+    @classmethod
+    def of(cls, *, upper: bool, studied: bool) -> "End":
+        """The end of that side and range."""
+        if upper:
+            return cls.UPPER if studied else cls.UPPER_ASKED
+        return cls.LOWER if studied else cls.LOWER_ASKED
+
+    @property
+    def outward(self) -> float:
+        """1 at an upper end, -1 at a lower one."""
+        return 1.0 if self in (End.UPPER, End.UPPER_ASKED) else -1.0
+
+    @property
+    def words(self) -> str:
+        """The end in a sentence about its variable."""
+        asked = " as asked for" if self in (End.UPPER_ASKED, End.LOWER_ASKED) else ""
+        return f"its {'upper' if self.outward > 0 else 'lower'} end{asked}"
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """What small errors in building one variable make of a design.
+
+    Attributes
+    ----------
+    elasticity
+        Relative change of every term for a relative change of the variable; NaN where that is not known.
+    cost, loss
+        What an error of 1 % takes from the first objective: as a share of it (NaN where it is next to zero), and over
+        its unit.
+    matters
+        Whether that error changes any objective.
+    margin_left
+        Least margin of all limits after it.
+    """
+
+    elasticity: tuple[float, ...]
+    cost: float = np.nan
+    loss: float = np.nan
+    matters: bool = True
+    margin_left: float = np.nan
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A factor of the design, chosen or given.
+
+    Attributes
+    ----------
+    name
+        Of the factor.
+    value
+        In SI; of a design variable without its tolerance, else in the case that decides the first objective.
+    role
+        What the factor is in the design.
+    sensitivity
+        What small errors in it make of the design.
+    tolerance
+        How far it may be off as built, as the study writes it; empty where there is no tolerance.
+    edge
+        The end of its range at which it stands, if any.
+    """
+
+    name: str
+    value: float
+    role: Role
+    sensitivity: Sensitivity
+    tolerance: str = ""
+    edge: End | None = None
+
+    @property
+    def chosen(self) -> bool:
+        """Whether the design chooses it."""
+        return self.role == Role.VARIABLE
+
+    @property
+    def title(self) -> str:
+        """The factor in words."""
+        return titles.title(self.name)
+
+    @property
+    def words(self) -> str:
+        """Its value with the unit."""
+        return titles.value(self.name, self.value)
