@@ -2,7 +2,8 @@
 
 Five panels lie side by side: under the contact, beside its edges, and far, even in the logarithm of the distance from
 the edge. The far ones end where nothing larger can be: beyond, the film carries no bending, the base feels a line force
-and its stresses fall as 1/r. In the depth points are even in its logarithm. Panels have the points that 1e-8 takes.
+and its stresses fall as 1/r. In the depth points are even in its logarithm. Panels have the points that 1e-7 at worst takes,
+less at the tops.
 """
 
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ ENDS = (-5.0, -3.0, -1.0, 1.0, 3.0, 5.0)
 
 _FARTHEST = 8.0  # thicknesses, or lengths over which a base bends a film that is stiffer
 _ERROR = 1e-7  # of a panel's interpolant at its worst point
+_ANGLE = 1.1  # the largest that is reckoned with
 _FEWEST, _MOST = 12, 128  # points of a panel
 
 
@@ -112,14 +114,14 @@ def farthest(stack: Stack) -> float:
     """Distance [m] from the edges beyond which nothing is larger: a stiff film bends a soft base over cube roots."""
     stiffness = max(float(layer.material.c11) for layer in stack.layers)
     base = stiffness if isinstance(stack.base, str) else float(stack.base.c11)
-    return _FARTHEST * stack.thickness * max(1.0, stiffness / base) ** (1 / 3)
+    return float(_FARTHEST * stack.thickness * np.cbrt(max(1.0, stiffness / base)))
 
 
 def singular(stack: Stack) -> tuple[float, float]:
     """Least rate and angle of the waves of all layers and the base, see :class:`Net`."""
     media = [*stack.media, *filter(None, [stack.base_medium])]
     rates = np.concatenate([np.linalg.eigvals(medium.decay) for medium in media])
-    return float(np.min(rates.real)), float(np.pi / 2 - np.max(np.abs(np.angle(rates))))
+    return float(np.min(rates.real)), min(float(np.pi / 2 - np.max(np.abs(np.angle(rates)))), _ANGLE)
 
 
 def _points(decay: float) -> int:

@@ -1,4 +1,4 @@
-"""Largest stresses of a film, of its base and on its lowest interface, from tables over half-lengths (film surrogates, 2).
+"""Largest stresses of a film, of its base and on its lowest interface, from tables over half-lengths.
 
 Stresses on Chebyshev panels tied to the edges of the contact are linear in the causes at a half-length and smooth in
 its logarithm. A case is a product; the best nodes of several hills start climbs on the interpolant.
