@@ -2,8 +2,8 @@
 
 Five panels lie side by side: under the contact, beside its edges, and far, even in the logarithm of the distance from
 the edge. The far ones end where nothing larger can be: beyond, the film carries no bending, the base feels a line force
-and its stresses fall as 1/r. In the depth points are even in its logarithm. Panels have the points that 1e-7 at worst takes,
-less at the tops.
+and its stresses fall as 1/r. In the depth points are even in its logarithm. Panels have the points that 1e-7 at worst
+takes, less at the tops.
 """
 
 from dataclasses import dataclass
