@@ -27,12 +27,8 @@ PUBLIC = [getattr(room, name) for room in (solver, surrogate) for name in room._
 STORED = {"state", "stored", "restore", "restored", "make_factor", "members", "with_members"}  # for `save` and `load`
 TRAINED = {"blocks", "whole"}  # for the pipeline, which trains in pieces
 FOR_THE_PAGE = {"links"}  # which evaluates it
-OF_A_CORE = {
-    *vars(Core),
-    *vars(Physical),
-    "checked_level",
-    "over",
-}  # what cores and transforms give the model, as one another
+#: What cores and transforms give the model, as one another.
+OF_A_CORE = {*vars(Core), *vars(Physical), "checked_level", "over"}
 INNER = {"Grouping"}  # its methods are for GroupedGP
 
 

@@ -66,7 +66,7 @@ def test_a_full_disk_stops_the_run_and_a_rerun_completes(tiny: Maker, undisturbe
     source, expected = tiny("source"), contents(undisturbed)
     project = Project(tmp_path / "disk")
     used = sum(file.stat().st_size // 1024 + 4 for file in source.folder.rglob("*"))
-    with small_disk(project.folder, used + 300) as enlarge:
+    with small_disk(project.folder, used + 150) as enlarge:
         shutil.copytree(source.folder, project.folder, dirs_exist_ok=True)
         full = as_plain_user(project, "meecontact", "run", "tiny", "--cores", "2")
         assert leaves_whole_files(full, project, expected) > 0
