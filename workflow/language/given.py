@@ -12,6 +12,7 @@ _NUMBERS = ("low", "high", "choices", "uniform", "normal", "triangular")  # of a
 _USUAL = {
     "input_capacitance": (1e-3, "pF"),
     "cable_capacitance": (1e-3, "pF"),
+    "feedback_capacitance": (1e-3, "pF"),
     "charge_noise": (1e-6, "fC"),
     "voltage_noise": (1.0, "uV"),
 }
