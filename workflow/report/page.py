@@ -41,7 +41,7 @@ _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
 #: Scripts of the page, in the order in which they need each other.
 _SCRIPTS = (
     "contents.js", "numbers.js", "hover.js", "surrogate.js", "largest.js", "stack.js", "chart.js", "fields.js",
-    "explore.js", "share.js", "whatif.js", "effects.js",
+    "judging.js", "explore.js", "share.js", "whatif.js", "effects.js",
 )  # fmt: skip
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
