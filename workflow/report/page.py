@@ -151,7 +151,7 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
         says |= {
             "dataset": sentences.dataset(study, content["dataset"]["cases"], content["dataset"]["rows"]),
             "surrogate": sentences.surrogate(validation["worst"], validation["tolerance"]),
-            "sensitivity": sentences.sensitivity(indices, study.of_interest),
+            "sensitivity": sentences.sensitivity(indices, study.aims),
             "time": sentences.time(content["timing"]),
         }
     if content["surface"]:
