@@ -44,7 +44,12 @@ class Assembly:
     def unknowns(self) -> Array:
         """Unknowns for every cause; (half, unknown, cause)."""
         rough = None if self._rough is None else self._rough[:2]
-        return self.system.solve(self.basis, self._integrals[0][:, :3, : self.basis.terms], rough)
+        return self.system.solve(self.basis, self.at_nodes, rough)
+
+    @property
+    def at_nodes(self) -> Array:
+        """du/dx of (y, phi, psi) at the collocation nodes, by the smooth kernels; (half, 3, M, unknown)."""
+        return self._integrals[0][:, :3, : self.basis.terms]
 
     @property
     def gradients(self) -> Array:

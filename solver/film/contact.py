@@ -144,7 +144,7 @@ class FilmContact:
 
     # -- response ------------------------------------------------------------------------------------------------------
     @cached_property
-    def _far(self) -> Array:
+    def far(self) -> Array:
         """(Y_low)_oo log(L/b) / pi: displacements per total of the tractions that the datum adds; (case or 1, 3, 3)."""
         system = self.table.system
         own = self.datum if self.punch_datum is None else self.punch_datum
@@ -158,16 +158,16 @@ class FilmContact:
         for i in range(self.loading.slope.shape[-1]):
             size = self.loading.slope[:, i] * self.half_width ** (i + 1)
             if by_centre:
-                total = total + size * _mean_power(self.centre, i)
+                total = total + size * mean_power(self.centre, i)
             else:
-                total = total + size * _mean_power(self.centre, i + 1) / (1 if by_width else i + 1)
+                total = total + size * mean_power(self.centre, i + 1) / (1 if by_width else i + 1)
         return total
 
     @cached_property
     def response(self) -> Array:
         """Depth [m], voltage [V] and magnetic potential [A] of the punch; (case, 3)."""
         own = self.half_width[:, None] * self.output(outputs.DISPLACEMENT)
-        whole = own - dot(self._far, self.loading.loads[:, None, :])
+        whole = own - dot(self.far, self.loading.loads[:, None, :])
         whole[:, 0] = self._rise() - whole[:, 0]
         return np.asarray(whole * self.scale[1:])
 
@@ -175,7 +175,7 @@ class FilmContact:
     def at_fixed_contact(self) -> Array:
         """d (depth, voltage, magnetic potential) / d (T, J) at a fixed contact, SI; (case, 3, 2)."""
         first = self._first_charge
-        by_charge = self._read(outputs.DISPLACEMENT)[..., first : first + 2] - self._far[..., 1:]
+        by_charge = self._read(outputs.DISPLACEMENT)[..., first : first + 2] - self.far[..., 1:]
         by_charge[:, 0] *= -1
         return np.asarray(by_charge * self.scale[1:, None] * self.scale[2:])
 
@@ -200,7 +200,7 @@ class FilmContact:
         read, rate = self._read(outputs.DISPLACEMENT), self._read(outputs.DISPLACEMENT, rate=True)
         by_load = np.zeros((h.size, 3, 3))
         by_load[..., 1:] = read[..., first : first + 2]
-        by_load -= self._far
+        by_load -= self.far
         if order == -1:
             by_load[..., 0] += read[..., -1]
             if self.profile.moment is not None:
@@ -233,6 +233,17 @@ class FilmContact:
     def _si(self, tangents: Array) -> Array:
         tangents[:, 0] *= -1  # depth = g - u_y
         return np.asarray(tangents * self.scale[1:, None] * self.scale[1:])
+
+    def part(self, case: int) -> "FilmContact":
+        """One of the cases."""
+        size, some = self.load.shape, slice(case, case + 1)
+
+        def chosen(values: Array) -> Array:
+            return np.asarray(np.broadcast_to(values, size)[some])
+
+        own = None if self.punch_datum is None else chosen(self.punch_datum)
+        profile, charges = self.profile.part(some, size), self.charges[some]
+        return FilmContact(self.table, profile, self.load[some], charges, chosen(self.datum), own)
 
     # -- sensor and actuator -------------------------------------------------------------------------------------------
     def with_charges(self, charges: Array) -> Self:
@@ -287,7 +298,7 @@ def _moved(read: Array, rate: Array, causes: Causes) -> Array:
     return _sum(rate, causes.values) + _sum(read, causes.by_width)
 
 
-def _mean_power(centre: Array, n: int) -> Array:
+def mean_power(centre: Array, n: int) -> Array:
     """Mean of (X + c/h)^n with weight (1 - X^2)^(3/2), by Gauss's rule."""
     count = n // 2 + 4
     angle = np.pi * np.arange(1, count + 1) / (count + 1)

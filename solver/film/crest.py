@@ -28,11 +28,11 @@ def peak_pressure(contact: FilmContact) -> Array:
         polynomials = contact.table.polynomials(np.log(contact.half_width[some]))
         read = np.tensordot(polynomials, series[:, :count], 1)
         own = np.einsum("cjq,cq->cj", read, contact.causes.values[some])
-        found[some] = _largest(own, contact.exponent)
+        found[some] = largest(own, contact.exponent)
     return np.asarray(found / contact.scale[1])
 
 
-def _largest(series: Array, exponent: float) -> Array:
+def largest(series: Array, exponent: float) -> Array:
     """Largest (1 - X)^A (1 + X)^B f(X) of Chebyshev series f (case, coefficient), A = alpha, B = 1 - alpha."""
     A, B = exponent, 1 - exponent
     count = series.shape[1]

@@ -24,11 +24,11 @@ COUNT = PRESSURE.stop
 
 def outputs(assembly: Assembly) -> Array:
     """Every output for every cause; (half, output, cause)."""
-    return np.asarray(_functionals(assembly) @ assembly.unknowns)
+    return np.asarray(functionals(assembly) @ assembly.unknowns)
 
 
-def _functionals(assembly: Assembly) -> Array:
-    """(half, output, unknown)."""
+def functionals(assembly: Assembly) -> Array:
+    """Outputs per unknown; (half, output, unknown)."""
     system, basis = assembly.system, assembly.basis
     rows = np.zeros((assembly.half_lengths.size, COUNT, system.unknowns(basis)))
     pressures, signs = slice(0, basis.pressures), (-1.0) ** np.arange(basis.terms + 1)

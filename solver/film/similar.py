@@ -62,16 +62,7 @@ class Films:
 
     def part(self, places: slice) -> Self:
         """Some of the cases."""
-        p, size = self.profile, self.load.shape
-
-        def chosen(values: Array) -> Array:
-            return np.asarray(np.broadcast_to(values, size)[places])
-
-        profile = Profile(
-            tuple(chosen(c) for c in p.slope), p.smooth,
-            None if p.width is None else chosen(p.width),
-            None if p.moment is None else chosen(p.moment),
-        )  # fmt: skip
+        profile = self.profile.part(places, self.load.shape)
         names = ("load", "charges", "datum", "thickness", "punch_datum")
         of_case = {name: value[places] for name in names if (value := getattr(self, name)) is not None}
         return replace(self, profile=profile, **of_case)

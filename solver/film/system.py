@@ -157,8 +157,14 @@ class System:
             count *= _GRADED_TERMS
         return max(2 * int(np.ceil(count / 2)), 8)
 
-    def solve(self, basis: Basis, gradients: Array, rough: tuple[Array, Array] | None = None) -> Array:
-        """Unknowns for every right side; (half, unknown, cause).
+    def solve(
+        self,
+        basis: Basis,
+        gradients: Array,
+        rough: tuple[Array, Array] | None = None,
+        sources: Array | None = None,
+    ) -> Array:
+        """Unknowns for every right side; (half, unknown, cause and source).
 
         Parameters
         ----------
@@ -168,6 +174,8 @@ class System:
             What the smooth kernels make of each unknown at the nodes: du/dx of (y, phi, psi); (half, 3, node, unknown).
         rough
             The same of the rough kernels, projected onto P^(-A,-B) and onto U; (half, 3, M, unknown) each.
+        sources
+            What the kernels make of charges beside the contact: du/dx at the nodes; (half, 3, node, source).
         """
         matrix = self._matrix(basis, gradients, rough)
         right = np.zeros((matrix.shape[-1], self.causes))
@@ -188,7 +196,21 @@ class System:
             right[rows, :count] = -c.friction_screening[f] / c.kap * (basis.charge_projection @ slopes)
             right[start[f], count + f] = -1.0
         whole = np.broadcast_to(right, (*matrix.shape[:-1], self.causes))
+        if sources is not None:
+            whole = np.concatenate([whole, self._answering(basis, sources)], -1)
         return np.asarray(np.linalg.solve(matrix, whole), dtype=np.float64)
+
+    def _answering(self, basis: Basis, sources: Array) -> Array:
+        """Right sides that answer given slopes and gradients of the conducted fields; (half, unknown, source)."""
+        pressed, charged = self._eliminated(sources)
+        projected, series = basis.projection @ pressed, basis.charge_projection @ charged
+        right = np.zeros((sources.shape[0], self.unknowns(basis), sources.shape[-1]))
+        right[:, max(-basis.order, 0) : basis.pressures] = -projected[:, max(basis.order, 0) :]
+        if basis.order == 1:
+            right[:, -1] = -projected[:, 0]
+        for place, start in enumerate(self.starts(basis).values()):
+            right[:, start + 1 : start + 1 + basis.terms] = -series[:, place]
+        return right
 
     def starts(self, basis: Basis) -> dict[int, int]:
         """First unknown of each conducted field."""

@@ -84,3 +84,12 @@ class Profile:
     def homogeneous(self) -> bool:
         """Whether the slope is one power of x, so that contacts under all loads are similar."""
         return self.width is None and not any(np.any(c) for c in self.slope[:-1])
+
+    def part(self, places: slice, size: tuple[int, ...]) -> Self:
+        """Some of the cases of a size (case,)."""
+
+        def chosen(values: Array) -> Array:
+            return np.asarray(np.broadcast_to(values, size)[places])
+
+        width, moment = (None if v is None else chosen(v) for v in (self.width, self.moment))
+        return type(self)(tuple(chosen(c) for c in self.slope), self.smooth, width, moment)

@@ -1,0 +1,235 @@
+"""Where charges lie beside a contact: panels on both sides, and what the half-plane makes of them (theory section 10).
+
+Beside the contact X = +-cosh(theta). On a side the density is a polynomial in u on each panel, u = theta, and on the
+last one, which ends at infinity, u = exp(-theta) and the density u^2 times a polynomial. The contact of a half-plane
+answers a charge beside it, its own total kept, by charges that leave it an equipotential: the potential relative to it
+is M/pi times
+
+    G = log|sinh((theta + theta')/2) / sinh((theta - theta')/2)|,    log[cosh((theta + theta')/2) / cosh(...)]
+
+on the same side and across, the contact's potential changes by -M/pi times theta', and its charge by the coefficients
+-(1/pi) (2 - delta_n0) exp(-n theta') (+-1)^n of T_n / sqrt(1 - X^2).
+"""
+
+from dataclasses import dataclass
+from functools import cache, cached_property, lru_cache
+
+import numpy as np
+
+from solver.arrays import Array
+
+#: Ends of the panels in theta next to the edge: charges vary on the scale on which the gap opens.
+_EDGE = (0.0, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
+_WIDTH = 0.9  # of the panels beyond
+_NODES = 7  # a panel
+_FINE = 24  # of the rules that integrate over a panel
+_GRADED = 5  # halvings towards a singular point
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Panels of one side.
+
+    Parameters
+    ----------
+    ends
+        Ends of the finite panels in theta, from 0; (panel + 1,).
+    """
+
+    ends: tuple[float, ...]
+
+    @classmethod
+    def up_to(cls, distance: float) -> "Grid":
+        """Panels whose last finite one ends at X = distance or beyond; one for all that are not much apart."""
+        last = np.arccosh(max(distance, 2.0))
+        count = max(int(np.ceil((last - _EDGE[-1]) / _WIDTH)), 1)
+        return _grid(count)
+
+    @cached_property
+    def _local(self) -> Array:
+        return np.asarray(np.polynomial.legendre.leggauss(_NODES)[0])
+
+    @property
+    def panels(self) -> int:
+        """Number of panels, the last one infinite."""
+        return len(self.ends)
+
+    def limits(self, panel: int) -> tuple[float, float]:
+        """Ends of a panel in u."""
+        if panel < self.panels - 1:
+            return self.ends[panel], self.ends[panel + 1]
+        return 0.0, float(np.exp(-self.ends[-1]))
+
+    @cached_property
+    def u(self) -> Array:
+        """Nodes in u; (panel, node)."""
+        limits = np.array([self.limits(p) for p in range(self.panels)])
+        return np.asarray(limits.mean(1)[:, None] + np.diff(limits, axis=1) / 2 * self._local)
+
+    @cached_property
+    def theta(self) -> Array:
+        """Nodes in theta; (n,)."""
+        theta = np.array(self.u)
+        theta[-1] = -np.log(self.u[-1])
+        return theta.ravel()
+
+    @property
+    def distance(self) -> Array:
+        """Nodes |X|; (n,)."""
+        return np.cosh(self.theta)
+
+    @property
+    def count(self) -> int:
+        """Number of nodes."""
+        return self.theta.size
+
+    @cached_property
+    def size(self) -> Array:
+        """Density over the unknown at the nodes: 1, on the infinite panel u^2; (n,)."""
+        size = np.ones_like(self.u)
+        size[-1] = self.u[-1] ** 2
+        return size.ravel()
+
+    @cached_property
+    def _barycentric(self) -> Array:
+        differences = self._local[:, None] - self._local + np.eye(_NODES)
+        return np.asarray(1 / np.prod(differences, 1))
+
+    def interpolation(self, panel: int, u: Array) -> Array:
+        """From values at a panel's nodes to those at points u of it; (point, node)."""
+        low, high = self.limits(panel)
+        distance = (2 * u - low - high)[:, None] / (high - low) - self._local
+        hit = distance == 0
+        share = self._barycentric / np.where(hit, 1.0, distance)
+        share = np.where(hit.any(1)[:, None], hit, share)
+        return np.asarray(share / share.sum(1)[:, None])
+
+    def theta_of(self, panel: int, u: Array) -> Array:
+        """theta at points of a panel."""
+        return u if panel < self.panels - 1 else -np.log(u)
+
+    def charge(self, panel: int, u: Array) -> Array:
+        """Density times dX/du over the unknown at points of a panel."""
+        return np.sinh(u) if panel < self.panels - 1 else (1 - u**2) / 2
+
+    def rule(self, panel: int, at: float | None = None) -> tuple[Array, Array]:
+        """Points u and weights for a panel, graded towards u = at where something is singular."""
+        low, high = self.limits(panel)
+        ends = [low, high]
+        if at is not None:
+            inner = min(max(at, low), high)
+            for side, far in ((-1.0, inner - low), (1.0, high - inner)):
+                if far > 0:
+                    ends += list(inner + side * far * 0.12 ** np.arange(1, 10))
+            ends.append(inner)
+        return gauss(np.unique(ends), _FINE)
+
+    def slice(self, panel: int) -> slice:
+        """Nodes of a panel among all."""
+        return slice(panel * _NODES, (panel + 1) * _NODES)
+
+    def moments(self, count: int) -> Array:
+        """Integrals of exp(-n theta) dX over the density, n < count; (count, n)."""
+        found = np.zeros((count, self.count))
+        for panel in range(self.panels):
+            u, weights = self.rule(panel, self.limits(panel)[0] if panel == 0 else None)
+            share = np.exp(-np.arange(count)[:, None] * self.theta_of(panel, u))
+            found[:, self.slice(panel)] = (share * weights * self.charge(panel, u)) @ self.interpolation(panel, u)
+        return found
+
+    @cached_property
+    def totals(self) -> Array:
+        """Integral of the density over X; (n,)."""
+        return np.asarray(self.moments(1)[0])
+
+    @cached_property
+    def rises(self) -> Array:
+        """Integral of theta times the density; (n,)."""
+        found = np.zeros(self.count)
+        for panel in range(self.panels):
+            at = 0.0 if panel in (0, self.panels - 1) else None
+            u, weights = self.rule(panel, at)
+            found[self.slice(panel)] = (weights * self.theta_of(panel, u) * self.charge(panel, u)) @ self.interpolation(
+                panel, u
+            )
+        return found
+
+    def induced(self, X: Array) -> Array:
+        """Charge within the contact, times sqrt(1 - X^2), that the density draws; (point, n)."""
+        found = np.zeros((X.size, self.count))
+        for panel in range(self.panels):
+            u, weights = self.rule(panel, 0.0 if panel == 0 else None)
+            theta = self.theta_of(panel, u)
+            # sinh / (cosh - X), without a difference next to the edge
+            share = np.sinh(theta) / (2 * np.sinh(theta / 2) ** 2 + (1 - X)[:, None])
+            found[:, self.slice(panel)] = (share * weights * self.charge(panel, u)) @ self.interpolation(panel, u)
+        return np.asarray(-found / np.pi)
+
+    @cached_property
+    def green(self) -> tuple[Array, Array]:
+        """Integrals of G against the density, at the nodes of the same side and of the other; (n, n) each."""
+        same, across = np.zeros((2, self.count, self.count))
+        for row, theta in enumerate(self.theta):
+            for panel in range(self.panels):
+                low, high = self.limits(panel)
+                infinite = panel == self.panels - 1
+                at = np.exp(-theta) if infinite else theta
+                near = low - (high - low) < at < high + (high - low)
+                u, weights = self.rule(panel, at if near else None)
+                other = self.theta_of(panel, u)
+                distance = np.log(u / at) if infinite else u - at
+                with np.errstate(divide="ignore"):
+                    one = np.log(np.abs(np.sinh((theta + other) / 2) / np.sinh(distance / 2)))
+                two = np.log(np.cosh((theta + other) / 2) / np.cosh((theta - other) / 2))
+                values = weights * self.charge(panel, u)
+                shape = self.interpolation(panel, u)
+                same[row, self.slice(panel)] = (values * one) @ shape
+                across[row, self.slice(panel)] = (values * two) @ shape
+        return same, across
+
+    @cached_property
+    def cumulative(self) -> Array:
+        """From f sinh(theta) at the nodes to the integral of f dX from the edge to each; (n, n)."""
+        found, before = np.zeros((self.count, self.count)), np.zeros(self.count)
+        powers = np.arange(_NODES)
+        for panel in range(self.panels):
+            part, (low, high) = self.slice(panel), self.limits(panel)
+            local = (2 * self.u[panel] - low - high) / (high - low)
+            if panel < self.panels - 1:
+                to_series = np.linalg.inv(np.polynomial.legendre.legvander(local, _NODES - 1))
+                integrated = np.polynomial.legendre.legint(np.eye(_NODES), lbnd=-1) * (high - low) / 2
+                found[part] = before
+                found[part, part] += np.polynomial.legendre.legvander(local, _NODES) @ integrated @ to_series
+                before = np.array(before)
+                before[part] += np.polynomial.legendre.legval(1.0, integrated) @ to_series
+            else:  # dX f = (f sinh) d(theta) = -(f sinh) dv / v
+                share = self.u[panel] / high
+                to_series = np.linalg.inv(share[:, None] ** powers)
+                rows = np.concatenate([-np.log(share)[:, None], (1 - share[:, None] ** powers[1:]) / powers[1:]], 1)
+                found[part] = before
+                found[part, part] += rows @ to_series
+        return found
+
+    @cached_property
+    def edge(self) -> Array:
+        """The density at the edge; (n,)."""
+        found: Array = np.zeros(self.count)
+        found[self.slice(0)] = self.interpolation(0, np.zeros(1))[0]
+        return found
+
+
+def gauss(ends: Array, count: int) -> tuple[Array, Array]:
+    """Gauss's rule on each interval between ends: nodes and weights."""
+    x, w = _legendre(count)
+    half = np.diff(ends) / 2
+    return (ends[:-1, None] + half[:, None] * (1 + x)).ravel(), (half[:, None] * w).ravel()
+
+
+@cache
+def _legendre(count: int) -> tuple[Array, Array]:
+    return np.polynomial.legendre.leggauss(count)
+
+
+@lru_cache(32)
+def _grid(count: int) -> Grid:
+    return Grid((*_EDGE, *(_EDGE[-1] + _WIDTH * np.arange(1, count + 1))))

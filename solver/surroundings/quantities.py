@@ -1,0 +1,119 @@
+"""Every quantity of contacts with air beside them by its name (theory section 10)."""
+
+from collections.abc import Iterator
+from functools import lru_cache
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.contact import FilmContact
+from solver.film.similar import Films
+from solver.film.windows import Kind, window
+from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
+from solver.surroundings.coupled import AirContact, State
+from solver.surroundings.largest import gap_field, peak_density, peak_pressure
+from solver.surroundings.operators import EDGE
+from solver.surroundings.refusal import require_gap
+from solver.surroundings.table import AirTable
+
+_NODES = 12  # half-lengths of a window: 1e-7 between them
+_TABLES = 16  # kept: 10 MB each at most
+
+#: Of each field: potential, sensitivity, charge per load that makes it zero, stroke, blocked load, store.
+_RESPONSES = (
+    ("voltage", "voltage_sensitivity", "charge_sensitivity", "stroke_per_volt", "blocked_load_per_volt", "capacitance"),
+    ("magnetic_potential", "magnetic_sensitivity", "flux_sensitivity", "stroke_per_ampere", "blocked_load_per_ampere",
+     "permeance"),
+)  # fmt: skip
+_INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
+
+
+@lru_cache(_TABLES)
+def _air_window(kind: Kind, number: int) -> AirTable:
+    whole = window(kind, number)
+    return AirTable(type(whole)(whole.system, whole.lower, whole.upper, _NODES))
+
+
+def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
+    """Quantities by the names of ``solver.names``, as without air, with those that only a gap has; (case,) each.
+
+    Edge intensities of the fields that the air carries are absent.
+
+    Parameters
+    ----------
+    films
+        Cases of one kind of film under a punch that conducts.
+    permittivity
+        Relative permittivity of what fills the gap; (case,).
+
+    Raises
+    ------
+    ContactError
+        As without air; a punch that touches the surface beside the contact.
+    SurroundingsError
+        A punch or a film that the theory of air does not cover.
+    """
+    require_gap(films.kind)
+    films.require_one_length()
+    uncharged = films.with_charges(np.zeros_like(films.charges)) if np.any(films.charges) else films
+    count = films.load.size
+    out: dict[str, Array] = {}
+    idle = dict(_contacts(uncharged))
+    for place, (number, contact) in _contacts(films):
+        table = _air_window(films.kind, number)
+        air = np.array([VACUUM_PERMITTIVITY * permittivity[place], VACUUM_PERMEABILITY])
+        state = AirContact(table, contact, air).state
+        table = _air_window(films.kind, idle[place][0])
+        bare = AirContact(table, idle[place][1], air)
+        found = _of_case(films, place, state, bare)
+        for name, value in found.items():
+            out.setdefault(name, np.empty(count))[place] = value
+    return out
+
+
+def _contacts(films: Films) -> Iterator[tuple[int, tuple[int, FilmContact]]]:
+    """Every case with its window and its contact on a film of unit thickness, without air."""
+    for places, number, contact in films.parts:
+        for k, place in enumerate(places.tolist()):
+            yield place, (number, contact.part(k))
+
+
+def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[str, float]:
+    h, scale = float(films.thickness[place]), state.of.contact.scale
+    half, centre = h * state.half, state.centre
+    out = {
+        "contact_trailing": half * (1 + centre),
+        "contact_leading": half * (1 - centre),
+        "contact_offset": half * centre,
+        "pressure_exponent": state.of.contact.exponent,
+        "depth": h * float(state.response[0] * scale[1]),
+        "peak_pressure": peak_pressure(state),
+        "trailing_tension": float(state.outputs[EDGE][0] / scale[1]),
+        "leading_compression": float(state.outputs[EDGE][1] / scale[1]),
+    }
+    idle = bare.state
+    for field, conducts in enumerate(films.kind.conducts):
+        if conducts:
+            out |= dict(zip(_RESPONSES[field], _responses(h, field, state, idle, bare), strict=True))
+        else:
+            out |= {f"{_INTENSITIES[field]}_{edge}": 0.0 for edge in ("trailing", "leading")}
+    if films.kind.conducts[0]:
+        out["nominal_field"] = abs(out["voltage"]) / (h * films.kind.above_ground)
+        out["capacitance_at_load"] = 1 / float(state.tangents[1, 1])
+        out["peak_displacement"] = peak_density(state, 0)
+        out["gap_field"] = gap_field(state, 0)
+    return out
+
+
+def _responses(h: float, field: int, state: State, idle: State, bare: AirContact) -> tuple[float, ...]:
+    j, scale = 1 + field, state.of.contact.scale
+    short = AirContact(bare.table, bare.contact, bare.permittivity, (field == 0, field == 1)).state
+    t = state.tangents
+    return (
+        h * float(state.response[j] * scale[j + 1]),
+        float(idle.tangents[j, 0]),
+        float(short.loads[j] / short.loads[0] * scale[1] / scale[j + 1]),
+        float(t[0, j] / t[j, j]),
+        float(1 / (t[j, 0] - t[j, j] * t[0, 0] / t[0, j])),
+        1 / float(state.at_fixed_contact[j, field]),
+    )
