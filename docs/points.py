@@ -3,7 +3,7 @@
 from typing import Any
 
 import numpy as np
-from scipy.optimize import newton
+from scipy.optimize import brentq
 
 import solver
 
@@ -40,8 +40,8 @@ def _solved(material: str, ratio: float, profile: str, pressing: str, extent: st
         return float(np.log(at(log_force)[extent] / a))
 
     mean_strain, area = max(ratio, 1.0) * a / RADIUS, a**2 if pressing == "force" else a
-    guess = np.log(solver.find(material).c33 * mean_strain * area)
-    found = at(float(newton(off, guess, tol=1e-7)))
+    guess = float(np.log(solver.find(material).c33 * mean_strain * area))
+    found = at(brentq(off, guess - 2, guess + 2, xtol=1e-7))
     return {
         "charge per force": found["charge_sensitivity"] * 1e12,
         "stroke per volt": found["stroke_per_volt"] * 1e12,
