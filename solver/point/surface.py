@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.arrays import Array
+from solver.film.windows import Indices
 from solver.point.body import Film, HalfSpace
 from solver.point.pressed import Contact, Pressed
 from solver.point.pressure import added_forms, halfspace_form
@@ -66,7 +67,7 @@ class Along:
             self._add_layers(body, found, below)
         return np.asarray(found * self._units)
 
-    def _add_layers(self, film: Film, found: Array, below: Array) -> None:
+    def _add_layers(self, film: Film, found: Array, below: Indices) -> None:
         """What the layers add, whose strength is counted with the half-space's."""
         contact = self.contact
         for places, of in film.windows(contact.radius):

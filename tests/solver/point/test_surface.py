@@ -54,8 +54,8 @@ def test_strains_are_hankel_s_integrals(punch: dict[str, Any]) -> None:
     inside = solved({"material": BTO} | punch | {"force": 10.0}, np.sin(angle))["tractions"]
     half = HalfPlane(BTO)
     sources = half.friction_coupling @ inside * weights * np.sin(angle) * np.cos(angle)
-    k, rule = np.polynomial.legendre.leggauss(4000)
-    k, rule = 300 * (k + 1), 300 * rule
+    panel, rule = np.polynomial.legendre.leggauss(20)
+    k, rule = (2 * np.arange(300)[:, None] + 1 + panel).ravel(), np.tile(rule, 300)
     fade = np.exp(-((k / 300) ** 6))  # flat where it counts: averages over some 1/300 a, far from the edge
     spectrum = (sources @ j0(np.sin(angle)[:, None] * k)) * fade * rule
     hoop = -j1(places[:, None] * k) @ spectrum / places
