@@ -3,14 +3,16 @@
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+import xarray as xr
 
 import solver
+from solver.arrays import Array
 
 RADIUS, THICKNESS = 5e-3, 1e-4
 MATERIALS = ("PZT-4", "BaTiO3")
 RATIOS = (0.2, 1.0, 5.0)
 _PUNCHES = {"ball": ("sphere", "force", "contact_radius"), "roller": ("cylinder", "load", "contact_trailing")}
+_STEPS = 6  # of the secant, whose slope in logarithms hardly varies
 
 
 def numbers() -> dict[tuple[str, float, str], dict[str, float]]:
@@ -18,36 +20,44 @@ def numbers() -> dict[tuple[str, float, str], dict[str, float]]:
 
     Charge per force [pC/N] and stroke per volt [pm/V] of each, depth R/a^2, and largest pressure R/a [GPa].
     """
-    found = {}
-    for material in MATERIALS:
-        for ratio in RATIOS:
-            each = {name: _solved(material, ratio, *punch) for name, punch in _PUNCHES.items()}
-            for of in each["ball"]:
-                found[material, ratio, of] = {name: values[of] for name, values in each.items()}
+    a = np.array(RATIOS) * THICKNESS
+    found: dict[tuple[str, float, str], dict[str, float]] = {}
+    for name, punch in _PUNCHES.items():
+        values = _pressed(*punch)
+        scaled = {
+            "charge per force": values["charge_sensitivity"] * 1e12,
+            "stroke per volt": values["stroke_per_volt"] * 1e12,
+            "depth": values["depth"] * RADIUS / a**2,
+            "largest pressure": values["peak_pressure"] * RADIUS / a / 1e9,
+        }
+        for of, table in scaled.items():
+            for place, value in np.ndenumerate(table.values):
+                found.setdefault((MATERIALS[place[0]], RATIOS[place[1]], of), {})[name] = float(value)
     return found
 
 
-def _solved(material: str, ratio: float, profile: str, pressing: str, extent: str) -> dict[str, float]:
-    """The figures of a punch that is pressed until its contact has the half-width a = ratio h."""
-    a = ratio * THICKNESS
-    case: dict[str, Any] = {"material": material, "profile": profile, "radius": RADIUS, "thickness": THICKNESS}
+def _pressed(profile: str, pressing: str, extent: str) -> xr.Dataset:
+    """Punches pressed until their contacts have the half-widths a = ratio h, over material and ratio."""
+    over = xr.DataArray(list(MATERIALS), dims="of")
+    case: dict[str, Any] = {"material": over, "profile": profile, "radius": RADIUS, "thickness": THICKNESS}
+    a = np.array(RATIOS) * THICKNESS
 
-    def at(log_force: float) -> dict[str, float]:
-        solved = solver.solve(case | {"base": "rigid", pressing: float(np.exp(log_force))})
-        return {str(name): float(values) for name, values in solved.items()}
+    def at(log_force: Array) -> xr.Dataset:
+        force = xr.DataArray(np.exp(log_force), dims=("of", "ratio"))
+        return solver.solve(case | {"base": "rigid", pressing: force}).transpose("of", "ratio", ...)
 
-    def off(log_force: float) -> float:
-        return float(np.log(at(log_force)[extent] / a))
+    def off(log_force: Array) -> Array:
+        return np.asarray(np.log(at(log_force)[extent].values / a))
 
-    mean_strain, area = max(ratio, 1.0) * a / RADIUS, a**2 if pressing == "force" else a
-    guess = float(np.log(solver.find(material).c33 * mean_strain * area))
-    found = at(brentq(off, guess - 2, guess + 2, xtol=1e-7))
-    return {
-        "charge per force": found["charge_sensitivity"] * 1e12,
-        "stroke per volt": found["stroke_per_volt"] * 1e12,
-        "depth": found["depth"] * RADIUS / a**2,
-        "largest pressure": found["peak_pressure"] * RADIUS / a / 1e9,
-    }
+    strain, area = np.maximum(RATIOS, 1.0) * a / RADIUS, a**2 if pressing == "force" else a
+    last = np.log([solver.find(material).c33 * strain * area for material in MATERIALS])
+    missing = off(last)
+    log_force = last - missing
+    for _ in range(_STEPS):
+        still = off(log_force)
+        slope = np.where(still == missing, 1.0, (log_force - last) / np.where(still == missing, 1.0, still - missing))
+        last, missing, log_force = log_force, still, log_force - still * slope
+    return at(log_force)
 
 
 if __name__ == "__main__":

@@ -10,9 +10,10 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.windows import Indices
+from solver.halfplane.pressing import ContactError
 from solver.point.body import Film, HalfSpace
 from solver.point.pressed import Contact, Pressed
-from solver.point.pressure import added_forms, halfspace_form
+from solver.point.pressure import added_forms, finite, halfspace_form
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +56,7 @@ class Along:
     def _form(self) -> Array:
         """The half-space's pressure but for its size; (position,)."""
         shape = self.contact.pressed.body.shape
-        return np.zeros(self.positions.size) if shape.flat else halfspace_form(shape, self._x)
+        return np.zeros(self.positions.size) if shape.flat else halfspace_form(shape, self._x, np.abs(self.positions))
 
     def tractions(self) -> Array:
         """sigma_yy, D_y, B_y [Pa, C m-2, T]; (case, 3, position)."""
@@ -116,8 +117,11 @@ def surface_fields(pressed: Pressed, positions: Array) -> dict[str, Array]:
     Raises
     ------
     ContactError
-        As the quantities.
+        As the quantities; the middle of a contact whose pressure is infinite there.
     """
+    shape = pressed.body.shape
+    if not (shape.flat or finite(shape)) and np.any(positions == 0):
+        raise ContactError(f"positions: the pressure of r^{shape.exponent:g} is infinite at 0; leave 0 out")
     along = Along(pressed.charged, positions)
     normal, electric, magnetic = np.moveaxis(along.tractions(), 1, 0)
     out = {"contact_pressure": 0.0 - normal, "electric_displacement": electric, "magnetic_induction": magnetic}

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from scipy.special import j0, j1
@@ -12,6 +13,8 @@ from solver.arrays import Array
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
 from solver.names import POINT_FIELDS
+from solver.point.pressure import halfspace_form
+from solver.point.profile import Shape
 from tests.solver.point.points import BTO, FIBROUS
 
 PUNCHES: list[dict[str, Any]] = [
@@ -34,14 +37,14 @@ def solved(case: dict[str, Any], positions: Array) -> dict[str, Array]:
 @pytest.mark.parametrize("punch", PUNCHES, ids=lambda punch: punch["profile"])
 @pytest.mark.parametrize("body", [{}, COATED], ids=["half-space", "film"])
 def test_tractions_carry_the_loads(punch: dict[str, Any], body: dict[str, Any]) -> None:
-    # r = a sin(angle) takes the edge's singularity away; what is left of a cone's apex converges with the power of it
+    # r = a sin(angle) takes the edge's singularity away, the square in the angle most of an apex's
     nodes, weights = np.polynomial.legendre.leggauss(80)
     angle = np.pi / 2 * ((nodes + 1) / 2) ** 2
     weights = weights * np.pi / 4 * (nodes + 1)
     found = solved({"material": FIBROUS} | punch | body | CHARGED, np.sin(angle))
     ring = 2 * np.pi * found["contact_radius"] ** 2 * np.sin(angle) * np.cos(angle) * weights
     loads = -found["tractions"] @ ring / np.array([CHARGED[name] for name in ("force", "total_charge", "total_flux")])
-    np.testing.assert_allclose(loads, 1.0, atol=1e-7 if body and punch["profile"] == "cone" else 1e-10)
+    np.testing.assert_allclose(loads, 1.0, rtol=1e-12)
 
 
 @pytest.mark.parametrize("punch", [PUNCHES[0], PUNCHES[3]], ids=["sphere", "power"])
@@ -90,5 +93,18 @@ def test_fields_are_those_that_a_body_has() -> None:
     np.testing.assert_allclose(whole["radial_stress"].sel(position=2.0) * 3**0.5, whole["radial_stress_regular"][:, 1])
     for other in ({"material": "BaTiO3"} | COATED, {"material": replace(BTO, c12=np.array(np.nan))}):
         assert not {"radial_stress", "hoop_stress"} & set(solver.solve(other | ball, [0.0]).data_vars)
-    with pytest.raises(solver.FactorError, match=r"^contact_pressure: not finite"):
+    with pytest.raises(solver.FactorError, match=r"^positions: the pressure of r\^1 is infinite at 0"):
         solver.solve({"material": "BaTiO3", "force": 1.0} | PUNCHES[1], [0.0])
+
+
+@pytest.mark.parametrize("exponent", [0.4, 1.0, 1.6, 3.5])
+def test_the_pressure_grows_towards_the_middle_as_in_50_digits(exponent: float) -> None:
+    """F = int_0^x (1 - x^2 + v^2)^(e/2 - 1) dv, x = sqrt(1 - r^2), by quadrature in mpmath."""
+    places = [1e-9, 1e-6, 1e-3, 0.5, 0.99]
+    shape = Shape(exponent)
+    ours = halfspace_form(shape, np.sqrt(1 - np.square(places)), np.array(places)) / (shape.rise * exponent)
+    with mpmath.workdps(50):
+        for r, value in zip(map(mpmath.mpf, places), ours, strict=True):
+            breaks = [mpmath.mpf(0), *(r * 10**n for n in range(10) if r * 10**n < 0.9), mpmath.sqrt(1 - r**2)]
+            exact = mpmath.quad(lambda v, r=r: (r**2 + v**2) ** (mpmath.mpf(exponent) / 2 - 1), breaks)
+            assert value == pytest.approx(float(exact), rel=1e-12), r
