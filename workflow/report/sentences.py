@@ -71,9 +71,9 @@ def sensitivity(indices: xr.Dataset, outputs: Sequence[str]) -> str:
     shares: dict[str, dict[str, dict[str, float]]] = {}  # by factor, quantity and names
     for output in outputs:
         totals = indices["total"].sel(output=output)
-        quantity, _, names = output.removesuffix("]").partition("[")
+        quantity, _, kind = output.removesuffix("]").partition("[")
         first = str(totals["input"].values[int(totals.values.argmax())])
-        shares.setdefault(first, {}).setdefault(quantity, {})[names] = 100 * float(totals.max())
+        shares.setdefault(first, {}).setdefault(quantity, {})[kind] = 100 * float(totals.max())
     kinds = Counter(output.partition("[")[0] for output in outputs)
     parts = []
     for factor, hanging in shares.items():
