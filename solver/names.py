@@ -38,7 +38,8 @@ class Factor:
 class Described:
     """Unit and meaning of an output, and what one must know to use it.
 
-    ``on_datum``: it hangs on the datum of a half-plane. ``sparse``: it is NaN in a case that has none.
+    ``on_datum``: it hangs on the datum of a half-plane; ``on_punch``: along a line also on that of an elastic punch.
+    ``sparse``: it is NaN in a case that has none.
     ``formula``: how it follows from smoother ones, in the language of designs.
     """
 
@@ -46,6 +47,7 @@ class Described:
     long_name: str
     comment: str = ""
     on_datum: bool = False
+    on_punch: bool = False
     sparse: bool = False
     formula: str = ""
 
@@ -78,8 +80,8 @@ class Outline:
         return (*self.needs, *self.may)
 
 
-def _on_datum(units: str, long_name: str) -> Described:
-    return Described(units, long_name, _DATUM, on_datum=True)
+def _on_datum(units: str, long_name: str, *, on_punch: bool = False) -> Described:
+    return Described(units, long_name, _DATUM, on_datum=True, on_punch=on_punch)
 
 
 _DATUM = (
@@ -127,6 +129,17 @@ FACTORS: dict[str, Factor] = {
         high_allowed=False,
         optional=True,
     ),
+    "punch_modulus": Factor("Pa", "Young's modulus of the punch", None, 0.0, low_allowed=False, optional=True),
+    "punch_poisson": Factor(
+        "1",
+        "Poisson's ratio of the punch",
+        None,
+        -1.0,
+        low_allowed=False,
+        high=0.5,
+        high_allowed=False,
+        optional=True,
+    ),
 }
 
 #: The factor that says what each composite is made of; the laws are those of ``solver/material/laws.py``.
@@ -147,7 +160,10 @@ CHOICES: dict[str, tuple[str, ...]] = {
 }
 
 #: Factors that name materials.
-MATERIALS = ("material", "base")
+MATERIALS = ("material", "base", "punch")
+
+#: Factors that say what the punch is made of: a name, or modulus and Poisson's ratio; without one it is rigid.
+OF_A_PUNCH = ("punch", "punch_modulus", "punch_poisson")
 
 #: Factors that only a film has: a case with a thickness. Its base is named or given by modulus and Poisson's ratio.
 OF_A_FILM = (
@@ -238,7 +254,7 @@ QUANTITIES: dict[str, Described] = {
     "contact_leading": Described("m", "leading extent b of the contact"),
     "pressure_exponent": Described("1", "pressure exponent alpha"),
     "peak_pressure": Described("Pa", "largest contact pressure"),
-    "depth": _on_datum("m", "indentation depth relative to the datum"),
+    "depth": _on_datum("m", "indentation depth relative to the datum", on_punch=True),
     "voltage": _on_datum("V", "electric potential of the punch relative to the datum"),
     "magnetic_potential": _on_datum("A", "magnetic potential of the punch relative to the datum"),
     "electric_edge_intensity_trailing": Described("C m-3/2", "edge intensity of D_y at the trailing edge"),
@@ -253,8 +269,12 @@ QUANTITIES: dict[str, Described] = {
     "flux_sensitivity": _on_datum("Wb N-1", "magnetic charge per load that makes the magnetic potential 0, T = 0"),
     "stroke_per_volt": Described("m V-1", "depth per voltage at fixed load and magnetic charge"),
     "stroke_per_ampere": Described("m A-1", "depth per magnetic potential at fixed load and electric charge"),
-    "blocked_load_per_volt": _on_datum("N m-1 V-1", "load per voltage at fixed depth and magnetic charge"),
-    "blocked_load_per_ampere": _on_datum("N m-1 A-1", "load per magnetic potential at fixed depth and electric charge"),
+    "blocked_load_per_volt": _on_datum(
+        "N m-1 V-1", "load per voltage at fixed depth and magnetic charge", on_punch=True
+    ),
+    "blocked_load_per_ampere": _on_datum(
+        "N m-1 A-1", "load per magnetic potential at fixed depth and electric charge", on_punch=True
+    ),
 }
 
 #: Quantities of the body below depth 0.1 h, which are searched for and given when asked for.
@@ -339,5 +359,5 @@ ALL_PEAKS = {**PEAKS, **FILM_PEAKS}
 #: Numeric factors of a film for whose every value the solver makes tables; it reads from these at all others.
 TABLED = (
     "volume_fraction", "scandium_fraction", "friction", "speed",
-    "base_modulus", "base_poisson", "base_volume_fraction", "grading_exponent",
+    "base_modulus", "base_poisson", "base_volume_fraction", "grading_exponent", "punch_modulus", "punch_poisson",
 )  # fmt: skip

@@ -21,7 +21,7 @@ from solver.face.refusal import FactorError
 from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import CHOICES, FACTORS, Described
+from solver.names import CHOICES, FACTORS, PROFILES, Described, Outline
 
 _OF_A_KIND = ("profile", "corner")  # one of each at a time; what varies is solved part by part
 
@@ -93,6 +93,12 @@ class Cases:
         if kind == "wedge":
             return Profile.wedge(self.number("slope"), corner)
         return Profile.half_cylinder(self.number("radius"), corner)
+
+    @property
+    def outline(self) -> Outline:
+        """What the one profile of cases of a kind takes; nothing of one's own."""
+        kind = self._one("profile")
+        return Outline(()) if isinstance(kind, Profile) else PROFILES[kind]
 
     def _one(self, name: str) -> Any:
         """A named choice that all cases share, or its default."""

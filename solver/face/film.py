@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from solver.arrays import Array
 from solver.face.cases import Cases
 from solver.face.filmbodies import films_of
+from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import FactorError
 from solver.film.along import fields
 from solver.film.inside import inside
@@ -112,9 +113,10 @@ class OnFilm:
 
     # -- groups --------------------------------------------------------------------------------------------------------
     def _grouped(self) -> Iterator[_Group]:
-        """Cases by film, friction and conduction, told apart at the smallest shape that these have."""
-        conducts = self.cases.conducts
+        """Cases by film, friction, conduction and punch, told apart at the smallest shape that these have."""
+        conducts, punch = self.cases.conducts, punch_of(self.cases)
         own = [self.cases.number("friction"), conducts[..., 0], conducts[..., 1], self.cases.number("speed")]
+        own += [punch.compliance, punch.coupling]
         columns = [*self._bodies.columns, *own]
         table = np.stack(np.broadcast_arrays(*(np.asarray(c, dtype=np.float64) for c in columns)), -1)
         kinds, which = np.unique(table.reshape(-1, table.shape[-1]), axis=0, return_inverse=True)
@@ -124,11 +126,14 @@ class OnFilm:
             yield _Group(np.flatnonzero(of_case == number), self._kind(row))
 
     def _kind(self, row: list[float]) -> Kind:
-        *film, friction, electric, magnetic, speed = row
+        *film, friction, electric, magnetic, speed, compliance, coupling = row
         profile = self.cases.profile
         layers, base = self._bodies.film(film)
         degree = max(len(profile.slope) - 1, 1)
-        kind = Kind(layers, base, friction, (bool(electric), bool(magnetic)), profile.smooth, degree)
+        kind = Kind(
+            layers, base, friction, (bool(electric), bool(magnetic)), profile.smooth, degree,
+            punch=(compliance, coupling),
+        )  # fmt: skip
         kind.stack()  # refuses what its base does not have before anything is computed
         if speed > 0 and not speed < (limit := self._critical(kind)):
             raise FactorError(
@@ -154,6 +159,7 @@ class OnFilm:
             None if p.width is None else chosen(p.width),
             None if p.moment is None else chosen(p.moment),
         )  # fmt: skip
+        own = punch_datum(self.cases)
         charges = np.stack([chosen(charge) for charge in np.moveaxis(self.cases.charges, -1, 0)], -1)
         return Films(
             group.kind,
@@ -162,4 +168,5 @@ class OnFilm:
             charges,
             chosen(number("datum")),
             chosen(self._bodies.thickness),
+            None if own is None else chosen(own),
         )

@@ -11,7 +11,7 @@ from solver.body import KINDS, Kind
 from solver.face.refusal import FactorError
 from solver.film.stack import RIGID, Stack
 from solver.material.constants import Material
-from solver.names import BODY, FACTORS, MATERIALS, OF_A_FILM, PROFILES
+from solver.names import BODY, FACTORS, OF_A_FILM, PROFILES
 
 _BASE = f"{RIGID!r} or a material's name, or else base_modulus and base_poisson"
 
@@ -66,27 +66,37 @@ def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
     if BODY in arrays:
         _check_stacks(arrays)
     for name in OF_A_FILM[1:]:
-        _refuse(arrays, name, present[name] & ~film, "without a thickness; only a film has one")
+        refuse(arrays, name, present[name] & ~film, "without a thickness; only a film has one")
     if not np.any(film):
         return
     if "base" in arrays:
         for value in arrays["base"].values.flat:
             if not (absent(value) or isinstance(value, str | Material)):
                 raise FactorError(f"base: {shown(value)} is no material; must be {_BASE}")
-    modulus, poisson = present["base_modulus"], present["base_poisson"]
-    _refuse(arrays, "base_modulus", modulus & present["base"], "beside a base; give either")
-    _refuse(arrays, "base_poisson", poisson & present["base"], "beside a base; give either")
-    for name, lacks in (("base_poisson", modulus & ~poisson), ("base_modulus", poisson & ~modulus)):
-        if np.any(lacks):
-            raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed}")
-    if np.any(film & ~present["base"] & ~modulus):
+    check_elasticity(arrays, "base")
+    if np.any(film & ~present["base"] & ~present["base_modulus"]):
         raise FactorError(f"base: missing; must be {_BASE}")
     graded, exponent = present["base_volume_fraction"], present["grading_exponent"]
     if "volume_fraction" not in arrays:
-        _refuse(arrays, "base_volume_fraction", graded, "without a volume_fraction, which a graded film has on top")
-    _refuse(
-        arrays, "grading_exponent", exponent & ~graded, "without a base_volume_fraction; only a graded film has one"
-    )
+        refuse(arrays, "base_volume_fraction", graded, "without a volume_fraction, which a graded film has on top")
+    refuse(arrays, "grading_exponent", exponent & ~graded, "without a base_volume_fraction; only a graded film has one")
+
+
+def check_elasticity(arrays: Mapping[str, xr.DataArray], body: str) -> None:
+    """A base or a punch is either named or has both modulus and Poisson's ratio.
+
+    Raises
+    ------
+    FactorError
+        Naming the factor, its value and what is allowed.
+    """
+    modulus, poisson = f"{body}_modulus", f"{body}_poisson"
+    there = {name: has(arrays, name) for name in (body, modulus, poisson)}
+    for name in (modulus, poisson):
+        refuse(arrays, name, there[name] & there[body], f"beside a {body}; give either")
+    for name, other in ((poisson, modulus), (modulus, poisson)):
+        if np.any(there[other] & ~there[name]):
+            raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed}")
 
 
 def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:
@@ -94,12 +104,12 @@ def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:
     for value in arrays[BODY].values.flat:
         if not isinstance(value, Stack):
             raise FactorError(f"{BODY}: {shown(value)} is no solver.Stack")
-    for name in (*MATERIALS, "composite", "volume_fraction", *OF_A_FILM):
+    for name in ("material", "composite", "volume_fraction", *OF_A_FILM):
         if name in arrays:
             raise FactorError(f"{name}: beside a {BODY}; a stack has its own materials, thicknesses and interfaces")
 
 
-def _refuse(arrays: Mapping[str, xr.DataArray], name: str, bad: xr.DataArray, why: str) -> None:
+def refuse(arrays: Mapping[str, xr.DataArray], name: str, bad: xr.DataArray, why: str) -> None:
     """Raise, with the first offending value, where it is bad."""
     if not np.any(bad):
         return
