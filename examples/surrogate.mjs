@@ -7,6 +7,8 @@
 //
 // and as a command: `node surrogate.mjs surrogate.nc volume_fraction=0.6 ...`. Needs Node.js, and netCDF's own ncdump.
 import { execFileSync } from "node:child_process";
+import { createHash } from "node:crypto";
+import { readFileSync } from "node:fs";
 
 const Z95 = 1.959963984540054, LOWER = 4, UPPER = 16; // places of the probabilities 0.025 and 0.975
 const range = (count) => [...Array(count).keys()];
@@ -14,12 +16,53 @@ const clip = (x, low, high) => Math.min(Math.max(x, low), high);
 const product = (powers, x) => powers.reduce((all, power, k) => (power ? all * x[k] ** power : all), 1);
 const SCALES = { linear: (x) => x, log: Math.log, logit: (x) => Math.log(x / (1 - x)) };
 
-// Every variable as a function of its indices that knows its `sizes` and `values`.
+const SEAL = 48, MAGIC = "\x89whole\r\n"; // behind the end of a file: this, its length and its SHA-256
+const PROBE_TOLERANCE = 1e-7, NOTHING = 1.22e-77; // a standard deviation below is zero
+const MOST_DEGREES = 4096, TEXT_A_BYTE = 40, MOST_TEXT = 2 ** 27; // of what ncdump says of a byte that is stored
+
+// What a file holds, once its seal and its own probes have told that it is whole and understood.
 export function read(path) {
-  const text = execFileSync("ncdump", ["-p", "9,17", path], { encoding: "utf8", maxBuffer: 2 ** 30 });
+  const file = parsed(path, checkSeal(path));
+  for (const name of Object.keys(file).filter((one) => /(correction|calibration_trend)_degree$/.test(one))) {
+    const most = (file[name]?.values ?? []).reduce((a, b) => Math.max(a, b), 0);
+    if (!(most <= MOST_DEGREES)) throw new Error(`${path}: ${name}: ${most}, at most ${MOST_DEGREES}`);
+  }
+  checkProbes(path, file);
+  return file;
+}
+
+function checkSeal(path) {
+  const bytes = readFileSync(path), body = bytes.subarray(0, -SEAL), seal = bytes.subarray(-SEAL);
+  const known = seal.length === SEAL && seal.toString("latin1", 0, 8) === MAGIC;
+  if (!known || seal.readBigUInt64LE(8) !== BigInt(body.length)) throw new Error(`${path}: incomplete: no seal at its end`);
+  if (!createHash("sha256").update(body).digest().equals(seal.subarray(16))) throw new Error(`${path}: altered`);
+  return bytes.length;
+}
+
+function checkProbes(path, file) {
+  const means = range(file.output.values.length).map((p) => range(file.probe_mean.sizes[0]).map((k) => file.probe_mean(k, p)));
+  range(file.probe_point.sizes[0]).forEach((k) => {
+    const found = predict(file, Object.fromEntries(file.input.values.map((name, j) => [name, file.probe_point(k, j)])));
+    file.output.values.forEach((name, p) => {
+      const room = Math.max(...means[p]) - Math.min(...means[p]);
+      for (const part of ["mean", "std", "lower", "upper"]) {
+        const stored = file[`probe_${part}`](k, p), off = Math.abs(found[name][part] - stored);
+        if (!(off <= PROBE_TOLERANCE * (Math.abs(stored) + room) + NOTHING)) {
+          throw new Error(`${path}: the stored predictions probe_${part} do not come out again`);
+        }
+      }
+    });
+  });
+}
+
+// Every variable as a function of its indices that knows its `sizes` and `values`.
+function parsed(path, bytes) {
+  const most = Math.min(TEXT_A_BYTE * bytes + 2 ** 16, MOST_TEXT); // small files can hold very much
+  const text = execFileSync("ncdump", ["-p", "9,17", path], { encoding: "utf8", maxBuffer: most, stdio: "pipe" });
   const data = text.indexOf("\ndata:\n"), head = text.slice(0, data), file = {};
   const told = Object.fromEntries([...head.matchAll(/^\t\t:(\w+) = (.*) ;$/gm)].map((m) => [m[1], m[2]]));
   if (told.format !== '"surrogate"' || told.format_version !== "4LL") throw new Error(`${path}: not of format 4`);
+  if (!['"grid"', '"grouped"'].includes(told.engine)) throw new Error(`${path}: engine ${told.engine} is not read here`);
   if (told.kernel !== '"chebyshev"') throw new Error(`${path}: kernel ${told.kernel} is not read here`);
   const length = Object.fromEntries([...head.matchAll(/^\t(\w+) = (\d+) ;/gm)].map((m) => [m[1], Number(m[2])]));
   const declared = [...head.matchAll(/^\t\w+ (\w+)(?:\((.*)\))? ;/gm)].map((m) => [m[1], m[2]?.split(", ") ?? []]);
@@ -110,6 +153,7 @@ export function predict(whole, point) {
   return Object.fromEntries(file.output.values.map((name, p) => {
     let mean = file.output_offset(p) + file.output_scale(p) * state[p] + correction(file, t, p);
     let { std, ends } = spread(file, t, parts, p);
+    if (std < NOTHING) std = 0;
     if (grouped) { // section 5
       const relative = x.map((one, k) => one / whole.reference(k)), sign = whole.logarithm(p);
       const scale = product(row("scale_power", p), relative);
@@ -124,7 +168,12 @@ export function predict(whole, point) {
 if (process.argv[1]?.endsWith("surrogate.mjs")) {
   const [path, ...given] = process.argv.slice(2);
   const point = Object.fromEntries(given.map((one) => one.split("=")).map(([name, value]) => [name, Number(value)]));
-  for (const [name, { mean, lower, upper, units }] of Object.entries(predict(read(path), point))) {
-    console.log(`${name}: ${mean} [${lower}, ${upper}] ${units}`);
+  try {
+    for (const [name, { mean, lower, upper, units }] of Object.entries(predict(read(path), point))) {
+      console.log(`${name}: ${mean} [${lower}, ${upper}] ${units}`);
+    }
+  } catch (error) {
+    console.error(String(error.message).split("\n")[0]);
+    process.exit(2);
   }
 }

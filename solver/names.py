@@ -33,6 +33,11 @@ class Factor:
             text += f" and {'<=' if self.high_allowed else '<'} {self.high:g}"
         return f"{text} [{self.units}]"
 
+    def allows(self, value: float) -> bool:
+        """Whether a finite number is within the bounds."""
+        above = value >= self.low if self.low_allowed else value > self.low
+        return above and (value <= self.high if self.high_allowed else value < self.high)
+
 
 @dataclass(frozen=True)
 class Described:

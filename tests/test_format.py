@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import netCDF4
@@ -13,6 +14,7 @@ import pytest
 import xarray as xr
 
 import surrogate
+from storage.sealed import SEAL, seal
 from surrogate.face.model import GaussianProcess
 from tests.surrogate.grouped import GROUPING, cases, factorial
 from tests.workflow.conftest import Project
@@ -51,6 +53,13 @@ def files(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> 
     surrogate.save(root(), folder / "root.nc")
     grid = quickstart_run.folder / "results/quickstart/surrogate.nc"
     return {"grid": grid, "grouped": folder / "grouped.nc", "root": folder / "root.nc"}
+
+
+@pytest.fixture
+def example(tmp_path: Path) -> Path:
+    """The page's example."""
+    surrogate.save(root(), tmp_path / "root.nc")
+    return tmp_path / "root.nc"
 
 
 @pytest.mark.parametrize("kind", ["grid", "grouped", "root"])
@@ -106,3 +115,52 @@ def test_what_the_reader_cannot_read_is_refused(tmp_path: Path, files: dict[str,
     surrogate.save(surrogate.GridGP("rbf", inputs=[surrogate.Input("x", 0.0, 1.0)]).fit(data), tmp_path / "rbf.nc")
     assert 'kernel "rbf" is not read here' in told(tmp_path / "rbf.nc", []).stderr
     assert "x is from 1 to 4" in told(files["root"], [{"x": 5.0}]).stderr
+
+
+def command(path: Path, *point: str) -> subprocess.CompletedProcess[str]:
+    reader = [shutil.which("node") or "node", "--max-old-space-size=512", str(ROOT / "examples/surrogate.mjs")]
+    return subprocess.run([*reader, str(path), *point], capture_output=True, text=True, check=False)
+
+
+def changed(example: Path, path: Path, change: Callable[[netCDF4.Dataset], None], *, sealed: bool) -> Path:
+    """A copy of the example's file with something changed in it, sealed again or not."""
+    path.write_bytes(example.read_bytes()[: -SEAL.size])
+    with netCDF4.Dataset(path, "a") as file:
+        change(file)
+    if sealed:
+        seal(path)
+    return path
+
+
+@pytest.mark.process
+def test_what_is_broken_is_refused_by_the_reader_in_one_line(tmp_path: Path, example: Path) -> None:
+    def lost(file: netCDF4.Dataset) -> None:
+        file["core_0"][:] = np.nan
+
+    def steep(file: netCDF4.Dataset) -> None:
+        file["output_scale"][:] *= 1 + 1e-6
+
+    def endless(file: netCDF4.Dataset) -> None:
+        file.createDimension("zeros", 2**24)
+        file.createVariable("zeros", "f8", ("zeros",), zlib=True)[:] = np.zeros(2**24)
+
+    cut = tmp_path / "cut.nc"
+    cut.write_bytes(example.read_bytes()[:-100])
+    flipped = tmp_path / "flipped.nc"
+    raw = bytearray(example.read_bytes())
+    raw[len(raw) // 2] ^= 1
+    flipped.write_bytes(raw)
+    refused = {
+        cut: "no seal",
+        flipped: "altered",
+        changed(example, tmp_path / "unsealed.nc", lost, sealed=False): "no seal",
+        changed(example, tmp_path / "nan.nc", lost, sealed=True): "do not come out again",
+        changed(example, tmp_path / "steep.nc", steep, sealed=True): "do not come out again",
+        changed(example, tmp_path / "endless.nc", endless, sealed=True): "ENOBUFS",
+        tmp_path / "none.nc": "no such file",
+    }
+    for path, says in refused.items():
+        done = command(path, "x=2")
+        assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1), path
+        assert says in done.stderr
+    assert command(example, "x=2").returncode == 0

@@ -10,6 +10,7 @@ import numpy as np
 from solver.arrays import Array, is_finite
 from solver.film.fourier import Medium
 from solver.material.constants import Material, MaterialError
+from solver.material.library import find
 
 RIGID: Literal["rigid"] = "rigid"
 
@@ -31,7 +32,7 @@ class Layer:
     Parameters
     ----------
     material
-        An admissible material without case axes.
+        An admissible material without case axes, or the name of a built-in one.
     thickness
         Thickness > 0 [m].
     electric
@@ -62,6 +63,8 @@ class Layer:
     graded: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
+        if isinstance(self.material, str):
+            object.__setattr__(self, "material", find(self.material))
         if not is_finite(self.thickness) or not self.thickness > 0:
             raise StackError(f"thickness: {self.thickness!r} is not allowed; a finite number > 0 [m]")
         _require_single(self.material, "material")

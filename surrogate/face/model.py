@@ -20,6 +20,9 @@ from surrogate.intervals.conformal import MINIMUM, calibrate
 from surrogate.intervals.predictive import EXTRAPOLATED, Predictive
 from surrogate.intervals.sharing import sharing
 
+# Standard deviations below are zero: rounding that keeps logarithms finite, as of an output that is 0 everywhere.
+SMALLEST = float(np.finfo(np.float64).tiny ** 0.25)
+
 
 class GaussianProcess(Physical, Predictive):
     """Base of the surrogates: several outputs over named inputs, each a distribution at every point.
@@ -324,8 +327,9 @@ class GaussianProcess(Physical, Predictive):
         single = self.single() if len(X) == 1 else None
         found = single(X[0].tolist(), return_std) if single else None
         if found is not None:
-            mean, std = found
-            return mean[:, None], None if std is None else std[:, None]
-        if not extrapolate:
-            require_inside(X, self.inputs_)
-        return self.all_mean_std(X, return_std)
+            mean, std = found[0][:, None], None if found[1] is None else found[1][:, None]
+        else:
+            if not extrapolate:
+                require_inside(X, self.inputs_)
+            mean, std = self.all_mean_std(X, return_std)
+        return mean, None if std is None else np.where(std < SMALLEST, 0.0, std)

@@ -14,7 +14,7 @@ from storage.sealed import FormatError
 from surrogate.data.inputs import Input, stored_inputs
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.face.engines import ENGINES, engine, members_of
-from surrogate.face.model import GaussianProcess
+from surrogate.face.model import SMALLEST, GaussianProcess
 from surrogate.intervals.conformal import Calibration
 from surrogate.intervals.distribution import NOMINAL
 
@@ -154,7 +154,7 @@ def load(path: str | PathLike[str]) -> GaussianProcess:
         raise FormatError(path, f"inconsistent: {error}") from error
     for part, found in answers.items():
         expected = stored[f"probe_{part}"].transpose("probe", "output").values
-        room = PROBE_TOLERANCE * (np.abs(expected) + np.ptp(stored["probe_mean"].values, axis=0))
+        room = PROBE_TOLERANCE * (np.abs(expected) + np.ptp(stored["probe_mean"].values, axis=0)) + SMALLEST
         if found.shape != expected.shape or not (np.abs(found - expected) <= room).all():
             raise FormatError(path, f"the stored predictions probe_{part} do not come out again")
     return model

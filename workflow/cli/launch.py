@@ -42,13 +42,15 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
         Unknown or bad study, unknown profile, a tolerance that no budget reaches, or results that Snakemake finds up
         to date but that are of another state of the study.
     """
+    _check_folder(Path.cwd())
     name = location.given(text)
     study = studies.named(name)
+    _check_results(name)
     if study.verification:
         _check_verifiable(name)
     options = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(_profile(profile))]
     if name != text:
-        options += ["--config", f"study={json.dumps(str(location.location(name)))}"]
+        options += ["--config", f"study={location.address(name)}"]
     if profile == "default":
         options += ["--cores", cores]
     if study.open and not dry:
@@ -68,6 +70,20 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
             print(line)
         print(f"report: {report}")
     return status
+
+
+def _check_folder(folder: Path) -> None:
+    """The netCDF library takes a backslash for a Windows path, and finds no such folder."""
+    if "\\" in str(folder):
+        raise InputError(f"{folder}: a backslash in the path: no netCDF file can be written here; use another folder")
+
+
+def _check_results(name: str) -> None:
+    """Whether results and logs may go where they would."""
+    for folder in (Path(kind, *more) for kind in ("results", "logs") for more in ((), (name,))):
+        if (folder.exists() or folder.is_symlink()) and not folder.is_dir():
+            raise InputError(f"{folder}: is no folder, where the results of a run would go; remove or rename it")
+    location.check_owner(name, Path("results", name))
 
 
 def _check_origin(study: Study, provenance: Path) -> None:

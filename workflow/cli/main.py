@@ -24,7 +24,7 @@ from workflow.cli.launch import launch
 from workflow.cli.progress import busy
 from workflow.cli.query import query
 from workflow.cli.solving import solved
-from workflow.cli.words import numbers, say, surrogate_file
+from workflow.cli.words import cores, netcdf_file, numbers, say, surrogate_file
 from workflow.study.reading import InputError, one_line, read_material
 
 
@@ -105,9 +105,9 @@ def _parser() -> _Parser:
     command = commands.add_parser(
         "query",
         help="values and intervals from a trained surrogate",
-        description="Values and the intervals that hold the exact ones in a stated share of cases, 95 %% unless "
+        description="Values and the intervals that hold the exact ones in a stated share of cases, 95 % unless "
         "--level says another. Columns written: the inputs, then NAME, NAME_std, NAME_lower and NAME_upper of every "
-        "output. NAME +- NAME_std holds 68 %%; intervals are no fixed multiple of it: errors are not Gaussian.",
+        "output. NAME +- NAME_std holds 68 %; intervals are no fixed multiple of it: errors are not Gaussian.",
     )
     command.add_argument("surrogate", type=surrogate_file, metavar="surrogate.nc", help="or results/STUDY")
     command.add_argument(
@@ -170,7 +170,7 @@ def _parser() -> _Parser:
 
     command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
     command.add_argument("study", help="name of a study in config/, or path of a study's file (.yaml)")
-    command.add_argument("--cores", default="all", help="cores of this machine to use at most")
+    command.add_argument("--cores", default="all", type=cores, metavar="N", help="cores to use at most; default: all")
     command.add_argument(
         "--profile", default="default", metavar="NAME", help="slurm, or a folder of your own profiles/"
     )
@@ -181,7 +181,7 @@ def _parser() -> _Parser:
 
 def _add_cases(command: argparse.ArgumentParser) -> None:
     command.add_argument("cases", type=Path, metavar="CASES.csv", help="one row a case, columns are factors")
-    command.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.nc")
+    command.add_argument("-o", "--output", type=netcdf_file, required=True, metavar="OUT.nc")
     command.add_argument(
         "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"
     )

@@ -7,8 +7,8 @@ import numpy as np
 from solver import Material, MaterialError, find, limiting_speed, materials
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
-from solver.names import COMPOSITES, LIMITS
-from workflow.study.reading import read_material
+from solver.names import COMPOSITES, FACTORS, LIMITS
+from workflow.study.reading import InputError, read_material
 
 
 def listed() -> str:
@@ -44,6 +44,11 @@ def described(name: str) -> str:
         A material that is unknown, inadmissible, or beyond what double precision can solve.
     """
     path = Path(name)
+    if name in COMPOSITES and not path.exists():
+        raise InputError(
+            f"material: {name!r} is a composite: in cases and studies composite: {name}, "
+            f"{COMPOSITES[name]}: {FACTORS[COMPOSITES[name]].allowed}"
+        )
     material = read_material(path)[1] if path.suffix in (".yaml", ".yml") or path.exists() else find(name)
     with np.errstate(all="ignore"):  # what is not finite is named below
         half = HalfPlane(material)

@@ -43,7 +43,8 @@ def shown(value: float, lower: float, upper: float, level: float = NOMINAL) -> s
     '-527.5684 [-527.5708, -527.5661] (95 %)'
     """
     count = _figures(max(abs(lower), abs(upper)), (upper - lower) / 2)
-    one, low, high = (f"{number:#.{count}g}".rstrip(".") for number in (value, lower, upper))
+    zeros = "#" if upper > lower else ""  # an exact value has no digits to keep
+    one, low, high = (f"{number:{zeros}.{count}g}".rstrip(".") for number in (value, lower, upper))
     return f"{one} [{low}, {high}] ({100 * level:g} %)"
 
 

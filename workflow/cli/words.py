@@ -1,6 +1,7 @@
 """What options say, as numbers and pairs, and what is told beside the answers."""
 
 import sys
+from argparse import ArgumentTypeError
 from pathlib import Path
 
 from workflow.study.reading import InputError, number, one_line
@@ -39,3 +40,17 @@ def surrogate_file(text: str) -> Path:
     """The file of a surrogate; of a study's folder of results, the one in it."""
     path = Path(text)
     return path / "surrogate.nc" if path.is_dir() else path
+
+
+def netcdf_file(text: str) -> Path:
+    """Where to write what is netCDF, whatever else its name would promise."""
+    if Path(text).suffix != ".nc":
+        raise ArgumentTypeError(f"{text!r}: must end in .nc: the answer is written as netCDF")
+    return Path(text)
+
+
+def cores(text: str) -> str:
+    """How many cores to use, as Snakemake takes it."""
+    if text != "all" and not (text.isascii() and text.isdecimal() and int(text[:9]) >= 1 and len(text) < 6):
+        raise ArgumentTypeError(f"{text!r} is not a number of cores from 1 on, or 'all'")
+    return text

@@ -11,7 +11,7 @@ from solver.names import ALL_QUANTITIES
 from surrogate import Grouping, Input, chebyshev_levels
 from workflow.dataset import similar
 from workflow.language.factors import FACTORS
-from workflow.study import categories
+from workflow.study import categories, representatives
 from workflow.study.model import Study
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
@@ -56,7 +56,7 @@ def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
 
 def with_factors(study: Study, data: xr.Dataset) -> xr.Dataset:
     """The factorial of a study with the factors of its cases as coordinates."""
-    return data.assign_coords(similar.factors(study, {name: data[name].values for name in study.axes}))
+    return data.assign_coords(representatives.factors(study, {name: data[name].values for name in study.axes}))
 
 
 def axes(study: Study) -> dict[str, np.ndarray[Any, np.dtype[Any]]]:
@@ -132,7 +132,7 @@ def exact(
     """
     grouped = bool(study.groups) and axes.keys() >= study.products.keys() and not axes.keys() >= study.factors.keys()
     over = list(study.products) if grouped else []
-    own = similar.factors(study, {name: axes[name] for name in over}) if over else {}
+    own = representatives.factors(study, {name: axes[name] for name in over}) if over else {}
     rest = {name: values for name, values in axes.items() if name not in over}
     rest |= {name: kinds for name, kinds in study.categories.items() if name not in axes}
     factors = {**study.fixed, **own, **rest}

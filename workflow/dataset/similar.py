@@ -1,8 +1,7 @@
-"""Similar cases: the factors at which the groups of a study are solved, and how all other cases follow from these."""
+"""Similar cases: how all cases of a study with groups follow from those of `workflow.study.representatives`."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,64 +11,16 @@ from solver import solve
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers
 from surrogate import Group, Grouping, Input, Scaling
 from surrogate.levels.counts import decays
-from surrogate.transforms.inputs import middle
-from workflow.study import grouped
 from workflow.study.categories import Kinds, output
 from workflow.study.datum import length
 from workflow.study.model import Study
 from workflow.study.reading import InputError
+from workflow.study.representatives import middles
 
 Array = NDArray[np.float64]
 _GAIN = 0.5  # of the predicted error, from which on a logarithm is worth it
 #: Lengths by which a case is measured, the first that it has.
 _LENGTHS = ("thickness", "radius", "width", "datum")
-
-
-def middles(study: Study) -> dict[str, float]:
-    """The middle of every factor's range on its own scale."""
-    return {name: middle(Input(name, axis.low, axis.high, axis.scale)) for name, axis in study.factors.items()}
-
-
-def factors(study: Study, axes: Mapping[str, Array]) -> dict[str, xr.DataArray | float]:
-    """Factors of the cases over the axes of a study with groups.
-
-    Every axis varies the first factor of its product, all others are in the middle of their ranges.
-
-    Parameters
-    ----------
-    study
-        A study with groups.
-    axes
-        Levels of every axis.
-
-    Returns
-    -------
-    dict
-        Every factor over the dimensions of the axes that it varies with.
-    """
-    leads = grouped.leads(study.products.values(), study.factors)
-    along = {name: xr.DataArray(np.asarray(values), dims=name) for name, values in axes.items()}
-    found: dict[str, Any] = {name: value for name, value in middles(study).items() if name not in leads.values()}
-    found |= {name: value for name, value in study.numbers.items() if name not in study.factors}
-    waiting = list(study.products)
-    while waiting:
-        ready = [name for name in waiting if all(other in found for other in _others(study, leads, name))]
-        if not ready:
-            raise ValueError(f"groups: {', '.join(waiting)}: each needs a factor that another varies")
-        for name in ready:
-            powers = study.products[name].powers
-            rest = along[name]
-            for factor in _others(study, leads, name):
-                rest = rest / found[factor] ** powers[factor]
-            lead = powers[leads[name]]
-            found[leads[name]] = rest if lead == 1 else rest ** (1 / lead)
-            waiting.remove(name)
-    return {name: found[name] for name in study.factors}
-
-
-def _others(study: Study, leads: Mapping[str, str], axis: str) -> list[str]:
-    """The factors of a product but its first, in its order: divided by one after the other, the order decides bits."""
-    return [name for name in study.products[axis].powers if name != leads[axis]]
 
 
 def grouping(

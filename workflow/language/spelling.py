@@ -2,9 +2,20 @@
 
 from difflib import get_close_matches
 
+from workflow.language.wordings import TITLES
+
+_CALLED = {words.replace(" ", "_"): name for name, words in TITLES.items()}
+
 
 def nearest(name: str, known: list[str]) -> str:
-    """``did you mean ...? allowed: ...`` for a name that is not known."""
-    near = get_close_matches(name, known, 1, 0.5)
+    """``did you mean ...? allowed: ...`` for a name that is not known: by what the page calls it, else by its letters.
+
+    Examples
+    --------
+    >>> nearest("voltage_per_load", ["voltage_sensitivity", "voltage_noise"])
+    "did you mean 'voltage_sensitivity'? allowed: voltage_sensitivity, voltage_noise"
+    """
+    called = _CALLED.get(name.strip().replace(" ", "_"))
+    near = [called] if called in known else get_close_matches(name, known, 1, 0.5)
     hint = f"did you mean {near[0]!r}? " if near else ""
     return f"{hint}allowed: {', '.join(known)}"

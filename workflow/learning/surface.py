@@ -19,6 +19,7 @@ from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.use import validation
 from workflow.dataset import factorial, similar
 from workflow.learning import training
+from workflow.study import representatives
 from workflow.study.model import Study
 
 Array = NDArray[np.float64]
@@ -47,7 +48,7 @@ def fit(study: Study) -> GaussianProcess:
     inputs, allowed = [*factorial.inputs(study), ANGLE], training.compression(study)
     model: GaussianProcess
     if study.groups:
-        over = similar.factors(study, levels)
+        over = representatives.factors(study, levels)
         data = _regular(study, dict(over), angles).assign_coords({**{name: levels[name] for name in levels}, **over})
         grouping = similar.grouping(study, inputs, [*factorial.axis_inputs(study), ANGLE], {one: one for one in NAMES})
         model = GroupedGP(grouping, study.surrogate.kernel, compression=allowed).fit(data)

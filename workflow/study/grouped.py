@@ -5,9 +5,10 @@ pressed. Otherwise a surrogate over the groups would give one answer to two ques
 """
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import combinations
 
 import numpy as np
 from scipy.linalg import null_space
@@ -23,6 +24,7 @@ from workflow.language.spelling import nearest
 from workflow.study.sections import Axis, Group
 
 _SAME = 1e-9
+_LARGEST_POWER = 9
 _DECADE = 10.0  # a product that spans more than this is spread in its logarithm
 
 
@@ -71,6 +73,8 @@ def product(text: str) -> Product:
         raise ValueError(f"groups: {error}") from None
     if not powers:
         raise ValueError(f"groups: {text!r}: is 1")
+    if max(map(abs, powers.values())) > _LARGEST_POWER:
+        raise ValueError(f"groups: {text!r}: powers of a factor must be at most {_LARGEST_POWER}")
     above = [_called(name, power) for name, power in powers.items() if power > 0]
     below = [_called(name, -power) for name, power in powers.items() if power < 0]
     name = "_".join(above or ["one"]) + ("_per_" + "_".join(below) if below else "")
@@ -102,7 +106,7 @@ def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mappin
         _check_names(one, factors, fixed)
         if one.name in found:
             raise ValueError(f"groups: {text}: is given twice")
-        low, high = span(_inputs(one, factors, fixed), dict(one.powers))
+        low, high = _range(one, factors, fixed)
         scale = group.scale or _usual(one, factors, low, high)
         shown = f"{low:g} to {high:g} [{one.units}]"
         if (scale == "log" and low <= 0) or (scale == "logit" and not 0 < low < high < 1):
@@ -110,6 +114,17 @@ def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mappin
             raise ValueError(f"groups: {text}: scale: {scale} needs a range {needs}, this one is {shown}")
         found[one.name] = Axis(low=low, high=high, levels=group.levels, scale=scale)
     return found
+
+
+def _range(one: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> tuple[float, float]:
+    """What the box gives a group; ValueError where numbers end before."""
+    try:
+        low, high = span(_inputs(one, factors, fixed), dict(one.powers))
+    except OverflowError:
+        low = high = np.inf
+    if not (np.isfinite([low, high]).all() and low < high):
+        raise ValueError(f"groups: {one.text}: is beyond the range of numbers")
+    return low, high
 
 
 def _check_names(one: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> None:
@@ -171,6 +186,7 @@ def unlike(products: Sequence[Product], factors: Sequence[str], fixed: Mapping[s
         What each factor is multiplied by.
     """
     A = np.array([[one.powers.get(name, 0) for name in factors] for one in products], dtype=np.float64)
+    A = A.reshape(-1, len(factors))
     W = np.array([[weight.size, weight.strength] for weight in map(weight_of, factors)])
     kept = np.array([[weight.size, weight.strength] for weight in fixed.values()]).reshape(-1, 2)
     similar = W @ (null_space(kept) if len(kept) else np.eye(2))
@@ -181,6 +197,40 @@ def unlike(products: Sequence[Product], factors: Sequence[str], fixed: Mapping[s
     worst = unseen[:, int(np.abs(rest).max(axis=0).argmax())]
     worst = worst / worst[np.abs(worst).argmax()]
     return {name: 10.0**power for name, power in zip(factors, worst.tolist(), strict=True) if abs(power) > _SAME}
+
+
+def check_signs(products: Sequence[Product], factors: Mapping[str, Axis], fixed: Mapping[str, Weight]) -> None:
+    """Raise ValueError, in one line, where cases with the same groups differ in a sign, or where a factor is 0.
+
+    Parameters
+    ----------
+    products
+        The groups.
+    factors
+        What varies.
+    fixed
+        As in `unlike`.
+    """
+    for flipped in _some(name for name, axis in factors.items() if axis.low < 0 < axis.high):
+        if not any(sum(one.powers.get(name, 0) for name in flipped) % 2 for one in products):
+            raise ValueError(f"groups: the sign of {' and '.join(flipped)} is in no group; give an odd power of it")
+    for gone in _some(name for name, axis in factors.items() if axis.low <= 0 <= axis.high):
+        rest = [one for one in products if not one.powers.keys() & set(gone)]
+        if change := unlike(rest, [name for name in factors if name not in gone], fixed):
+            raise ValueError(
+                f"{refusal(change)}; {' = '.join(gone)} = 0 is in the box, where {_hidden(products, gone)}"
+            )
+
+
+def _hidden(products: Sequence[Product], gone: Collection[str]) -> str:
+    """What tells nothing but 0 where some factors are."""
+    return ", ".join(one.text for one in products if one.powers.keys() & set(gone)) + " tells no more"
+
+
+def _some(names: Iterable[str]) -> list[tuple[str, ...]]:
+    """Every choice of one or more of some names."""
+    known = list(names)
+    return [chosen for count in range(len(known)) for chosen in combinations(known, count + 1)]
 
 
 def refusal(change: Mapping[str, float]) -> str:

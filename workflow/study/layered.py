@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from solver import Layer, Material, MaterialError, Stack, find
 from solver.film.stack import RIGID
 from solver.material.laws import made
-from solver.names import BODY, COMPOSITES, Factor
+from solver.names import BODY, COMPOSITES
 from workflow.language.factors import FACTORS, OF_A_LAYER, own_kind
 from workflow.study.types import CompositeName, Number, Strict
 
@@ -63,7 +63,7 @@ class BodyLayer(Strict):
                         f"{kind}: {value!r} is no name of such a factor; must be {kind} in the top layer, "
                         f"<word>_{kind} in another"
                     )
-            elif not _within(value, FACTORS[kind]):
+            elif not FACTORS[kind].allows(value):
                 raise ValueError(f"{kind}: {value:g} is not {FACTORS[kind].allowed}")
         return self
 
@@ -143,7 +143,7 @@ def check(layers: Layers, fixed: Mapping[str, float | str], ranges: Mapping[str,
             if name not in (*named(layers), *OF_THE_BASE[1:]):
                 continue
             for value in values:
-                if isinstance(value, str) or not _within(value, FACTORS[name]):
+                if isinstance(value, str) or not FACTORS[name].allows(value):
                     shown = f"{value!r}" if isinstance(value, str) else f"{value:g}"
                     raise ValueError(f"{part}: {name}: {shown} is not {FACTORS[name].allowed}")
 
@@ -230,8 +230,3 @@ def _attrs(name: str) -> dict[str, str]:
     if name not in FACTORS:
         return {"units": "1", "long_name": f"{name} of the case"}
     return {"units": FACTORS[name].units, "long_name": FACTORS[name].long_name}
-
-
-def _within(value: float, one: Factor) -> bool:
-    above = value >= one.low if one.low_allowed else value > one.low
-    return above and (value <= one.high if one.high_allowed else value < one.high)

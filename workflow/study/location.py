@@ -9,17 +9,19 @@ import json
 import os
 import re
 from pathlib import Path
+from urllib.request import url2pathname
 
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError
 
 FOLDER = Path("config")
+_ADDRESS = "file://"
 _GIVEN = "MEECONTACT_STUDIES"  # in the environment: JSON, absolute paths by name
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,99}")  # it names folders, and is a wildcard of the Snakefile
 
 
 def given(text: str) -> str:
-    """The name of a study that is given by its name or by the path of its file (``.yaml``, ``.yml``).
+    """The name of a study that is given by its name or by the path or the `address` of its file (``.yaml``, ``.yml``).
 
     This process and those that it starts find a path again under the name.
 
@@ -28,7 +30,7 @@ def given(text: str) -> str:
     InputError
         No such file, a file whose name cannot name results, or another path under the same name before.
     """
-    path = Path(text)
+    path = Path(url2pathname(text.removeprefix(_ADDRESS))) if text.startswith(_ADDRESS) else Path(text)
     if path.suffix not in (".yaml", ".yml"):
         return text
     if not path.is_file():
@@ -41,6 +43,11 @@ def given(text: str) -> str:
         raise InputError(f"{path}: another study named {path.stem!r} was given before: {known[path.stem]}")
     os.environ[_GIVEN] = json.dumps({**known, path.stem: whole})
     return path.stem
+
+
+def address(name: str) -> str:
+    """The file of a study as an address: plain letters in every shell's words and in YAML, whatever its path holds."""
+    return location(name).absolute().as_uri()
 
 
 def location(name: str) -> Path:
@@ -68,14 +75,24 @@ def location(name: str) -> Path:
 def of_results(folder: Path) -> Path:
     """The file of the study that a folder ``results/<study>`` was made from."""
     folder = folder.absolute()
+    return _recorded(folder) or folder.parent.parent / FOLDER / f"{folder.name}.yaml"
+
+
+def check_owner(name: str, folder: Path) -> None:
+    """Refuse, by InputError, a folder of results that were made from another study of the same name."""
+    other = _recorded(folder.absolute())
+    if other and not other.samefile(location(name)):
+        raise InputError(f"{folder}: holds the results of {other}; rename {location(name)}, or remove that folder")
+
+
+def _recorded(folder: Path) -> Path | None:
+    """The file that results say they were made from; None where it is gone, or they do not say."""
     try:
         record = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))["study"]
         path = Path(os.path.normpath(folder / record))
     except (OSError, ValueError, LookupError, TypeError):
-        path = folder
-    if path.suffix in (".yaml", ".yml") and path.is_file():
-        return path
-    return folder.parent.parent / FOLDER / f"{folder.name}.yaml"
+        return None
+    return path if path.suffix in (".yaml", ".yml") and path.is_file() else None
 
 
 def from_results(name: str, folder: Path) -> str:

@@ -1,13 +1,16 @@
 """Whether the solver can answer a study at all, and which quantities its cases lack or tell only with the datum."""
 
+from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from solver import solve
 from solver.names import ALL_QUANTITIES
 from solver.similarity import Weight, weight_of
-from workflow.study import datum, grouped
+from workflow.language.factors import FACTORS
+from workflow.study import datum, grouped, representatives
 from workflow.study.contents import Contents
 from workflow.study.sections import MOST_CASES, MOST_CORNERS, MOST_LEARNED, MOST_VALUES
 
@@ -20,10 +23,31 @@ def check_groups(study: Contents) -> None:
         if axis.levels is not None:
             raise ValueError(f"factors: {name}: levels: of a study with groups they stand in groups")
     products = list(study.products.values())
+    _check_lone(products)
     grouped.leads(products, study.factors)
     change = grouped.unlike(products, list(study.factors), standing(study))
     if change:
         raise ValueError(grouped.refusal(change))
+    grouped.check_signs(products, study.factors, standing(study))
+    _check_cases(study)
+
+
+def _check_lone(products: Sequence[grouped.Product]) -> None:
+    """A factor that is a group of its own tells no more in another, where it would be an axis twice."""
+    alone = {name for one in products if one.lone for name in one.powers}
+    for one in products:
+        for name in () if one.lone else alone & one.powers.keys():
+            raise ValueError(f"groups: {one.text}: {name!r} is a group of its own; leave it out here")
+
+
+def _check_cases(study: Contents) -> None:
+    """Whether the stored cases, which may leave the box of the factors, are what factors may be."""
+    for name, values in representatives.ends(study).items():
+        for value in np.unique(values):
+            if not (np.isfinite(value) and FACTORS[name].allows(value)):
+                raise ValueError(
+                    f"groups: {name} = {value:g} in a corner of their ranges; must be {FACTORS[name].allowed}"
+                )
 
 
 def standing(study: Contents) -> dict[str, Weight]:
@@ -98,12 +122,22 @@ def lacked(study: Contents) -> frozenset[str]:
     ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in study.factors.items()}
     ends |= {name: xr.DataArray(ends[name], dims="end") for name in study.tabled}
     found = study.solved(solve, {**study.fixed, **study.categories, **ends})
+    if study.groups:
+        _solve_stored(study)
     peaks = set(study.kind.peaks)
     if "rigid" in study.categories.get("base", [study.fixed.get("base")]):
         peaks -= {name for name in peaks if name.startswith("base_")}
     if len(study.body) > 1:
         peaks -= {name for name in peaks if name.startswith("film_")}
     return frozenset(set(ALL_QUANTITIES) - set(found.data_vars) - peaks)
+
+
+def _solve_stored(study: Contents) -> None:
+    """Whether the solver answers the stored cases of a study with groups, which may leave the box of its factors."""
+    try:
+        study.solved(solve, {**study.fixed, **study.categories, **representatives.ends(study)})
+    except ValueError as error:
+        raise ValueError(f"groups: in a corner of their ranges: {error}") from None
 
 
 def solve_effects(study: Contents) -> None:

@@ -195,3 +195,18 @@ def test_a_million_queries_do_not_hold_memory_of_their_intermediates() -> None:
 
 def _physical(t: Array) -> Array:
     return np.stack([one.from_unit(t[:, k]) for k, one in enumerate(PLANE)], axis=1)
+
+
+def test_an_output_that_is_zero_everywhere_has_no_spread() -> None:
+    """Rounding that keeps logarithms finite is no spread: calibrated or not, of one point or of many."""
+    x = Input("x", 0.0, 1.0)
+    data = xr.Dataset({"f": ("x", np.exp(x.levels(5))), "g": ("x", np.zeros(5))}, coords={"x": x.levels(5)})
+    model = GridGP(inputs=[x]).fit(data)
+    drawn = np.random.default_rng(0).uniform(0, 1, 60)
+    held = xr.Dataset({"f": ("case", np.exp(drawn)), "g": ("case", np.zeros(60))}, coords={"x": ("case", drawn)})
+    for points in (np.array([[0.3]]), np.array([[0.3], [0.7]])):
+        for one in (model, model.calibrate(held)):
+            std, ends = one.predict_array(points, return_std=True)[1], np.array(one.interval_array(points))
+            assert (std[:, 0] > 0).all()
+            assert not std[:, 1].any()
+            assert not ends[..., 1].any()

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workflow.dataset import factorial, similar
+from workflow.dataset import factorial
+from workflow.study import representatives
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
@@ -42,7 +43,7 @@ def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study)
     X = np.array([[case[name] for name in study.factors]])
     axes = dict(zip(study.axes, grouping.products.values(X)[0][:, None], strict=True))
     stored, true = (factorial.learned(study, factorial.exact(study, one)) for one in (axes, case))
-    at = similar.factors(study, axes)
+    at = representatives.factors(study, axes)
     near = np.array([[np.asarray(at[name]).item() for name in study.factors]])
     assert near[0, 0] == pytest.approx(np.sqrt(2e-4 * 1e-3))
     values = np.array([[stored[name].item()] for name in study.learned])
@@ -58,9 +59,10 @@ def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study)
 def test_equal_inputs_give_equal_bytes_whatever_python_hashes_texts_to(study: Study) -> None:
     """Two factors are divided by in the second product: the order, which decides bits, is the product's."""
     code = (
-        "import sys; from pathlib import Path; from workflow.dataset import factorial, similar; "
-        "from workflow.study.model import load; study = load(Path(sys.argv[1])); "
-        "found = similar.factors(study, dict(factorial.axes(study))); "
+        "import sys; from pathlib import Path; from workflow.dataset import factorial; "
+        "from workflow.study import representatives; from workflow.study.model import load; "
+        "study = load(Path(sys.argv[1])); "
+        "found = representatives.factors(study, dict(factorial.axes(study))); "
         "print({name: one.values.tobytes().hex() for name, one in found.items() if hasattr(one, 'values')})"
     )
 

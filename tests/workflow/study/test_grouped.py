@@ -8,9 +8,9 @@ import xarray as xr
 
 from storage.netcdf import write_whole
 from surrogate import GroupedGP
-from workflow.dataset import datacard, factorial, levels, similar
+from workflow.dataset import datacard, factorial, levels
 from workflow.learning import training
-from workflow.study import grouped
+from workflow.study import grouped, representatives
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
@@ -64,7 +64,7 @@ def test_axes_are_the_groups_over_the_box(half_plane: Study) -> None:
 
 def test_stored_cases_have_the_values_of_the_groups(half_plane: Study) -> None:
     axes = factorial.levels(half_plane)
-    found = similar.factors(half_plane, axes)
+    found = representatives.factors(half_plane, axes)
     assert found["radius"] == pytest.approx(np.sqrt(0.02 * 0.2))
     load, charge = xr.DataArray(found["load"]), xr.DataArray(found["charge"])
     np.testing.assert_allclose(load * found["radius"] / 0.25, axes["load_radius_per_datum2"], rtol=1e-12)
@@ -142,7 +142,7 @@ def test_the_card_says_how_a_case_follows(half_plane: Study) -> None:
             "charge / load^2",
             r"groups: radius x 0.316 and load x 3.16 and charge x 10 is in no group, and is",
         ),
-        ("load * radius / datum^2", "load", "depth, voltage, blocked_load_per_volt hang on the datum"),
+        ("load * radius / datum^2", "load^2", "depth, voltage, blocked_load_per_volt hang on the datum"),
         ("charge / load", "charge / friction", "divides by 'friction', which is from 0 on"),
         ("charge / load", "charge + load", "groups: 'charge . load': 'C m-1' and 'N m-1' cannot be added"),
         ("charge / load", "abs(charge) / load", "only products and quotients of whole powers"),

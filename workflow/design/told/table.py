@@ -18,6 +18,7 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.statements import Limit
 
+_FORMULA = tuple("=+-@\t\r")  # with which a spreadsheet begins to calculate
 _HEAD = ("target", "verdict", "goal", "design")
 _COLUMNS = ("target", "kind", "name", "units", "predicted", "predicted_std", "exact", "limit", "margin", "inside")
 _NUMBERS = ("predicted", "predicted_std", "exact", "limit", "margin")
@@ -106,7 +107,7 @@ def as_csv(answers: Iterable[Answer]) -> str:
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(_COLUMNS)
     for answer in answers:
-        rows.writerows((answer.target, *row) for row in _rows(answer))
+        rows.writerows(map(plain, (answer.target, *row)) for row in _rows(answer))
     return text.getvalue()
 
 
@@ -156,3 +157,8 @@ def _outcomes(answers: Mapping[str, Answer]) -> list[tuple[str, str, str, str]]:
         value = shown(goal.exact, goal.units, 4)
         rows.append((name, verdict(answer).kind, f"{goal.title} {value}", ", ".join(parts)))
     return rows
+
+
+def plain(cell: object) -> object:
+    """A cell of CSV: a text that a spreadsheet would calculate stands behind an apostrophe."""
+    return f"'{cell}" if isinstance(cell, str) and cell[:1] in _FORMULA else cell

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 
 from workflow.dataset.effects import HALF_PLANE
 from workflow.language import numbers
-from workflow.language.factors import FACTORS
 from workflow.report.figures.contours import below
 from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, Array, field_label, styled
 from workflow.report.svg import INK
@@ -43,19 +42,18 @@ def fields(slabs: Sequence[xr.Dataset]) -> Figure:
     places = {name: size // 2 if slabs[0][name].dtype.kind in "iuf" else 0 for name, size in sizes.items()}
     holds = int(np.searchsorted(starts, places[first], side="right")) - 1
     chosen = slabs[holds].isel({**places, first: places[first] - starts[holds]})
-    held = ", ".join(
-        f"{name.replace('_', ' ')} {_said(name, chosen[name].item(), chosen[name].attrs.get('units'))}"
-        for name in places
-    )
+    held = ", ".join(f"{name.replace('_', ' ')} {_said(chosen[name])}" for name in places)
     figure = _field_panels(chosen, varied)
     figure.suptitle(f"one case a curve: {held}", fontsize=9)
     return figure
 
 
-def _said(factor: str, value: float | str, units: str | None = None) -> str:
-    if isinstance(value, str):
-        return value
-    return HALF_PLANE if np.isnan(value) else numbers.shown(value, units or FACTORS[factor].units, digits=4)
+def _said(value: xr.DataArray) -> str:
+    """One value of an axis, which says its own unit: an axis may be a product of factors."""
+    plain = value.item()
+    if isinstance(plain, str):
+        return plain
+    return HALF_PLANE if np.isnan(plain) else numbers.shown(plain, value.attrs["units"], digits=4)
 
 
 @styled
@@ -69,28 +67,28 @@ def effect(data: xr.Dataset) -> Figure:
 def interior(data: xr.Dataset) -> Figure:
     """Contours below the punch: a row for each field, on one scale, a column for each value of the factor."""
     varied = next(str(dim) for dim in data.dims if dim not in ("x", "y"))
-    names, values = data.attrs["fields"].split(), data[varied].values
+    names, values = data.attrs["fields"].split(), data[varied]
     size = (3.3 * len(values) + 1.0, 0.4 + 2.0 * len(names))
     figure, axes = plt.subplots(len(names), len(values), figsize=size, squeeze=False, sharex=True, sharey=True)
     for row, name in zip(axes, names, strict=True):
         below(figure, row, [data[name].isel({varied: number}) for number in range(len(values))])
         row[0].set_ylabel("y/h")
     for ax, value in zip(axes[0], values, strict=True):
-        ax.set_title(f"{varied.replace('_', ' ')} = {_said(varied, value)}")
+        ax.set_title(f"{varied.replace('_', ' ')} = {_said(value)}")
     for ax in axes[-1]:
         ax.set_xlabel("(x - c)/h")
     return figure
 
 
 def _field_panels(data: xr.Dataset, varied: str) -> Figure:
-    values = data[varied].values
+    numeric, texts = np.issubdtype(data[varied].dtype, np.number), [_said(value) for value in data[varied]]
     colours = (
-        plt.get_cmap("viridis")(np.linspace(0.0, 0.88, len(values)))
-        if np.issubdtype(values.dtype, np.number)
-        else np.array([to_rgba(DISTINCT[number % len(DISTINCT)]) for number in range(len(values))])
+        plt.get_cmap("viridis")(np.linspace(0.0, 0.88, len(texts)))
+        if numeric
+        else np.array([to_rgba(DISTINCT[number % len(DISTINCT)]) for number in range(len(texts))])
     )
     # the half-plane beside films
-    styles = ["--" if _said(varied, value) == HALF_PLANE else "-" for value in values]
+    styles = ["--" if text == HALF_PLANE else "-" for text in texts]
     colours[[style == "--" for style in styles]] = to_rgba(INK)
     figure, axes = plt.subplots(2, 3, figsize=(10.5, 5.6))
     X = data["position"].values
@@ -101,8 +99,7 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
         away = shown & (np.abs(np.abs(X) - 1) > NEAR_EDGE)
         size, label = field_label(data[name], float(np.abs(curves[:, away]).max()))
         curves = curves / size
-        for curve, value, colour, style in zip(curves, values, colours, styles, strict=True):
-            text = _said(varied, value)
+        for curve, text, colour, style in zip(curves, texts, colours, styles, strict=True):
             for part in (X < -1, np.abs(X) < 1, X > 1):  # no line across an edge
                 use = part & shown
                 if use.any():

@@ -166,6 +166,9 @@ function predict(model, t) {
   return { mean, std, lower: ends(model.interval.lower), upper: ends(model.interval.upper) };
 }
 
+// Below the square root of the square root of the smallest double a standard deviation is rounding, as of what is 0 always.
+const meaningful = (std) => (std < 1.22e-77 ? 0 : std);
+
 const withinBox = (t) => t.map((one) => Math.min(Math.max(one, -1), 1));
 
 // Products of Chebyshev polynomials that the logarithm of the local scale is made of.
@@ -179,7 +182,7 @@ function trendTerms(c, t) {
 
 function calibrated(model, t, terms, p, variance) {
   const c = model.calibration, count = model.outputs.length;
-  if (!c) return Math.sqrt(variance);
+  if (!c) return meaningful(Math.sqrt(variance));
   const slabs = c.guard.shape[1];
   const slab = withinBox(t).map((one) => Math.min(Math.max(Math.trunc(((one + 1) / 2) * slabs), 0), slabs - 1));
   const edge = slab.map((one) => (one > 0) + (one === slabs - 1)); // 0 in the lowest slab, 2 in the highest
@@ -192,5 +195,5 @@ function calibrated(model, t, terms, p, variance) {
       guard = Math.max(guard, c.corner_guard.data[((pair * 3 + edge[i]) * 3 + edge[j]) * count + p]);
     }
   }
-  return Math.sqrt(variance + c.floor.data[p]) * Math.exp(scale + guard);
+  return meaningful(Math.sqrt(variance + c.floor.data[p]) * Math.exp(scale + guard));
 }

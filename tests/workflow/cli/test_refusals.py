@@ -1,0 +1,150 @@
+"""What options may be: refused in one line with status 2, before anything is read or written."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+from snakemake.cli import parse_config
+
+from workflow.cli import main
+from workflow.design.told import table
+from workflow.language.spelling import nearest
+from workflow.run.provenance import ROOT
+from workflow.study import layered, location
+
+
+@pytest.mark.parametrize("given", ["0", "-1", "x", "1.5", "", "１", "9" * 4301])
+def test_cores_are_a_number_from_one_on_or_all(given: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main.main(["run", "quickstart", f"--cores={given}"])
+    assert ended.value.code == 2
+    told = capsys.readouterr().err
+    assert "--cores: " in told
+    assert told.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", [["solve"], ["interior", "--x=0", "--y=-1"]])
+def test_netcdf_is_not_written_under_the_name_of_another_format(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "x.csv"
+    with pytest.raises(SystemExit) as ended:
+        main.main([*command, str(ROOT / "examples/cases.csv"), "-o", str(out)])
+    assert ended.value.code == 2
+    assert "must end in .nc" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_the_help_of_query_shows_single_percent_signs(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main.main(["query", "--help"])
+    assert "%%" not in capsys.readouterr().out
+
+
+def test_a_composite_is_no_misspelt_material(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.main(["material", "AlScN"]) == 2
+    told = capsys.readouterr().err
+    assert "is a composite" in told
+    assert "scandium_fraction" in told
+    assert "did you mean" not in told
+
+
+def test_the_page_s_own_names_lead_to_the_interface_s() -> None:
+    known = ["voltage_noise", "voltage_sensitivity", "contact_trailing"]
+    assert "did you mean 'voltage_sensitivity'?" in nearest("voltage_per_load", known)
+    assert "did you mean 'contact_trailing'?" in nearest("trailing extent of the contact", known)
+
+
+def test_a_composite_without_a_law_is_no_laminate() -> None:
+    layer = layered.BodyLayer.model_construct(composite="third", volume_fraction=0.5, thickness=1e-3)
+    with pytest.raises(KeyError, match="third"):
+        layer.made({}, lambda name: None, ("BaTiO3", "CoFe2O4"))  # type: ignore[arg-type,return-value]
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("folder", ["müller", "a'b", 'a"b', "a b", "a: b #c", "100%25", "a\\b"])
+def test_snakemake_hands_on_the_path_of_a_study_whatever_it_holds(
+    folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "environ", {**os.environ})
+    path = tmp_path / folder / "mine.yaml"
+    path.parent.mkdir()
+    path.write_text("title: Mine\n", encoding="utf-8")
+    assert location.given(str(path)) == "mine"
+    handed = parse_config([f"study={location.address('mine')}"])["study"]
+    quoted = subprocess.run(["bash", "-c", f"printf %s {handed}"], capture_output=True, text=True, check=True)
+    assert quoted.stdout == handed
+    os.environ.pop("MEECONTACT_STUDIES")
+    assert location.given(handed) == "mine"
+    assert location.location("mine") == path
+
+
+def test_a_folder_in_which_no_netcdf_file_can_be_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "a\\b").mkdir()
+    monkeypatch.chdir(tmp_path / "a\\b")
+    assert main.main(["run", "quickstart"]) == 2
+    assert "backslash" in capsys.readouterr().err
+
+
+def test_no_cell_of_the_designs_is_a_formula() -> None:
+    assert [table.plain(one) for one in ("=1+1", "+x", "-x", "@x", "a,b", -1.0)] == [
+        "'=1+1",
+        "'+x",
+        "'-x",
+        "'@x",
+        "a,b",
+        -1.0,
+    ]
+
+
+@pytest.mark.process
+def test_the_panel_s_csv_quotes_commas_and_formulas() -> None:
+    script = (ROOT / "workflow/report/templates/share.js").read_text(encoding="utf-8")
+    texts = '["PZT, soft", "=A1", "-x", "say \\\\"so\\\\"", "plain"]'.replace("\\\\", "\\")
+    code = script + f'\nconsole.log({texts}.map(cell).join(";"), cell(-1));'
+    done = subprocess.run(["node", "-e", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == """"PZT, soft";'=A1;'-x;"say ""so\""";plain -1"""
+
+
+STUDY = """\
+title: Mine
+fixed: {material: PZT-4, radius: 0.05}
+factors: {load: {low: 5e3, high: 5e4, levels: 4}}
+"""
+
+
+@pytest.fixture
+def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(os, "environ", {**os.environ})
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other/mine.yaml").write_text(STUDY, encoding="utf-8")
+    return tmp_path / "other/mine.yaml"
+
+
+@pytest.mark.parametrize("name", ["results", "logs", "results/mine", "logs/mine"])
+def test_a_file_where_results_would_go_is_named(name: str, mine: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path(name).parent.mkdir(exist_ok=True)
+    Path(name).write_text("", encoding="utf-8")
+    assert main.main(["run", str(mine), "-n"]) == 2
+    assert f"{name}: is no folder" in capsys.readouterr().err
+
+
+def test_results_of_another_study_of_the_same_name_are_not_replaced(
+    mine: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first = Path("config/mine.yaml")
+    first.parent.mkdir()
+    first.write_text(STUDY, encoding="utf-8")
+    results = Path("results/mine")
+    results.mkdir(parents=True)
+    (results / "provenance.json").write_text(json.dumps({"study": "../../config/mine.yaml"}), encoding="utf-8")
+    assert main.main(["run", str(mine), "-n"]) == 2
+    assert "results/mine: holds the results of" in capsys.readouterr().err
+    location.given(str(mine))
+    first.unlink()  # the study has moved
+    location.check_owner("mine", results)

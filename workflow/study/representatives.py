@@ -1,0 +1,87 @@
+"""The stored cases of a study with groups: for each place in its axes the one case that stands for all similar ones."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from surrogate import Input
+from surrogate.transforms.inputs import middle
+from workflow.study import grouped
+from workflow.study.contents import Contents
+
+Array = NDArray[np.float64]
+
+
+def middles(study: Contents) -> dict[str, float]:
+    """The middle of every factor's range on its own scale."""
+    return {name: middle(Input(name, axis.low, axis.high, axis.scale)) for name, axis in study.factors.items()}
+
+
+def factors(study: Contents, axes: Mapping[str, Array | xr.DataArray]) -> dict[str, xr.DataArray | float]:
+    """Factors of the cases over the axes of a study with groups.
+
+    Every axis varies the first factor of its product, all others are in the middle of their ranges.
+
+    Parameters
+    ----------
+    study
+        A study with groups.
+    axes
+        Levels of every axis; arrays without dimensions of their own are over the axis.
+
+    Returns
+    -------
+    dict
+        Every factor over the dimensions of the axes that it varies with.
+
+    Raises
+    ------
+    ValueError
+        Groups of which each needs a factor that another varies.
+    """
+    leads = grouped.leads(study.products.values(), study.factors)
+    found: dict[str, Any] = {name: value for name, value in middles(study).items() if name not in leads.values()}
+    found |= {name: value for name, value in study.numbers.items() if name not in study.factors}
+    waiting = list(study.products)
+    while waiting:
+        ready = [name for name in waiting if all(other in found for other in _others(study, leads, name))]
+        if not ready:
+            raise ValueError(f"groups: {', '.join(waiting)}: each needs a factor that another varies")
+        for name in ready:
+            powers = study.products[name].powers
+            rest = _over(name, axes[name])
+            for factor in _others(study, leads, name):
+                rest = rest / found[factor] ** powers[factor]
+            found[leads[name]] = _root(rest, powers[leads[name]])
+            waiting.remove(name)
+    return {name: found[name] for name in study.factors}
+
+
+def ends(study: Contents) -> dict[str, Any]:
+    """Factors of the cases in the corners of a study's axes, with those that need tables all low, or all high."""
+    return factors(
+        study,
+        {
+            name: xr.DataArray([axis.low, axis.high], dims="end" if name in study.tabled else name)
+            for name, axis in study.axes.items()
+        },
+    )
+
+
+def _others(study: Contents, leads: Mapping[str, str], axis: str) -> list[str]:
+    """The factors of a product but its first, in its order: divided by one after the other, the order decides bits."""
+    return [name for name in study.products[axis].powers if name != leads[axis]]
+
+
+def _over(name: str, values: Array | xr.DataArray) -> xr.DataArray:
+    return values if isinstance(values, xr.DataArray) else xr.DataArray(np.asarray(values), dims=name)
+
+
+def _root(values: xr.DataArray, degree: int) -> xr.DataArray:
+    """A root with the sign of the values: a group tells the sign of its first factor (`grouped.check_signs`)."""
+    if degree == 1:
+        return values
+    return values.copy(data=np.sign(values.values) * np.abs(values.values) ** (1 / degree))
