@@ -3,14 +3,16 @@
 Any code for uncertainty quantification that speaks UM-Bridge (version 1.0) can drive them: L. Seelinger et al., Journal
 of Open Source Software 8 (2023) 4748. Two models of the same input and output: `surrogate`, with derivatives,
 and, where a study is given, `exact`.
+
+The protocol's own package (umbridge 1.2) has a server too, on aiohttp. It is not used: it listens on every address of
+the machine without a choice, accepts requests of any size, media type, Host and Origin, and writes NaN into its JSON.
+`make referees` lets the package's client speak to `workflow.cli.localhttp`.
 """
 
 import argparse
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from threading import Lock
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,7 @@ import surrogate
 from solver import FactorError, MaterialError
 from storage.files import regular
 from surrogate import GaussianProcess, OutOfBoxError
+from workflow.cli import localhttp
 from workflow.cli.query import study_of
 from workflow.cli.words import say, surrogate_file
 from workflow.dataset import factorial
@@ -28,7 +31,6 @@ from workflow.study.model import Study
 from workflow.study.reading import InputError, one_line
 
 PORT = 4242  # the protocol's usual one
-_LONGEST = 2**20  # bytes of a request
 _VERSION = 1.0
 
 Vector = NDArray[np.float64]
@@ -102,10 +104,10 @@ def answer(models: Mapping[str, Model], path: str, body: Mapping[str, Any]) -> d
         if path == "/Info":
             return {"protocolVersion": _VERSION, "models": list(models)}
         if path not in _REQUESTS:
-            raise _RefusedError("UnsupportedFeature", f"{path}: unknown; allowed: /Info, {', '.join(_REQUESTS)}")
+            raise _RefusedError("UnsupportedFeature", f"{path[:60]}: unknown; allowed: /Info, {', '.join(_REQUESTS)}")
         name = body.get("name")
         if not isinstance(name, str) or name not in models:
-            raise _RefusedError("ModelNotFound", f"name: {name!r} is unknown; allowed: {', '.join(models)}")
+            raise _RefusedError("ModelNotFound", f"name: {str(name)[:60]!r} is unknown; allowed: {', '.join(models)}")
         return _REQUESTS[path](models[name], body)
     except _RefusedError as error:
         kind, message = error.kind, str(error)
@@ -120,15 +122,29 @@ def _supported(model: Model, _: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _evaluated(model: Model, body: Mapping[str, Any]) -> dict[str, Any]:
-    return {"output": [model.evaluate(_input(model, body)).tolist()]}
+    return {"output": [_finite(model.evaluate(_input(model, body)))]}
 
 
 def _gradient(model: Model, body: Mapping[str, Any]) -> dict[str, Any]:
-    return {"output": (_derivatives(model, body).T @ _vector(body, "sens", model.sizes[1])).tolist()}
+    sens = _vector(body, "sens", model.sizes[1])
+    return {"output": _product(_derivatives(model, body).T, sens)}
 
 
 def _jacobian_applied(model: Model, body: Mapping[str, Any]) -> dict[str, Any]:
-    return {"output": (_derivatives(model, body) @ _vector(body, "vec", model.sizes[0])).tolist()}
+    vec = _vector(body, "vec", model.sizes[0])
+    return {"output": _product(_derivatives(model, body), vec)}
+
+
+def _product(matrix: Vector, vector: Vector) -> list[float]:
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _finite(matrix @ vector)
+
+
+def _finite(values: Vector) -> list[float]:
+    """Numbers that JSON can write: it has no NaN and no infinity."""
+    if not np.isfinite(values).all():
+        raise _RefusedError("InvalidInput", "the answer is beyond the largest number")
+    return [float(value) for value in values]
 
 
 _REQUESTS: dict[str, Callable[[Model, Mapping[str, Any]], dict[str, Any]]] = {
@@ -150,7 +166,7 @@ def _input(model: Model, body: Mapping[str, Any]) -> Vector:
 
 def _vector(body: Mapping[str, Any], key: str, size: int) -> Vector:
     given = body.get(key)
-    if isinstance(given, list) and len(given) == size and all(isinstance(one, int | float) for one in given):
+    if isinstance(given, list) and len(given) == size and all(isinstance(one, float) for one in given):
         vector = np.array(given, dtype=np.float64)
         if np.isfinite(vector).all():
             return vector
@@ -163,61 +179,6 @@ def _derivatives(model: Model, body: Mapping[str, Any]) -> Vector:
     if body.get("inWrt", 0) != 0 or body.get("outWrt", 0) != 0:
         raise _RefusedError("InvalidInput", "inWrt, outWrt: there is one input and one output, number 0")
     return model.jacobian(_input(model, body))
-
-
-def server(models: Mapping[str, Model], host: str, port: int) -> ThreadingHTTPServer:
-    """A server that is bound to its address and answers once `serve_forever` is called.
-
-    Raises
-    ------
-    OSError
-        The address is taken, or no address of this machine.
-    """
-    one_at_a_time = Lock()
-
-    class Handler(BaseHTTPRequestHandler):
-        """Answers in JSON."""
-
-        timeout = 60
-
-        def do_GET(self) -> None:
-            self._answer({})
-
-        def do_POST(self) -> None:
-            length = self.headers.get("Content-Length", "")
-            if not length.isdecimal() or int(length) > _LONGEST:
-                self._send(413, _invalid(f"Content-Length: must be said, and at most {_LONGEST}"))
-                return
-            try:
-                body = json.loads(self.rfile.read(int(length)))
-            except (ValueError, RecursionError):
-                body = None
-            if isinstance(body, dict):
-                self._answer(body)
-            else:
-                self._send(400, _invalid("the request must be a JSON object"))
-
-        def _answer(self, body: Mapping[str, Any]) -> None:
-            with one_at_a_time:
-                found = answer(models, self.path, body)
-            self._send(400 if "error" in found else 200, found)
-
-        def _send(self, status: int, content: Mapping[str, Any]) -> None:
-            text = json.dumps(content).encode()
-            self.send_response(status)
-            self.send_header("Content-Type", "application/json")
-            self.send_header("Content-Length", str(len(text)))
-            self.end_headers()
-            self.wfile.write(text)
-
-        def log_message(self, *_: Any) -> None:
-            """Quiet."""
-
-    return ThreadingHTTPServer((host, port), Handler)
-
-
-def _invalid(message: str) -> dict[str, Any]:
-    return {"error": {"type": "InvalidInput", "message": message}}
 
 
 def serve(options: argparse.Namespace) -> None:
@@ -234,7 +195,7 @@ def serve(options: argparse.Namespace) -> None:
     models = {"surrogate": Model(model)}
     if options.exact is not None:
         models["exact"] = Model(model, study_of(model, options.exact))
-    with server(models, options.host, options.port) as bound:
+    with localhttp.server(partial(answer, models), options.host, options.port) as bound:
         host, port = bound.server_address[:2]
         say(f"serving {' and '.join(models)} at http://{host!s}:{port} (UM-Bridge); stop it by Ctrl-C")
         say(f"input: {', '.join(model.box)}; output: {', '.join(model.outputs_)}")

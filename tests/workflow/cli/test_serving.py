@@ -19,6 +19,7 @@ from solver import solve
 from tests.patience import PATIENCE
 from tests.workflow.conftest import Project
 
+JSON = {"Content-Type": "application/json"}
 AT = {"volume_fraction": 0.55, "friction": 0.2, "radius": 0.05, "load": 3e4}
 
 
@@ -43,7 +44,7 @@ def address(ran: Project, trained: Path) -> Iterator[str]:
 
 def asked(address: str, path: str, **body: object) -> Any:
     """The answer to a request of UM-Bridge's protocol, version 1.0."""
-    request = urllib.request.Request(address + path, data=json.dumps(body).encode())
+    request = urllib.request.Request(address + path, data=json.dumps(body).encode(), headers=JSON)
     with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
         return json.load(answer)
 
@@ -91,7 +92,7 @@ def test_the_exact_solution_answers(address: str, trained: Path) -> None:
 )  # fmt: skip
 def test_a_wrong_request_costs_one_line(address: str, path: str, body: bytes, told: str) -> None:
     with pytest.raises(urllib.error.HTTPError) as refused:
-        urllib.request.urlopen(urllib.request.Request(address + path, data=body), timeout=PATIENCE)
+        urllib.request.urlopen(urllib.request.Request(address + path, body, JSON), timeout=PATIENCE)
     assert refused.value.code == 400
     assert told in refused.value.read().decode()
     refused.value.close()
