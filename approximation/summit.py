@@ -1,27 +1,89 @@
 """Newton's iteration to the top of a measure of fields on a panel, all of a block of curves at once."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from approximation.arrays import Array, Flags, Indices
 from approximation.chebyshev import gauss_points
-from approximation.measure import Bent, Measure
+from approximation.measure import Bent, Floats, Measure
 from approximation.panels import jets, rows, spacing
 
 STEPS = 10
 CLOSE = 3e-4  # a step of Newton's iteration, in the half-width of a panel: the next is of its square
+CLIMBED, RIVAL = 6, 0.1  # hills that are climbed, and how far below the highest their best points may lie
+_ALIKE = 1e-9  # relative difference up to which two tops are equals
 
 
-def highest(fields: Array, measure: Measure, close: float = CLOSE) -> tuple[Array, Array, Array]:
-    """Return coordinates across and down and the measure of the highest points met from the best point of a panel.
+@dataclass(frozen=True, eq=False)
+class Top:
+    """Where a measure is largest on each of some fields, (n,), in the panel's own coordinates.
+
+    Attributes
+    ----------
+    panel : ndarray of int
+        Number of the panel.
+    across, down : ndarray
+        Coordinates in [-1, 1].
+    value : ndarray
+        The measure there.
+    """
+
+    panel: Indices
+    across: Array
+    down: Array
+    value: Array
+
+
+def highest(fields: Array, counts: tuple[int, ...], measure: Measure, close: float = CLOSE) -> Top:
+    """Find where a measure is largest on panels side by side, from the best points of several hills; (n,).
 
     Parameters
     ----------
-    fields, measure, close
+    fields : ndarray, shape (n, m, down, across)
+        At the points of the panels.
+    counts : tuple of int
+        Number of points across of every panel.
+    measure, close
         As of `climb`.
+
+    Notes
+    -----
+    Of tops that are equal but for rounding, the first from the left is given.
     """
-    row, column = np.divmod(measure.values(fields.reshape(*fields.shape[:2], -1)).argmax(1), fields.shape[3])
-    start = gauss_points(fields.shape[3])[column], gauss_points(fields.shape[2])[row]
-    return climb(fields, measure, start, close)
+    ends = np.cumsum((0, *counts))
+    curves, down, across = _hills(measure.values(fields.reshape(*fields.shape[:2], -1)), fields.shape[2], ends)
+    panel = np.searchsorted(ends, across, "right") - 1
+    found = np.empty((3, curves.size))
+    for number, count in enumerate(counts):
+        own = np.flatnonzero(panel == number)
+        if own.size:
+            start = gauss_points(count)[across[own] - ends[number]], gauss_points(fields.shape[2])[down[own]]
+            part = fields[curves[own], ..., ends[number] : ends[number + 1]]
+            found[:, own] = climb(part, measure, start, close)
+    value = np.full(len(fields), -np.inf)
+    np.maximum.at(value, curves, found[2])
+    alike = np.flatnonzero(found[2] >= (value - _ALIKE * np.abs(value))[curves])
+    order = alike[np.lexsort((2 * panel[alike] + found[0, alike], curves[alike]))]
+    first = order[np.searchsorted(curves[order], np.arange(len(fields)))]
+    return Top(panel[first], found[0, first], found[1, first], value)
+
+
+def _hills(values: Floats, down: int, ends: Indices) -> tuple[Indices, Indices, Indices]:
+    """Curve, row and column of points that are no lower than those beside them in their panel; the highest few."""
+    net = np.pad(values.reshape(len(values), down, -1), ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
+    own = net[:, 1:-1, 1:-1]
+    hill = (own >= net[:, :-2, 1:-1]) & (own >= net[:, 2:, 1:-1])
+    for beside, edge in ((net[:, 1:-1, :-2], ends[:-1]), (net[:, 1:-1, 2:], ends[1:] - 1)):
+        lower = own >= beside
+        lower[..., edge] = True
+        hill &= lower
+    heights = np.where(hill, own, -np.inf).reshape(len(values), -1)
+    few = np.argpartition(-heights, min(CLIMBED, heights.shape[1]) - 1)[:, :CLIMBED]
+    best = np.take_along_axis(heights, few, 1)
+    top = best.max(1, keepdims=True)
+    curves, which = np.nonzero(best >= top - RIVAL * np.abs(top))
+    return curves, *np.divmod(few[curves, which], int(ends[-1]))
 
 
 def climb(

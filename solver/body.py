@@ -120,9 +120,9 @@ def kind_of(factors: Collection[str], profile: object = "cylinder") -> Kind:
     factors
         Names of the factors that it has.
     profile
-        That of its punch; one of one's own is pressed along a line.
+        That of its punch; one of one's own, or one that is not known and refused later, is pressed along a line.
     """
-    contact = PROFILES[profile].contact if isinstance(profile, str) else "line"
+    contact = PROFILES[profile].contact if isinstance(profile, str) and profile in PROFILES else "line"
     return KINDS[contact, BODY in factors or "thickness" in factors]
 
 

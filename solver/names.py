@@ -309,9 +309,11 @@ FILM_PEAKS: dict[str, Described] = {
     "interface_tension": Described("Pa", "largest sigma_yy on the upper side of the interface, 0 if none is tensile"),
     "interface_tension_position": Described("1", "where, as (x - c)/h", "NaN where none is tensile", sparse=True),
     "film_peak_von_mises": Described("Pa", "largest von Mises stress of the film below depth 0.1 h"),
-    "film_peak_principal_tension": Described("Pa", "largest principal stress of the film below depth 0.1 h"),
+    "film_peak_principal_tension": Described(
+        "Pa", "largest principal stress of the film below depth 0.1 h, 0 if none is tensile"
+    ),
     "base_peak_von_mises": Described("Pa", "largest von Mises stress of the base"),
-    "base_peak_principal_tension": Described("Pa", "largest principal stress of the base"),
+    "base_peak_principal_tension": Described("Pa", "largest principal stress of the base, 0 if none is tensile"),
 }
 
 #: Every quantity of a film beside those of a half-plane.

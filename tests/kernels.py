@@ -67,7 +67,7 @@ def distinct() -> tuple[list[str], list[str]]:
 def main(words: Sequence[str]) -> int:
     """Run the rooms under each; the number of runs that failed."""
     soak = "soak" in words
-    rooms = ["-n", "auto", "-m", "not slurm", *ALL] if soak else ["-n0", *QUICK]
+    rooms = ["-n", "auto", "-m", "not slurm", *ALL] if soak else ["-n", "2", *QUICK]
     kernels, left = distinct()
     failed = 0
     for kernel in kernels:

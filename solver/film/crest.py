@@ -10,6 +10,7 @@ from solver.film.outputs import PRESSURE
 
 _NEGLIGIBLE = 1e-13  # of the largest coefficient
 _SCAN = 2  # points a coefficient
+_RIVAL = 0.9  # of the highest point: how low a hill's may lie
 _STEPS = 60
 _CLOSE = 1e-7  # in the angle: the pressure is flat there
 _CHUNK = 4096  # cases at a time: bounded memory
@@ -38,7 +39,17 @@ def largest(series: Array, exponent: float) -> Array:
     count = series.shape[1]
     grid = np.cos(np.pi * (np.arange(_SCAN * count) + 0.5) / (_SCAN * count))
     values = (1 - grid) ** A * (1 + grid) ** B * (series @ chebvander(grid, count - 1).T)
-    angle = np.arccos(grid[np.argmax(values, 1)])
+    beside = np.pad(values, ((0, 0), (1, 1)), constant_values=-np.inf)
+    hill = (values >= beside[:, :-2]) & (values >= beside[:, 2:]) & (values >= _RIVAL * values.max(1, keepdims=True))
+    cases, places = np.nonzero(hill)
+    found = np.full(len(series), -np.inf)
+    np.maximum.at(found, cases, _tops(series[cases], A, np.arccos(grid[places])))
+    return found
+
+
+def _tops(series: Array, A: float, angle: Array) -> Array:
+    """The tops of the hills on which points lie; (hill,)."""
+    B, count = 1 - A, series.shape[1]
     reach = np.pi / (_SCAN * count)
     low, high = np.maximum(angle - reach, 0.0), np.minimum(angle + reach, np.pi)
     orders = np.arange(count)

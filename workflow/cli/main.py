@@ -18,7 +18,7 @@ from solver.names import ALL_QUANTITIES
 from storage.files import output
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import learn, materials, serving, studies
+from workflow.cli import learn, materials, sensing, serving, studies
 from workflow.cli.casetable import read_cases
 from workflow.cli.launch import launch
 from workflow.cli.progress import busy
@@ -125,6 +125,7 @@ def _parser() -> _Parser:
     command.set_defaults(run=query)
 
     serving.add(commands)
+    sensing.add(commands)
 
     command = commands.add_parser(
         "material", help="check a material, print roots and compliance; or list what is built in"

@@ -30,6 +30,8 @@ _STEPS = {
     "interior": "effect of {name} below the punch",
     "check": "verification {group}",
     "verdict": "judging the verification",
+    "measurements": "asking the model for what was measured",
+    "figure_measurements": "drawing what was measured",
     "provenance": "recording where the results come from",
     "solved": "solving what the page tells of the designs",
     "report": "writing the page",

@@ -18,6 +18,12 @@ DEVICE: dict[str, Described] = {
     "cable_capacitance": Described("F", "capacitance of the cable"),
     "charge_noise": Described("C", "noise of the amplifier as a charge at its input, root mean square in its band"),
     "voltage_noise": Described("V", "noise of the amplifier as a voltage at its input, root mean square in its band"),
+    "feedback_capacitance": Described("F", "capacitance between output and input of a charge amplifier"),
+    "feedback_resistance": Described("Ohm", "resistance beside the feedback capacitance"),
+    "open_loop_gain": Described("1", "gain of a charge amplifier without its feedback"),
+    "resistivity": Described("Ohm m", "electric resistivity of the film"),
+    "loss_tangent": Described("1", "dielectric loss tangent of the film at loss_frequency"),
+    "loss_frequency": Described("s-1", "frequency at which the loss tangent was measured"),
 }
 
 #: Every name of a constant.

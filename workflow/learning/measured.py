@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 #: Rows that may be learnt from, at least.
 FEWEST = 10
 _WRONG_UNIT = 30.0  # measured over predicted values, as a factor, by which no constant changes a quantity
+_VAGUE = 1e9  # an error of measurement over the largest value: beyond it a row says nothing, and squares overflow
 
 
 def learn(
@@ -96,6 +97,7 @@ def _check_size(model: GaussianProcess, rows: Measurements, mean: Array) -> None
     """Whether measured values are of the size of what the surrogate gives."""
     for q in rows.outputs:
         k = rows.of(q)
+        _check_errors(model, q, rows.error[k], float(np.abs([rows.value[k], mean[k]]).max()))
         ratio = float(np.median(np.abs(rows.value[k])) / max(float(np.median(np.abs(mean[k]))), 1e-300))
         noise = np.nanmedian(rows.error[k]) if np.isfinite(rows.error[k]).any() else 0.0
         small = float(np.median(np.abs(mean[k]))) < 3 * noise  # nothing but noise was to be measured
@@ -104,3 +106,11 @@ def _check_size(model: GaussianProcess, rows: Measurements, mean: Array) -> None
             raise InputError(
                 f"{name}: measured values are {ratio:.2g} times those of the surrogate; are they in {units}?"
             )
+
+
+def _check_errors(model: GaussianProcess, output: int, errors: Array, largest: float) -> None:
+    """Whether errors of measurement leave something that was measured."""
+    vague = errors[errors > _VAGUE * largest]
+    if len(vague):
+        name, units = model.outputs_[output], model.attrs_[model.outputs_[output]].get("units", "")
+        raise InputError(f"{name}: an error of {vague[0]:g} {units}; must be at most {_VAGUE * largest:.2g} {units}")

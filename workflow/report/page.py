@@ -116,6 +116,7 @@ def page(
         "effects_table": tables.effects(study, folder) if study.effects else [],
         "changed": tables.CHANGED,
         "verification": tables.verification(folder) if study.verification else None,
+        "measurements": tables.measurements(folder) if study.measurements else [],
     }
     if study.factors:
         content["dataset"] = tables.dataset(folder, hangs)
@@ -165,6 +166,8 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
         says["varied"] = sentences.effects(study)
     if content["verification"]:
         says["speed"] = sentences.speed(content["verification"]["timings"])
+    if content["measurements"]:
+        says["measurements"] = sentences.measurements(content["measurements"])
     return says
 
 

@@ -1,5 +1,6 @@
 """The sentence with which a section of the page opens: what its numbers say, made from them."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -131,3 +132,10 @@ def provenance(given: Row) -> str:
         f"{len(given['results_sha256'])} files of results, each with its digest, of study "
         f"{given['study_sha256'][:8]} and sources {given['sources_sha256'][:8]}."
     )
+
+
+def measurements(rows: Sequence[Row]) -> str:
+    """How many published measurements agree with the model."""
+    count = Counter(row["verdict"] for row in rows)
+    told = (f"{count['agrees']} agree", f"{count['disagrees']} disagree", f"{count['cannot be told']} cannot be told")
+    return f"Of {len(rows)} published values, without any constant fitted: {listed(told)}."

@@ -24,6 +24,12 @@ _JUDGED = ("coverage", "worst_decile_coverage", "worst_corner_coverage", "pit_di
 _INTERVALS = (*_JUDGED, *(f"raw_{key}" for key in _JUDGED), "raw_max_error")
 
 
+def measurements(folder: Path) -> list[sentences.Row]:
+    """Published measurements and what the model says to them, as :mod:`workflow.measured` wrote them."""
+    rows: list[sentences.Row] = json.loads((folder / "measured" / "measurements.json").read_text(encoding="utf-8"))
+    return rows
+
+
 def verification(folder: Path) -> dict[str, Any]:
     """The checks of every group."""
     groups = findings([folder / "verification" / f"{name}.json" for name in CHECK_GROUPS])

@@ -88,6 +88,7 @@ def figures_of(wildcards):
     names += [f"readout_{name}" for name in study.readout]
     names += effects_of(study)
     names += [f"convergence_{group}" for group in CONVERGING if study.verification]
+    names += ["measurements"] if study.measurements else []
     return expand("results/{study}/figures/{figure}.svg", study=wildcards.study, figure=names)
 
 
@@ -100,6 +101,7 @@ def results_of(wildcards):
     names += [f"readout/{name}.nc" for name in study.readout]
     names += [f"fields/{name}.nc" for name in effects_of(study)]
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]
+    names += ["measured/measurements.json", "measured/measurements.nc"] if study.measurements else []
     return expand("results/{study}/{file}", study=wildcards.study, file=names)
 
 

@@ -22,6 +22,7 @@ from workflow.study import grouped, layered
 from workflow.study.borne import MADE_OF, Borne, borne
 from workflow.study.categories import Kinds, combinations, output
 from workflow.study.device import Device
+from workflow.study.measurement import Measurement
 from workflow.study.readout import Readout
 from workflow.study.sections import Axis, DataSet, Effects, Group, Surrogate, Validation, Verification
 from workflow.study.target import Target
@@ -74,6 +75,11 @@ class Contents(Strict):
     readout: dict[str, Readout] = Field(default_factory=dict, description="what measurements tell, by name")
     effects: Effects | None = Field(None, description="one factor at a time, as figures")
     verification: Verification | None = Field(None, description="checks of the solver against independent methods")
+    measurements: dict[str, Measurement] = Field(
+        default_factory=dict,
+        max_length=100,
+        description="published measurements that the model is held against, by name",
+    )
 
     _origin: Origin = PrivateAttr()
     _absent: frozenset[str] = PrivateAttr()

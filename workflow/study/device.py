@@ -40,6 +40,15 @@ class Amplifier(Strict):
     voltage_noise: Annotated[Number | str, _above("voltage_noise", zero=True)] = Field(
         0.0, description="root mean square in its band, as a voltage at its input [V]"
     )
+    feedback_capacitance: Annotated[Number | str, _above("feedback_capacitance")] | None = Field(
+        None, description="of a charge amplifier, between its output and input [F]; without it, it reads the voltage"
+    )
+    feedback_resistance: Annotated[Number | str, _above("feedback_resistance")] | None = Field(
+        None, description="beside the feedback capacitance [Ohm]; infinite by default"
+    )
+    open_loop_gain: Annotated[Number | str, _above("open_loop_gain")] = Field(
+        1e6, description="of a charge amplifier without its feedback"
+    )
 
 
 class Device(Strict):
@@ -52,6 +61,15 @@ class Device(Strict):
         None, description="voltage that drives an actuator [V]"
     )
     amplifier: Amplifier | None = Field(None, description="what reads a sensor")
+    resistivity: Annotated[Number | str, _above("resistivity")] | None = Field(
+        None, description="of the film [Ohm m], through which charge leaks; infinite by default"
+    )
+    loss_tangent: Annotated[Number | str, _above("loss_tangent", zero=True)] | None = Field(
+        None, description="of the film at loss_frequency, in place of its resistivity"
+    )
+    loss_frequency: Annotated[Number | str, _above("loss_frequency")] | None = Field(
+        None, description="at which the loss tangent was measured [1/s]"
+    )
 
     @property
     def constants(self) -> dict[str, float]:

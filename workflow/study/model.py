@@ -21,12 +21,12 @@ _LABEL = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 
 
 class Study(Contents):
-    """Everything that a run can be asked for; a study needs ``factors``, ``effects`` or ``verification``."""
+    """Everything that a run can be asked for; at least factors, effects, verification or measurements."""
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
-        if not self.factors and self.effects is None and self.verification is None:
-            raise ValueError("factors: a study needs factors, effects or verification")
+        if not (self.factors or self.effects or self.verification or self.measurements):
+            raise ValueError("factors: a study needs factors, effects, verification or measurements")
         check_groups(self)
         check_size(self)
         for name in self.fixed:

@@ -5,8 +5,8 @@ import pytest
 
 import solver
 from solver.halfplane.surface import HalfPlane
+from verification.oracles.anisotropic import around, compliance
 
-VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 #: GPa and pC/N of B.A. Auld (1973), the source of the entry; permittivities over the vacuum's.
 C11, C12, C13, C33, C44, C14, D15, D22, D31, D33 = 203, 53, 75, 245, 60, 9, 68, 21, -1, 6
 PERMITTIVITY = np.diag([44.0, 44.0, 29.0]) * 8.8541878188e-12
@@ -20,30 +20,6 @@ PIEZO = STRAIN @ STIFFNESS
 #: Rows: along the surface, up (the crystal's Z), out of the plane.
 PLANES = {"XZ": [[1, 0, 0], [0, 0, 1], [0, -1, 0]], "YZ": [[0, 1, 0], [0, 0, 1], [1, 0, 0]]}
 
-Matrix = np.ndarray[tuple[int, ...], np.dtype[np.float64]]
-
-
-def compliance(stiffness: Matrix, piezo: Matrix, plane: str) -> Matrix:
-    """(u_y, phi) to (sigma_yy, D_y) of a half-plane of any anisotropy: Stroh's sextic form with a potential."""
-    c, e = np.zeros((3, 3, 3, 3)), np.zeros((3, 3, 3))
-    for one, (i, j) in enumerate(VOIGT):
-        for two, (k, m) in enumerate(VOIGT):
-            c[i, j, k, m] = c[j, i, k, m] = c[i, j, m, k] = c[j, i, m, k] = stiffness[one, two]
-        e[:, i, j] = e[:, j, i] = piezo[:, one]
-    turn = np.array(PLANES[plane], dtype=float)
-    coupled = np.zeros((3, 4, 4, 3))
-    coupled[:, :3, :3] = np.einsum("ia,jb,kc,md,abcd->ijkm", turn, turn, turn, turn, c)
-    turned = np.einsum("ia,jb,kc,abc->ijk", turn, turn, turn, e)
-    coupled[:, :3, 3] = np.moveaxis(turned, 0, 2)
-    coupled[:, 3, :3] = turned
-    coupled[:, 3, 3] = -turn @ PERMITTIVITY @ turn.T
-    scale = np.diag([1e-5, 1e-5, 1e-5, 1e5])
-    Q, R, T = (scale @ coupled[a, :, :, b] @ scale for a, b in ((0, 0), (0, 1), (1, 1)))
-    inverse = np.linalg.inv(T)
-    roots, vectors = np.linalg.eig(np.block([[-inverse @ R.T, inverse], [R @ inverse @ R.T - Q, -R @ inverse]]))
-    above = vectors[:, roots.imag > 0]
-    return (scale @ (1j * above[:4] @ np.linalg.inv(above[4:])).real @ scale)[np.ix_([1, 3], [1, 3])]
-
 
 @pytest.mark.parametrize(("plane", "voltage", "charge"), [("XZ", 1.098, 1.031), ("YZ", 1.041, 1.006)])
 def test_what_is_lost_without_c14_and_d22(plane: str, voltage: float, charge: float) -> None:
@@ -51,9 +27,25 @@ def test_what_is_lost_without_c14_and_d22(plane: str, voltage: float, charge: fl
     bare, piezo = STIFFNESS.copy(), PIEZO.copy()
     bare[[0, 1, 3, 3, 4, 5], [3, 3, 0, 1, 5, 4]] = 0
     piezo[0, 5] = piezo[1, 0] = piezo[1, 1] = 0
-    np.testing.assert_allclose(compliance(bare, piezo, plane), entry, rtol=1e-8)
-    full = compliance(STIFFNESS, PIEZO, plane)
+    np.testing.assert_allclose(compliance(bare, piezo, PERMITTIVITY, PLANES[plane]), entry, rtol=1e-8)
+    full = compliance(STIFFNESS, PIEZO, PERMITTIVITY, PLANES[plane])
     assert entry[0, 1] / full[0, 1] == pytest.approx(voltage, abs=1e-3)
     assert (entry[0, 1] / entry[1, 1]) / (full[0, 1] / full[1, 1]) == pytest.approx(charge, abs=1e-3)
     normal = [m[0, 0] - m[0, 1] ** 2 / m[1, 1] for m in (entry, full)]
     assert normal[0] / normal[1] == pytest.approx(1, abs=5e-3)
+
+
+#: e of Warner, Onoe and Coquin: e15, e22, e31, e33 [C/m2].
+E15, E22, E31, E33 = 3.7, 2.5, 0.2, 1.3
+WARNER = np.array([[0, 0, 0, 0, E15, -E22], [-E22, E22, 0, E15, 0, 0], [E31, E31, E33, 0, 0, 0]])
+
+
+def test_a_tip_at_zero_volts_has_13_06_to_13_37_picocoulombs_by_azimuth() -> None:
+    N = around(STIFFNESS, WARNER, PERMITTIVITY)
+    charge = 1e12 * np.abs(N[:, 0, 1] / N[:, 1, 1])
+    assert [charge.min(), charge.max()] == pytest.approx([13.061, 13.369], abs=2e-3)
+    mean = np.mean(N, axis=0)
+    assert 1e12 * abs(mean[0, 1] / mean[1, 1]) == pytest.approx(13.213, abs=1e-3)
+    (warner,) = solver.find("LiNbO3").variants()
+    ball = {"material": warner, "profile": "sphere", "radius": 1e-6, "force": 1e-4}
+    assert 1e12 * float(solver.solve(ball)["charge_sensitivity"]) == pytest.approx(13.444, abs=1e-3)

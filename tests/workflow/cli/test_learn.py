@@ -114,8 +114,10 @@ def test_errors_that_are_not_positive_and_too_few_rows_are_refused(
     lines = (project / "rows.csv").read_text(encoding="utf-8").splitlines(keepends=True)
     cells = lines[3].split(",")
     cells[4] = "-1e-9"
+    vague = [*cells[:4], "1e300", *cells[5:]]
     for text, reason in (
         ("".join([*lines[:3], ",".join(cells), *lines[4:]]), "line 4: depth_std: -1e-09: must be a positive number"),
+        ("".join([*lines[:3], ",".join(vague), *lines[4:]]), "depth[laminate]: an error of 1e+300 m; must be at most"),
         ("".join(lines[:9]), "7 rows with a measured value; must be 10 to 1000"),
     ):
         (project / "bad.csv").write_text(text, encoding="utf-8")

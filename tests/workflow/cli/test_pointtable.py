@@ -97,19 +97,18 @@ def test_nothing_is_written_over_inputs_or_devices(
     cases, points = tmp_path / "cases.csv", tmp_path / "points.csv"
     cases.write_text("material,radius,load\nsteel,0.05,1e5\n", encoding="utf-8")
     points.write_text("radius,friction\n0.1,0.1\n", encoding="utf-8")
-    before, pipe, link = model.read_bytes(), tmp_path / "pipe", tmp_path / "link"
+    before, pipe, link = model.read_bytes(), tmp_path / "pipe.nc", tmp_path / "link.nc"
     os.mkfifo(pipe)
+    (folder := tmp_path / "folder.nc").mkdir()
     link.symlink_to(cases)
     own = "is an input of this command, so it is not replaced"
     other = "not a regular file, so it is not replaced"
     refused: list[tuple[list[str | Path], Path, str]] = [
-        (["solve", cases], cases, own),
         (["solve", cases], link, own),
-        (["interior", cases, "--x=0", "--y=-1"], cases, own),
         (["query", model, points], points, own),
         (["query", model, points], model, own),
         (["solve", cases], pipe, other),
-        (["solve", cases], tmp_path, other),
+        (["solve", cases], folder, other),
         (["query", model, points], Path("/dev/null"), other),
     ]
     for words, out, says in refused:

@@ -1,0 +1,46 @@
+"""The table of docs/measurements.md from a run: ``python docs/measurements.py`` writes it into the page."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from workflow.language.numbers import number
+from workflow.measured.comparison import Row, compared
+from workflow.study.model import load
+
+ROOT = Path(__file__).parents[1]
+PAGE, STUDY = ROOT / "docs/measurements.md", ROOT / "config/measured.yaml"
+_HEAD = "| row | measured | model | standard deviations off | verdict |\n|---|---|---|---|---|\n"
+
+
+def rows() -> list[Row]:
+    """The rows of the study, compared."""
+    return compared(load(STUDY).measurements)
+
+
+def table(compared_rows: Sequence[Row]) -> str:
+    """A line a row, as Markdown."""
+    return _HEAD + "".join(f"| {' | '.join(_cells(row))} |\n" for row in compared_rows)
+
+
+def _cells(row: Row) -> list[str]:
+    unit = "" if row["unit"] == "1" else f" {row['unit']}"
+    error = f" ± {number(row['error'])}" if row["error"] else ""
+    model = [f"{number(one['value'])} ± {number(one['deviation'], 1)}" for one in row["model"]]
+    off = ["–" if one["off"] is None else _short(one["off"]) for one in row["model"]]
+    link = " because " if row["verdict"] == "cannot be told" else ": "
+    told = f"{row['verdict']}{link}{row['because']}"
+    return [row["of"], f"{number(row['value'])}{error}{unit}", "; ".join(model) or "–", "; ".join(off) or "–", told]
+
+
+def _short(deviations: float) -> str:
+    return number(round(deviations, 2), 2)
+
+
+def written(text: str, compared_rows: Sequence[Row]) -> str:
+    """The page with the table in place of the one that it has."""
+    return re.sub(re.escape(_HEAD) + r"(\|.*\n)*", lambda _: table(compared_rows), text)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(written(PAGE.read_text(encoding="utf-8"), rows()), encoding="utf-8")

@@ -1,0 +1,133 @@
+"""Nets of Chebyshev panels tied to the contact, over which the stresses of films are tabulated (film surrogates, 2).
+
+Five panels lie side by side: under the contact, beside its edges, and far, even in the logarithm of the distance from
+the edge. The far ones end where nothing larger can be: beyond, the film carries no bending, the base feels a line force
+and its stresses fall as 1/r. In the depth points are even in its logarithm. Panels have the points that 1e-7 at worst
+takes, less at the tops.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from approximation.chebyshev import mapped_points
+from approximation.panels import line
+from solver.arrays import Array
+from solver.film.stack import Stack
+
+#: Ends of the panels across in their own coordinate t.
+ENDS = (-5.0, -3.0, -1.0, 1.0, 3.0, 5.0)
+
+_FARTHEST = 8.0  # thicknesses, or lengths over which a base bends a film that is stiffer
+_ERROR = 1e-7  # of a panel's interpolant at its worst point
+_ANGLE = 1.1  # the largest that is reckoned with
+_FEWEST, _MOST = 12, 128  # points of a panel
+
+
+@dataclass(frozen=True)
+class Net:
+    """Points over a region of films of one stack, for half-lengths from ``least`` to ``most`` [m].
+
+    Attributes
+    ----------
+    half_share, thickness_share
+        Width of the panels beside the edges: these shares of h and of the thickness together.
+    farthest
+        Distance from the edges at which the far panels end [m].
+    rate, angle
+        Where fields are singular about an edge: the distance from a level line over its depth, and the angle.
+    top, bottom
+        Least and largest depth, as shares of (h, thickness of all layers).
+    thickness
+        H: thickness of all layers [m].
+    least, most
+        Half-lengths [m].
+    """
+
+    half_share: float
+    thickness_share: float
+    farthest: float
+    rate: float
+    angle: float
+    top: tuple[float, float]
+    bottom: tuple[float, float]
+    thickness: float
+    least: float
+    most: float
+
+    @property
+    def across(self) -> tuple[int, ...]:
+        """Number of points of every panel across."""
+        ends = (self.least, self.most)
+        far = max(self._even(self.farthest / self._near(h)) for h in ends)
+        beside = max(self._linear(self._near(h) / self._sharp(h)) for h in ends)
+        return far, beside, max(self._linear(2 * h / self._sharp(h)) for h in ends), beside, far
+
+    @property
+    def down(self) -> int:
+        """Number of points down; 1 of an interface."""
+        if self.top == self.bottom:
+            return 1
+        ends = (self.least, self.most)
+        return max(self._even(_at(self.bottom, h, self.thickness) / self._sharp(h)) for h in ends)
+
+    def _near(self, h: float) -> float:
+        """Width of the panels beside the edges [m]."""
+        return self.half_share * h + self.thickness_share * self.thickness
+
+    def _sharp(self, h: float) -> float:
+        """Least distance of the net from the edges [m]."""
+        return _at(self.top, h, self.thickness)
+
+    def _even(self, ratio: float) -> int:
+        """Points of a panel between lengths of a ratio, even in the logarithm: singularities lie at an angle."""
+        return _points(np.arcsinh(2 * self.angle / np.log(ratio)))
+
+    def _linear(self, width: float) -> int:
+        """Points of a panel that ends above an edge, its width over the depth."""
+        return _points(np.arccosh(1 + 2j * self.rate / width).real)
+
+    def positions(self, half_lengths: Array, t: Array) -> Array:
+        """X = (x - c)/h at coordinates t in -5 to 5, (point,) or (case, point); (case, point)."""
+        h = half_lengths[:, None]
+        near = self.half_share * h + self.thickness_share * self.thickness
+        beside = np.clip((np.abs(t) - 1) / 2, 0.0, 1.0)
+        far = np.clip((np.abs(t) - 3) / 2, 0.0, 1.0)
+        away = near * beside * (self.farthest / near) ** far
+        return np.asarray(np.clip(t, -1.0, 1.0) + np.sign(t) * away / h)
+
+    def depths(self, half_lengths: Array) -> Array:
+        """-y/h of the points down; (case, point)."""
+        return np.array([self._depths(h) / h for h in half_lengths.tolist()])
+
+    def _depths(self, h: float) -> Array:
+        ends = (_at(share, h, self.thickness) for share in (self.top, self.bottom))
+        return np.exp(mapped_points(self.down, *np.log(list(ends)).tolist()))
+
+    @property
+    def line(self) -> Array:
+        """Coordinates t of the points across."""
+        return line(self.across, ENDS)
+
+
+def farthest(stack: Stack) -> float:
+    """Distance [m] from the edges beyond which nothing is larger: a stiff film bends a soft base over cube roots."""
+    stiffness = max(float(layer.material.c11) for layer in stack.layers)
+    base = stiffness if isinstance(stack.base, str) else float(stack.base.c11)
+    return float(_FARTHEST * stack.thickness * np.cbrt(max(1.0, stiffness / base)))
+
+
+def singular(stack: Stack) -> tuple[float, float]:
+    """Least rate and angle of the waves of all layers and the base, see :class:`Net`."""
+    media = [*stack.media, *filter(None, [stack.base_medium])]
+    rates = np.concatenate([np.linalg.eigvals(medium.decay) for medium in media])
+    return float(np.min(rates.real)), min(float(np.pi / 2 - np.max(np.abs(np.angle(rates)))), _ANGLE)
+
+
+def _points(decay: float) -> int:
+    """Points from the decay of Chebyshev coefficients."""
+    return int(np.clip(np.ceil(-np.log(_ERROR) / decay), _FEWEST, _MOST))
+
+
+def _at(share: tuple[float, float], h: float, thickness: float) -> float:
+    return share[0] * h + share[1] * thickness

@@ -1,0 +1,68 @@
+"""What the documents say of measurements is what the study says, whose rows reach the page, the figure and netCDF."""
+
+import re
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from docs import measurements
+from storage.netcdf import read_whole, write_whole
+from workflow.measured.comparison import Row, compared, dataset
+from workflow.report import sentences
+from workflow.report.figures import measured_rows
+from workflow.study.measurement import Measurement
+from workflow.study.reading import InputError
+
+
+@pytest.fixture(scope="module")
+def rows() -> list[Row]:
+    return measurements.rows()
+
+
+def test_the_page_has_the_numbers_of_the_run(rows: list[Row]) -> None:
+    text = measurements.PAGE.read_text(encoding="utf-8")
+    assert measurements.table(rows) in text
+    assert measurements.written(text, rows) == text
+
+
+def test_the_readme_begins_with_rows_of_the_run(rows: list[Row]) -> None:
+    text = (measurements.ROOT / "README.md").read_text(encoding="utf-8")
+    first = text.split("## How far to trust it")[1].split("\n| all quantities")[0]
+    assert sentences.measurements(rows).removesuffix(".") in first
+    tip, film = rows[0], rows[1]
+    assert f"13 ± 2 pC/N measured, {tip['model'][0]['value']:.1f} by the model" in first
+    assert f"4.0 ± 0.1 pm/V measured, {film['model'][0]['value']:.1f} by the model" in first
+
+
+def test_verdicts(rows: list[Row]) -> None:
+    words = {row["name"]: row["verdict"] for row in rows}
+    disagree = ["aluminium_nitride_second_film", "hayes_1", "hayes_2", "relaxor_under_field"]
+    assert [name for name, word in words.items() if word == "disagrees"] == disagree
+    assert all(row["because"] and row["source"] and row["decides"] for row in rows)
+
+
+def test_the_file_holds_them_in_si(rows: list[Row], tmp_path: Path) -> None:
+    write_whole(dataset(rows), tmp_path / "measurements.nc")
+    found = read_whole(tmp_path / "measurements.nc")
+    assert float(found["measured"][0]) == pytest.approx(13e-12)
+    off = (found["model"] - found["measured"]) / np.hypot(found["measured_std"], found["model_std"])
+    np.testing.assert_allclose(off, found["deviations"], atol=1e-9)
+
+
+def test_the_figure_has_every_row_on_one_axis(rows: list[Row]) -> None:
+    drawn = measured_rows.figure(rows)
+    (ax,) = drawn.axes
+    assert len(ax.get_yticklabels()) == len(rows)
+    assert [text.get_text() for text in ax.texts] == [row["verdict"] for row in rows]
+    plt.close(drawn)
+
+
+def test_a_case_that_the_solver_refuses_names_its_row() -> None:
+    row = Measurement.model_validate(
+        {"of": "x", "value": 1.0, "unit": "pC/N", "source": "x", "decides": "x", "model": [
+            {"quantity": "charge_per_force", "case": {"material": "PZT-4", "profile": "sphere", "radius": -1.0}}]}
+    )  # fmt: skip
+    with pytest.raises(InputError, match=re.compile(r"^measurements: mine: radius: -1 [^\n]*$")):
+        compared({"mine": row})

@@ -1,0 +1,218 @@
+"""``meecontact signal``: a history of forces to what an amplifier reads, as a table, and its figures in words."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from solver.body import Kind, kind_of
+from solver.face.cases import Cases
+from solver.face.factors import checked
+from solver.face.materials import material_of
+from solver.names import FACTORS
+from storage.files import output, write_text
+from workflow.cli.casetable import TEXT_FACTORS, read_cases
+from workflow.cli.words import say
+from workflow.device.circuit import Circuit
+from workflow.device.contact import Contact
+from workflow.device.signal import History, Signal, read
+from workflow.language.numbers import shown
+from workflow.language.units import in_si
+from workflow.study.device import Amplifier, Device
+from workflow.study.messages import first_problem
+from workflow.study.reading import InputError, number, read_material
+
+_MOST_ROWS = 2000  # each is an integration of its own
+_MOST_PARTS = 1000
+_DROP = 10.0  # s over which the drop under a constant force is told
+_ROUGH = 1e-6  # of curves that are told to be rough
+
+
+def add(commands: "argparse._SubParsersAction[Any]") -> None:
+    """Add the command to those of the program."""
+    command = commands.add_parser(
+        "signal",
+        help="a history of forces to charge, voltage and amplifier output in time",
+        description="Columns of HISTORY.csv: time [s] and force [N], or load [N m-1] of a line contact; forces are "
+        "linear between the rows. The circuit begins without voltage. docs/signal.md has the circuit and its signs.",
+    )
+    command.add_argument("history", type=Path, metavar="HISTORY.csv")
+    command.add_argument("--on", required=True, metavar="CASE.csv | NAME=VALUE,...", help="the contact, without force")
+    command.add_argument(
+        "--device", required=True, metavar="NAME=VALUE,...", help="'input_capacitance=10 pF,input_resistance=1 GOhm'"
+    )
+    command.add_argument("--temperature", default="293.15", metavar="K", help="of the circuit; default: 293.15")
+    command.add_argument("--parts", type=int, default=1, help="into which every interval of the history is divided")
+    command.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.csv")
+    command.add_argument(
+        "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"
+    )
+    command.set_defaults(run=signal)
+
+
+def signal(options: argparse.Namespace) -> None:
+    """Write the signal of a history and print its figures, as the options say.
+
+    Raises
+    ------
+    InputError, FactorError, MaterialError
+        A history, case or device that is none, or that do not fit each other; in one line, and nothing is written.
+    """
+    path = output(options.output, options.history, *options.materials)
+    if not 1 <= options.parts <= _MOST_PARTS:
+        raise InputError(f"--parts: {options.parts} is not a whole number from 1 to {_MOST_PARTS}")
+    temperature = _positive("--temperature", options.temperature)
+    own = dict(read_material(one) for one in options.materials)
+    case = _case(options.on)
+    kind = kind_of([*case], case.get("profile", "cylinder"))
+    numbers = _device(options.device, kind)
+    length = numbers["electrode_length"]
+    history = _history(options.history, kind, length)
+    most = float(history.forces.max())
+    contact = Contact.of(case, most, length=length, materials=own)
+    if contact.roughness > _ROUGH:
+        say(f"the contact's curves are not smooth over these forces: they are met to {contact.roughness:.1g} only")
+    material = material_of(Cases(checked({**case, kind.loads.force: most}), own, ("BaTiO3", "CoFe2O4")))
+    try:
+        circuit = Circuit.of(numbers, material)
+    except ValueError as error:
+        raise InputError(f"--device: {error}") from None
+    history = history.finer(options.parts)
+    found = read(history, contact, circuit)
+    _write(path, history, found)
+    print("\n".join(_figures(history, found, contact, circuit, temperature)))
+    say(f"wrote {path}: {len(history.times)} times")
+
+
+def _positive(where: str, text: str) -> float:
+    try:
+        value = number(text)
+    except ValueError:
+        value = np.nan
+    if not 0 < value < np.inf:
+        raise InputError(f"{where}: {text!r} is not a finite number > 0")
+    return value
+
+
+def _pairs(option: str, text: str) -> dict[str, str]:
+    """``NAME=VALUE`` between commas."""
+    found: dict[str, str] = {}
+    for part in text.split(","):
+        name, equals, value = (one.strip() for one in part.partition("="))
+        if not equals or name in found:
+            raise InputError(f"{option}: {part.strip()!r} is {'given twice' if equals else 'not NAME=VALUE'}")
+        found[name] = value
+    return found
+
+
+def _case(text: str) -> dict[str, Any]:
+    """The factors of one case, from a table or from the option itself."""
+    if "=" in text:
+        return {name: _factor(name, value) for name, value in _pairs("--on", text).items()}
+    table = read_cases(Path(text))
+    if len(table.lines) != 1:
+        raise InputError(f"{text}: {len(table.lines)} cases; a signal is of one")
+    return {name: column[0] for name, column in table.columns.items() if not table.empty(name)[0]}
+
+
+def _factor(name: str, text: str) -> float | str:
+    if name in TEXT_FACTORS or name not in FACTORS:  # what is unknown the solver names
+        return text
+    return _si(f"--on: {name}", text, FACTORS[name].units)
+
+
+def _si(where: str, text: str, units: str) -> float:
+    """A number in SI, or with its unit."""
+    try:
+        return number(text)
+    except ValueError:
+        pass
+    try:
+        return in_si(text, units)
+    except ValueError as error:
+        raise InputError(f"{where}: {error}") from None
+
+
+def _device(text: str, kind: Kind) -> dict[str, float]:
+    """Numbers of a study's section ``device``, in SI; a point contact has the length 1, as it has none."""
+    given = {name: _plain(value) for name, value in _pairs("--device", text).items()}
+    amplifier = {name: given.pop(name) for name in Amplifier.model_fields if name in given}
+    if kind.contact == "point":
+        if "electrode_length" in given:
+            raise InputError("--device: electrode_length: a point contact has none")
+        given["electrode_length"] = 1.0
+    content = {**given, "amplifier": amplifier}
+    try:
+        return Device.model_validate(content).constants
+    except ValidationError as error:
+        raise InputError(f"--device: {first_problem(error, Device, content)}") from None
+
+
+def _plain(text: str) -> float | str:
+    try:
+        return number(text)
+    except ValueError:
+        return text
+
+
+def _history(path: Path, kind: Kind, length: float) -> History:
+    """Times and forces of a table."""
+    table = read_cases(path, {"time": "s"})
+    names = ["force", *(["load"] if kind.contact == "line" else [])]
+    column = next((name for name in names if name in table.columns), names[0])
+    for name in ("time", column):
+        if name not in table.columns:
+            raise InputError(f"{path}: {name}: missing; a history has time [s] and {' or '.join(names)}")
+        if table.empty(name).any():
+            raise InputError(f"{table.at(int(table.empty(name).argmax()))}: {name}: empty; must be a number")
+    for name in table.columns:
+        if name not in ("time", column):
+            raise InputError(f"{path}: {name}: a history has time [s] and {' or '.join(names)} alone")
+    times, forces = table.columns["time"], table.columns[column]
+    if not 1 < len(times) <= _MOST_ROWS:
+        raise InputError(f"{path}: {len(times)} rows; a history has 2 to {_MOST_ROWS}")
+    back = np.diff(times) <= 0
+    if back.any():
+        row = int(back.argmax()) + 1
+        raise InputError(f"{table.at(row)}: time: {times[row]:g} is not after {times[row - 1]:g}; time runs forwards")
+    if (forces < 0).any():
+        row = int((forces < 0).argmax())
+        raise InputError(
+            f"{table.at(row)}: {column}: {forces[row]:g} is not a finite number >= 0 [{FACTORS[column].units}]"
+        )
+    if not forces.any():
+        raise InputError(f"{path}: {column}: is 0 all the time; nothing presses")
+    return History(times, forces * (length if column == "load" else 1.0))
+
+
+def _write(path: Path, history: History, found: Signal) -> None:
+    columns = [history.times, history.forces, found.charge, found.voltage, found.output]
+    rows = (",".join(map(repr, row)) for row in np.stack(columns, 1).tolist())
+    write_text(path, "\n".join(["time [s],force [N],charge [C],voltage [V],output [V]", *rows]) + "\n")
+
+
+def _figures(history: History, found: Signal, contact: Contact, circuit: Circuit, temperature: float) -> list[str]:
+    """What is told of a signal."""
+    charge, capacitance = (float(values[0]) for values in contact.at(np.array([contact.most])))
+    lasting = circuit.time_constant(capacitance)
+    noise = circuit.noise(capacitance, temperature)
+    amplified = abs(circuit.gain) / (capacitance + circuit.capacitance)
+    constant = "is held: nothing leaks"
+    if np.isfinite(lasting):
+        drop = -np.expm1(-_DROP / lasting)
+        constant = (
+            f"decays with the time constant {shown(lasting, 's', 4)}: {shown(drop, '%', 4)} less after {_DROP:g} s"
+        )
+    return [
+        f"{name}: {shown(float(values[place]), 'V', 5)} at {shown(float(history.times[place]), 's', 5)}"
+        for name, values in (("peak voltage of the punch", found.voltage), ("peak output", found.output))
+        for place in [int(np.abs(values).argmax())]
+    ] + [
+        f"contact at {shown(contact.most, 'N', 5)}: {shown(charge, 'C', 5)} at zero volts, "
+        f"{shown(capacitance, 'F', 5)}",
+        f"a constant force {constant}",
+        f"noise floor: {shown(noise, 'C', 3)}, {shown(noise * amplified, 'V', 3)} at the output, "
+        f"{shown(noise * contact.most / abs(charge), 'N', 3)}",
+    ]

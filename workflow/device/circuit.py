@@ -1,0 +1,136 @@
+"""The circuit that reads a contact: one balance of charge for amplifiers of voltage and of charge.
+
+The punch is one node with the cable and the amplifier's input, at the voltage V against ground. The contact gives it
+the charge Q(P) + C(P) V, the capacitances of the circuit C_e V. No charge enters the node but through resistances:
+
+    d/dt [Q(P) + (C(P) + C_e) V] = -(C(P)/tau + G_e) V,
+
+tau the time in which charge leaks through the film (resistivity times permittivity). A voltage amplifier has
+C_e = C_in + C_cable and G_e = 1/R_in, and its output is V. A charge amplifier of open-loop gain A has the output -A V,
+and its feedback C_f and R_f see (1 + A) V: C_e = C_in + C_cable + (1 + A) C_f, G_e = 1/R_in + (1 + A)/R_f. Its output
+is Q/C_f, in the sign of the charge at zero volts; the voltage of an open contact, -Q/C, has the other one.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.constants import Boltzmann
+
+from solver import Material
+from workflow.language import grammar
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Circuit:
+    """What a contact is connected to.
+
+    Attributes
+    ----------
+    numbers
+        Those of a study's section ``device`` by their names, in SI.
+    leakage
+        Rate 1/tau at which charge leaks through the film [1/s].
+
+    Examples
+    --------
+    >>> circuit = Circuit.of({"input_capacitance": 1e-11, "input_resistance": 1e9, "cable_capacitance": 9e-11})
+    >>> round(circuit.time_constant(0.0), 12)
+    0.1
+    """
+
+    numbers: Mapping[str, float]
+    leakage: float = 0.0
+
+    @classmethod
+    def of(cls, numbers: Mapping[str, float], film: Material | None = None) -> Self:
+        """The circuit of a device.
+
+        Parameters
+        ----------
+        numbers
+            Those of a study's section ``device`` by their names, in SI.
+        film
+            What the film is made of; needed by a resistivity.
+
+        Raises
+        ------
+        ValueError
+            A resistivity and a loss tangent, a loss tangent without its frequency, a feedback resistance without its
+            capacitance; it names the number.
+        """
+        if "resistivity" in numbers and "loss_tangent" in numbers:
+            raise ValueError("resistivity: given with a loss_tangent; give one of them")
+        if ("loss_tangent" in numbers) != ("loss_frequency" in numbers):
+            raise ValueError("loss_frequency: a loss tangent and its frequency need each other")
+        if "feedback_resistance" in numbers and "feedback_capacitance" not in numbers:
+            raise ValueError("feedback_resistance: without a feedback_capacitance")
+        if "resistivity" in numbers and film is None:
+            raise ValueError("resistivity: needs the material of the film")
+        leakage = 0.0
+        if "resistivity" in numbers and film is not None:
+            leakage = 1 / (numbers["resistivity"] * permittivity(film))
+        elif "loss_tangent" in numbers:
+            leakage = 2 * np.pi * numbers["loss_frequency"] * numbers["loss_tangent"]
+        return cls(numbers, leakage)
+
+    @property
+    def reads_charge(self) -> bool:
+        """Whether the amplifier is one of charge."""
+        return "feedback_capacitance" in self.numbers
+
+    @property
+    def gain(self) -> float:
+        """Output over the voltage of the punch."""
+        return -self.numbers.get("open_loop_gain", 1e6) if self.reads_charge else 1.0
+
+    @property
+    def capacitance(self) -> float:
+        """C_e [F]: cable, input and what the feedback seems to be at the input."""
+        feedback = (1 - self.gain) * self.numbers.get("feedback_capacitance", 0.0)
+        return self._figure("circuit_capacitance", 0.0) + feedback
+
+    @property
+    def conductance(self) -> float:
+        """G_e [S]: of the input and of what the feedback seems to be there."""
+        feedback = (1 - self.gain) / self.numbers.get("feedback_resistance", np.inf)
+        return 1 / self.numbers.get("input_resistance", np.inf) + feedback
+
+    def time_constant(self, contact: float) -> float:
+        """In which the signal of a constant force decays to 1/e [s], of a contact of some capacitance [F]."""
+        rate = contact * self.leakage + self.conductance
+        return (contact + self.capacitance) / rate if rate else np.inf
+
+    def noise(self, contact: float, temperature: float) -> float:
+        """Charge at the input that is the noise, root mean square [C].
+
+        The amplifier's, as the figure ``smallest_force`` of a device has it, and k T C of the capacitance that a
+        resistance discharges: of the feedback, or of all of it.
+
+        Parameters
+        ----------
+        contact
+            Capacitance of the contact [F].
+        temperature
+            [K].
+        """
+        feedback = self.numbers.get("feedback_capacitance", 0.0)
+        own = self._figure("smallest_force", contact + feedback, charge_sensitivity=1.0)
+        discharged = feedback or contact + self.capacitance
+        return float(np.hypot(own, np.sqrt(Boltzmann * temperature * discharged)))
+
+    def _figure(self, name: str, contact: float, **known: float) -> float:
+        """A figure of a device with a contact of some capacitance [F]."""
+        numbers = {"charge_noise": 0.0, "voltage_noise": 0.0, "cable_capacitance": 0.0, **self.numbers, **known}
+        numbers |= {"capacitance": contact, "electrode_length": 1.0}
+        expression = grammar.parse(name)
+        return float(expression.evaluate({one: np.array(numbers[one]) for one in expression.names()}))
+
+
+def permittivity(film: Material) -> float:
+    """eps33 + e33^2/c33 [F/m]: of a film that cannot widen, as under a contact that is wide against it."""
+    return float(film.eps33 + film.e33**2 / film.c33)

@@ -1,0 +1,130 @@
+"""What a contact gives to a circuit by its force: charge at zero volts, and capacitance, from the exact solver."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from approximation.chebyshev import coefficients, gauss_points, polynomials, slopes
+from solver import FactorError, Material, solve
+from solver.body import Kind, kind_of
+
+Array = NDArray[np.float64]
+
+_COUNT = 33  # points in the logarithm of the force: 1e-11 of smooth curves
+_SPAN = 1e4  # from the least force of the curves to the largest
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Charge Q(P) at zero volts and capacitance C(P) of a contact: its charge is Q(P) + C(P) V at a voltage V.
+
+    Both are polynomials in log P through the solver's values at Chebyshev points, over four decades. Below them both go
+    with P.
+
+    C is what takes the charge Q, at P, from zero volts to the open circuit: -Q over the open-circuit voltage. So the
+    charge is exact at zero volts and at zero charge; between, it is so where the contact does not widen by the voltage,
+    as on half-spaces. On films the capacitance of a contact held fixed differs from it by about one percent.
+
+    Attributes
+    ----------
+    most
+        The largest force [N].
+    curves
+        Coefficients of Q/P [C/N] and of log C [F]; (2, point).
+
+    Examples
+    --------
+    >>> ball = Contact.of({"profile": "sphere", "material": "BaTiO3", "radius": 5e-3}, 10.0)
+    >>> charge, capacitance = ball.at(np.array([5.0, 10.0]))
+    >>> (charge * 1e12).round(1).tolist(), (capacitance * 1e12).round(3).tolist()
+    ([841.4, 1682.8], [3.195, 4.026])
+    """
+
+    most: float
+    curves: Array
+
+    @classmethod
+    def of(
+        cls,
+        case: Mapping[str, Any],
+        most: float,
+        *,
+        length: float = 1.0,
+        materials: Mapping[str, Material] | None = None,
+    ) -> Self:
+        """Curves of a case from the exact solver.
+
+        Parameters
+        ----------
+        case
+            Factors of :func:`solver.solve` but for the force.
+        most
+            The largest force [N].
+        length
+            Of a line contact [m], whose load is per metre.
+        materials
+            Own materials by name, beside the built-in ones.
+
+        Raises
+        ------
+        FactorError, MaterialError
+            As :func:`solver.solve`; a force or a charge among the factors; a contact without charge, or whose voltage
+            hangs on a datum.
+        """
+        kind = _readable(case)
+        forces = most * _SPAN ** ((gauss_points(_COUNT) - 1) / 2)
+        answer = solve({**case, kind.loads.force: forces / length}, materials=materials or {})
+        if "charge_sensitivity" not in answer:
+            raise FactorError("electric: a punch that does not conduct has no charge to be read")
+        charge = np.broadcast_to(answer["charge_sensitivity"].values, forces.shape)
+        with np.errstate(all="ignore"):
+            capacitance = -charge * forces / np.broadcast_to(answer["voltage"].values, forces.shape)
+        if not (np.isfinite(capacitance) & (capacitance > 0)).all():
+            raise FactorError("contact: its force makes no charge: nothing to be read")
+        return cls(most, coefficients(np.stack([charge, np.log(capacitance)]), axis=1))
+
+    def at(self, force: Array) -> tuple[Array, Array]:
+        """Charge at zero volts [C] and capacitance [F] at forces from 0 to the largest [N], (force,): (force,) each."""
+        charge, capacitance = self.curves @ polynomials(self._places(force), _COUNT)
+        return charge * force, np.exp(capacitance) * np.minimum(force / self._least, 1)
+
+    def rates(self, force: Array) -> tuple[Array, Array]:
+        """Derivatives of both by the force [C/N, F/N] at forces as of :meth:`at`; (force,) each."""
+        places, within = self._places(force), force > self._least
+        T = polynomials(places, _COUNT)
+        charge, capacitance = self.curves @ T
+        charge_slope, slope = np.where(within, self.curves @ slopes(places, T) * 2 / np.log(_SPAN), 0.0)
+        reached = np.maximum(force, self._least)
+        return charge + charge_slope, np.exp(capacitance) / reached * np.where(within, slope, 1.0)
+
+    @property
+    def _least(self) -> float:
+        """The least force of the curves [N]."""
+        return self.most / _SPAN
+
+    def _places(self, force: Array) -> Array:
+        """Where forces are on the interval of the polynomials."""
+        return np.asarray(1 + 2 * np.log(np.maximum(force, self._least) / self.most) / np.log(_SPAN))
+
+    @property
+    def roughness(self) -> float:
+        """Last of the coefficients over the largest: how far the polynomials are from having met the curves."""
+        size = np.abs(self.curves)
+        return float(np.max(size[:, -2:].max(axis=1) / size.max(axis=1)))
+
+
+def _readable(case: Mapping[str, Any]) -> Kind:
+    """The kind of a case whose charge can be read."""
+    kind = kind_of([*case], case.get("profile", "cylinder"))
+    for name in (kind.loads.force, *kind.loads.charges):
+        if name in case:
+            raise FactorError(f"{name}: is not the case's: the history gives the force, and the circuit the charge")
+    if kind.datum == "relative" or (kind.datum == "by_base" and case.get("interface_electric") == "bonded"):
+        raise FactorError(
+            "contact: its voltage hangs on the datum, so that it has no capacitance; take a film on a grounded "
+            "interface, or a point contact"
+        )
+    return kind

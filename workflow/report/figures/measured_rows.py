@@ -1,0 +1,49 @@
+"""Figure of the report: published measurements and what the model says, all rows on one axis."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+from workflow.language.numbers import number
+from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
+
+_COLOURS = {"agrees": BLUE, "disagrees": ORANGE, "cannot be told": GREY}
+_TICKS = (0.25, 0.5, 1, 2, 4, 8)
+_ROW = 0.36  # height of a row in inches
+
+
+@styled
+def figure(rows: Sequence[dict[str, Any]]) -> Figure:
+    """Measured values, the model's and those of rivals, each over the measured value of its row."""
+    made, ax = plt.subplots(figsize=(9.5, 1.1 + _ROW * len(rows)))
+    for place, row in enumerate(rows):
+        _row(ax, place, row)
+    ax.axvline(1, color=GREY, lw=0.6, zorder=0)
+    ax.set_xscale("log")
+    ax.xaxis.set_major_locator(FixedLocator(_TICKS))
+    ax.xaxis.set_minor_locator(NullLocator())
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
+    ax.set_yticks(range(len(rows)), [row["name"].replace("_", " ") for row in rows])
+    ax.set_ylim(len(rows) - 0.4, -0.6)
+    ax.set_xlabel("value over the measured one")
+    return made
+
+
+def _row(ax: Axes, place: int, row: dict[str, Any]) -> None:
+    size, colour = row["value"], _COLOURS[row["verdict"]]
+    error = (row["error"] or 0) / size
+    ax.barh(place, 2 * error, left=1 - error, height=0.55, color=GREY, alpha=0.3)
+    ax.plot([1, 1], [place - 0.28, place + 0.28], color=GREY, lw=1.5)
+    for one in row["rivals"]:
+        ax.plot(one["value"] / size, place, "x", color=GREY, ms=5)
+    filled = colour if row["verdict"] != "cannot be told" else "none"
+    for one in row["model"]:
+        spread = one["deviation"] / size
+        ax.errorbar(one["value"] / size, place, xerr=spread, fmt="o", ms=5, color=colour, mfc=filled, capsize=2)
+    ax.annotate(
+        row["verdict"], (1.01, place), xycoords=("axes fraction", "data"), va="center", color=colour, fontsize=8
+    )
