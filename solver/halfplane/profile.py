@@ -86,7 +86,20 @@ class Profile:
         return self.width is None and not any(np.any(c) for c in self.slope[:-1])
 
     def part(self, places: slice, size: tuple[int, ...]) -> Self:
-        """Some of the cases of a size (case,)."""
+        """Some of the cases of a size (case,).
+
+        Parameters
+        ----------
+        places
+            Which cases.
+        size
+            Number of all cases; (case,).
+
+        Examples
+        --------
+        >>> Profile.cylinder(np.array([0.05, 0.1, 0.2])).part(slice(1, 3), (3,)).slope[-1].size
+        2
+        """
 
         def chosen(values: Array) -> Array:
             return np.asarray(np.broadcast_to(values, size)[places])

@@ -126,13 +126,13 @@ def _evaluated(model: Model, body: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _gradient(model: Model, body: Mapping[str, Any]) -> dict[str, Any]:
-    sens = _vector(body, "sens", model.sizes[1])
-    return {"output": _product(_derivatives(model, body).T, sens)}
+    derivatives = _derivatives(model, body)
+    return {"output": _product(derivatives.T, _vector(body, "sens", model.sizes[1]))}
 
 
 def _jacobian_applied(model: Model, body: Mapping[str, Any]) -> dict[str, Any]:
-    vec = _vector(body, "vec", model.sizes[0])
-    return {"output": _product(_derivatives(model, body), vec)}
+    derivatives = _derivatives(model, body)
+    return {"output": _product(derivatives, _vector(body, "vec", model.sizes[0]))}
 
 
 def _product(matrix: Vector, vector: Vector) -> list[float]:

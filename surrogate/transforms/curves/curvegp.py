@@ -67,6 +67,7 @@ class CurveGP(Transformed):
     >>> a, points = Input("a", -1, 1), gauss_points(32)
     >>> grid = xr.Dataset(coords={"a": a.levels(12), "point": np.arange(32)})
     >>> x = xr.DataArray(points, dims="point")
+    >>> from approximation.measure import Measure
     >>> from approximation.panels import Panels
     >>> hills = Curves(("height",), ("",), Panels((32,)), "point")
     >>> highest = Largest(0, Measure(np.ones((1, 1)), np.zeros((1, 1, 1))))

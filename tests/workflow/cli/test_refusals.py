@@ -105,7 +105,7 @@ def test_no_cell_of_the_designs_is_a_formula() -> None:
 def test_the_panel_s_csv_quotes_commas_and_formulas() -> None:
     script = (ROOT / "workflow/report/templates/share.js").read_text(encoding="utf-8")
     texts = '["PZT, soft", "=A1", "-x", "say \\\\"so\\\\"", "plain"]'.replace("\\\\", "\\")
-    code = script + f'\nconsole.log({texts}.map(cell).join(";"), cell(-1));'
+    code = script + f'\nconsole.log({texts}.map(csvCell).join(";"), csvCell(-1));'
     done = subprocess.run(["node", "-e", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == """"PZT, soft";'=A1;'-x;"say ""so\""";plain -1"""
 

@@ -34,11 +34,11 @@ function asCsv(panel, values, answer) {
     const column = panel.kind.columns[p];
     columns.push([name, answer.mean[column]], [`${name}_std`, answer.std[column]], [`${name}_lower`, answer.lower[column]], [`${name}_upper`, answer.upper[column]]);
   });
-  return `${columns.map(([name]) => cell(name)).join(",")}\n${columns.map(([, value]) => cell(value)).join(",")}\n`;
+  return `${columns.map(([name]) => csvCell(name)).join(",")}\n${columns.map(([, value]) => csvCell(value)).join(",")}\n`;
 }
 
 // A cell of CSV: quoted where it holds what separates cells, behind an apostrophe where a spreadsheet would calculate.
-function cell(value) {
+function csvCell(value) {
   if (typeof value !== "string") return value;
   const text = /^[=+\-@\t\r]/.test(value) ? `'${value}` : value;
   return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
