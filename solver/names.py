@@ -118,6 +118,9 @@ FACTORS: dict[str, Factor] = {
     "total_flux": Factor("Wb", "magnetic charge of the punch of a point contact", 0.0),
     "speed": Factor("m s-1", "steady sliding speed V", 0.0, 0.0),
     "datum": Factor("m", "reference length L of the potentials", 1.0, 0.0, low_allowed=False),
+    "gap_permittivity": Factor(
+        "1", "relative permittivity of what fills the gap beside the contact", 1.0, 0.0, low_allowed=False
+    ),
     "thickness": Factor("m", "thickness of a film", None, 0.0, low_allowed=False, optional=True),
     "base_volume_fraction": Factor(
         "1", "volume fraction of phase one at the base of a graded film", None, 0.0, high=1.0, optional=True
@@ -160,6 +163,7 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "corner": ("leading", "trailing"),
     "electric": ("conducting", "insulating"),
     "magnetic": ("conducting", "insulating"),
+    "surroundings": ("insulated", "air"),
     "interface_electric": ("grounded", "bonded"),
     "interface_magnetic": ("grounded", "bonded", "insulated"),
 }
@@ -169,6 +173,9 @@ MATERIALS = ("material", "base", "punch")
 
 #: Factors that say what the punch is made of: a name, or modulus and Poisson's ratio; without one it is rigid.
 OF_A_PUNCH = ("punch", "punch_modulus", "punch_poisson")
+
+#: What is beside a contact whose charges spread along the punch, and the factor that it alone has.
+AIR, OF_A_GAP = "air", "gap_permittivity"
 
 #: Factors that only a film has: a case with a thickness. Its base is named or given by modulus and Poisson's ratio.
 OF_A_FILM = (
@@ -302,6 +309,13 @@ FILM_QUANTITIES: dict[str, Described] = {
     ),
 }
 
+#: Quantities that a contact has where a gap beside it carries charge, in place of edge intensities.
+GAP_QUANTITIES: dict[str, Described] = {
+    "capacitance_at_load": _on_datum("F m-1", "d charge / d voltage at fixed load and magnetic charge"),
+    "peak_displacement": Described("C m-2", "largest abs(D_y) on the contact and beside it"),
+    "gap_field": Described("V m-1", "largest electric field in the gap beside the contact"),
+}
+
 #: Quantities of a film that are searched for and given when asked for, in place of ``PEAKS``.
 FILM_PEAKS: dict[str, Described] = {
     "interface_shear": Described("Pa", "largest abs(sigma_xy) on the upper side of the interface"),
@@ -358,7 +372,7 @@ LIMITED: dict[str, tuple[str, ...]] = {
 }
 
 #: Every quantity of any body.
-ALL_QUANTITIES = {**EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **POINT_QUANTITIES}
+ALL_QUANTITIES = {**EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **GAP_QUANTITIES, **POINT_QUANTITIES}
 
 #: Those that are searched for over a body.
 ALL_PEAKS = {**PEAKS, **FILM_PEAKS}

@@ -9,7 +9,7 @@ from solver.body import KINDS
 from solver.face.filmfactors import present
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import BODY, CHOICES, CONTACTS, FACTORS, OF_A_LINE, OF_A_PUNCH, PROFILES, Described
+from solver.names import BODY, CHOICES, CONTACTS, FACTORS, OF_A_GAP, OF_A_LINE, OF_A_PUNCH, PROFILES, Described
 
 #: How every solution is made (CF: the method of production).
 SOURCE = "meecontact: closed-form solution of plane contact in the Stroh formalism"
@@ -102,7 +102,8 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
         spared -= {name for kind in kinds_present for name in kind.factors}
     contacts = {kind.contact for kind in kinds_present}
     unused = {name for contact, loads in CONTACTS.items() if contact not in contacts for name in loads.charges}
-    unused |= set() if "line" in contacts else set(OF_A_LINE)
+    unused |= set() if "line" in contacts else {*OF_A_LINE, "surroundings"}
+    unused |= set() if any(kind.air for kind in kinds_present) else {OF_A_GAP}
     spared |= unused
     found = {name: value for name, value in found.items() if name not in unused}
     if "interface_magnetic" not in {*arrays, *spared}:

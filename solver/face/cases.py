@@ -157,8 +157,8 @@ class Cases:
         return self._by_kind(part).assign_attrs(attributes(title, self.arrays, self.phases))
 
     def _by_kind(self, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
-        """The part of each profile, corner and body, put together along the dimension that they vary on."""
-        for name in (*_OF_A_KIND, "thickness"):
+        """The part of each profile, corner, surroundings and body, put together along what they vary on."""
+        for name in (*_OF_A_KIND, "surroundings", "thickness"):
             given = kinds_of(self.arrays) if name == "thickness" else self.arrays.get(name, xr.DataArray())
             kinds = given.values
             if kinds.size < 2 or len(found := list(dict.fromkeys(kinds.flat))) < 2:

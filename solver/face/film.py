@@ -5,18 +5,17 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver.arrays import Array
 from solver.face.cases import Cases
-from solver.face.filmbodies import films_of
+from solver.face.filmbodies import Bodies, films_of
 from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import FactorError
 from solver.film.along import fields
 from solver.film.inside import inside
 from solver.film.quantities import curves, peaks, quantities
 from solver.film.similar import Films
-from solver.film.windows import Kind, critical
+from solver.film.windows import Indices, Kind, critical
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.material.constants import MaterialError
@@ -27,7 +26,7 @@ from solver.names import FIELDS, FILM_PEAKS, INTERIOR, NEED_C12, SINGULAR
 class _Group:
     """Cases that share one set of tables, and their places among all."""
 
-    places: NDArray[np.intp]
+    places: Indices
     kind: Kind
 
 
@@ -46,29 +45,29 @@ class OnFilm:
     def __init__(self, cases: Cases) -> None:
         self.cases = cases
         self.shape = tuple(cases.sizes.values())
-        self._bodies = films_of(cases)
+        self._bodies = self._made()
         self._groups = list(self._grouped())
 
     def quantities(self) -> dict[str, Array]:
         """Those of ``solver.names.QUANTITIES`` and ``FILM_QUANTITIES`` that every case has; (...)."""
-        return self._put_together(quantities)
+        return self._put_together(lambda films, _: quantities(films))
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of ``solver.names.FILM_PEAKS`` that are asked for and every case has; (...)."""
         if (lacks := self._bodies.lacks_c12) is not None and asked & FILM_PEAKS.keys():
             raise MaterialError(f"{lacks}: c12: missing; film_peak_von_mises needs it [Pa]")
-        return self._put_together(lambda films: peaks(films, asked))
+        return self._put_together(lambda films, _: peaks(films, asked))
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """Sizes and curves of regions, see ``solver.curves``, that every case has; (...) and (..., point)."""
         if (lacks := self._bodies.lacks_c12) is not None:
             raise MaterialError(f"{lacks}: c12: missing; stresses inside the film need it [Pa]")
-        return self._put_together(lambda films: curves(films, regions))
+        return self._put_together(lambda films, _: curves(films, regions))
 
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
         """The surface fields at X, the singular ones also in regular form if asked; (..., position)."""
 
-        def found(films: Films) -> dict[str, Array]:
+        def found(films: Films, _: Indices) -> dict[str, Array]:
             values = fields(films, positions)
             if regular:
                 root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
@@ -87,17 +86,17 @@ class OnFilm:
                 if name in NEED_C12:
                     raise MaterialError(f"{lacks}: c12: missing; {name} needs it [Pa]")
 
-        def found(films: Films) -> dict[str, Array]:
+        def found(films: Films, _: Indices) -> dict[str, Array]:
             return dict(zip(names, np.moveaxis(inside(films, x, y, names), 1, 0), strict=True))
 
         return self._put_together(found)
 
     @np.errstate(all="ignore")  # what is not finite is named in the outputs
-    def _put_together(self, output: Callable[[Films], dict[str, Array]]) -> dict[str, Array]:
-        """Outputs of every group in the places of their cases; those that every group has."""
+    def _put_together(self, output: Callable[[Films, Indices], dict[str, Array]]) -> dict[str, Array]:
+        """Outputs of the films of every group, at their places among the cases; those that every group has."""
         try:
             # films are made anew for every output: tables of thousands of stacks are not held at once
-            parts = [output(self._films(group)) for group in self._groups]
+            parts = [output(self._films(group), group.places) for group in self._groups]
         except ContactError as error:
             raise FactorError(str(error)) from None
         out: dict[str, Array] = {}
@@ -110,6 +109,10 @@ class OnFilm:
                 whole[group.places] = part[name]
             out[name] = whole.reshape((*self.shape, *own))
         return out
+
+    def _made(self) -> Bodies:
+        """What the cases lie on."""
+        return films_of(self.cases)
 
     # -- groups --------------------------------------------------------------------------------------------------------
     def _grouped(self) -> Iterator[_Group]:
@@ -149,9 +152,13 @@ class OnFilm:
         except MaterialError as error:
             raise FactorError(f"speed: {error}") from None
 
+    def _chosen(self, values: Any, places: Indices) -> Array:
+        """Values of the cases at some places; (place,)."""
+        return np.asarray(np.broadcast_to(values, self.shape).ravel()[places])
+
     def _films(self, group: _Group) -> Films:
         def chosen(values: Any) -> Array:
-            return np.asarray(np.broadcast_to(values, self.shape).ravel()[group.places])
+            return self._chosen(values, group.places)
 
         p, number = self.cases.profile, self.cases.number
         profile = Profile(

@@ -11,8 +11,9 @@ from solver.body import KINDS, Kind
 from solver.face.refusal import FactorError
 from solver.film.stack import RIGID, Stack
 from solver.material.constants import Material
-from solver.names import BODY, FACTORS, OF_A_FILM, PROFILES
+from solver.names import AIR, BODY, FACTORS, OF_A_FILM, OF_A_GAP, PROFILES
 
+_POINTS = [kind.name for kind in KINDS.values() if kind.contact == "point"]
 _BASE = f"{RIGID!r} or a material's name, or else base_modulus and base_poisson"
 
 
@@ -41,9 +42,11 @@ def kinds_of(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
     for name, outline in PROFILES.items():
         if outline.contact != "line" and "profile" in arrays:
             contact = contact.where(arrays["profile"].drop_vars(arrays["profile"].coords) != name, outline.contact)
+    airy = (arrays["surroundings"] == AIR) if "surroundings" in arrays else xr.DataArray(False)
+    airy = airy.drop_vars(airy.coords)
     names = xr.DataArray("")
-    for (touched, layers), kind in KINDS.items():
-        names = names.where((contact != touched) | (layered != layers), kind.name)
+    for (touched, layers, air), kind in KINDS.items():
+        names = names.where((contact != touched) | (layered != layers) | (airy != air), kind.name)
     return names
 
 
@@ -97,6 +100,24 @@ def check_elasticity(arrays: Mapping[str, xr.DataArray], body: str) -> None:
     for name, other in ((poisson, modulus), (modulus, poisson)):
         if np.any(there[other] & ~there[name]):
             raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed}")
+
+
+def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
+    """Air is beside lines, and only a gap with air has a permittivity.
+
+    Raises
+    ------
+    FactorError
+        Naming the factor, its value and what is allowed.
+    """
+    air = xr.DataArray(False)
+    if "surroundings" in arrays:
+        air = arrays["surroundings"].drop_vars(arrays["surroundings"].coords) == AIR
+        point = kinds_of({name: one for name, one in arrays.items() if name != "surroundings"}).isin(_POINTS)
+        refuse(arrays, "surroundings", air & point, "beside a point contact is not solved; must be insulated")
+    if OF_A_GAP in arrays:
+        filled = arrays[OF_A_GAP].drop_vars(arrays[OF_A_GAP].coords) != FACTORS[OF_A_GAP].default
+        refuse(arrays, OF_A_GAP, filled & ~air, f"without surroundings: {AIR}; only its gap has one")
 
 
 def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:

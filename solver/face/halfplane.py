@@ -48,7 +48,7 @@ class OnHalfPlane:
 
     def __init__(self, cases: Cases) -> None:
         self.cases = cases
-        self.contact = _contact(cases)
+        self.contact = contact_of(cases)
         warn_of_rounding(self.contact.halfplane)
 
     @cached_property
@@ -118,7 +118,7 @@ class OnHalfPlane:
 
 
 @np.errstate(all="ignore")
-def _contact(cases: Cases) -> Contact:
+def contact_of(cases: Cases) -> Contact:
     """The contact, its extent found."""
     material, speed = material_of(cases), cases.number("speed")
     if np.any(speed > 0):

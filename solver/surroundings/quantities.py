@@ -60,12 +60,13 @@ def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
     out: dict[str, Array] = {}
     idle = dict(_contacts(uncharged))
     for place, (number, contact) in _contacts(films):
-        table = _air_window(films.kind, number)
         air = np.array([VACUUM_PERMITTIVITY * permittivity[place], VACUUM_PERMEABILITY])
-        state = AirContact(table, contact, air).state
-        table = _air_window(films.kind, idle[place][0])
-        bare = AirContact(table, idle[place][1], air)
-        found = _of_case(films, place, state, bare)
+        charged = AirContact(_air_window(films.kind, number), contact, air)
+        bare = charged
+        if uncharged is not films:
+            number, contact = idle[place]
+            bare = AirContact(_air_window(films.kind, number), contact, air)
+        found = _of_case(films, place, charged.state, bare)
         for name, value in found.items():
             out.setdefault(name, np.empty(count))[place] = value
     return out

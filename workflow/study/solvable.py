@@ -1,13 +1,13 @@
 """Whether the solver can answer a study at all, and which quantities its cases lack or tell only with the datum."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from solver import solve
-from solver.names import ALL_QUANTITIES
+from solver.names import AIR, ALL_QUANTITIES
 from solver.similarity import Weight, weight_of
 from workflow.language.factors import FACTORS
 from workflow.study import datum, grouped, representatives
@@ -138,6 +138,19 @@ def _solve_stored(study: Contents) -> None:
         study.solved(solve, {**study.fixed, **study.categories, **representatives.ends(study)})
     except ValueError as error:
         raise ValueError(f"groups: in a corner of their ranges: {error}") from None
+
+
+def check_surroundings(study: Contents) -> None:
+    """Whether cases are such that have fields, which studies store and draw."""
+    effects = study.effects
+    asked: dict[str, Mapping[str, Any]] = {"fixed": study.fixed, "categories": study.categories}
+    asked |= {"effects: baseline": effects.baseline, "effects: vary": effects.vary} if effects else {}
+    for where, given in asked.items():
+        if AIR in np.atleast_1d(given.get("surroundings", "")):
+            raise ValueError(
+                f"{where}: surroundings: {AIR!r} has no fields, which studies store; must be insulated "
+                "(meecontact solve takes tables of cases with air)"
+            )
 
 
 def solve_effects(study: Contents) -> None:
