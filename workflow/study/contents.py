@@ -26,7 +26,7 @@ from workflow.study.measurement import Measurement
 from workflow.study.readout import Readout
 from workflow.study.sections import Axis, DataSet, Effects, Group, Surrogate, Validation, Verification
 from workflow.study.target import Target
-from workflow.study.types import CategoryName, FactorName, InputName, Number, Strict
+from workflow.study.types import BY_FACTOR, CategoryName, FactorName, InputName, Number, Strict
 
 #: Sections that decide what a case is and what the solver answers.
 PHYSICS = ("phases", "materials", "fixed", "factors", "categories", "body", "groups")
@@ -55,8 +55,12 @@ class Contents(Strict):
     phases: Annotated[list[str], Field(min_length=2, max_length=2)] = Field(
         default_factory=lambda: ["BaTiO3", "CoFe2O4"], description="phase one (fibres) and phase two (matrix)"
     )
-    fixed: dict[InputName, Number | str] = Field(default_factory=dict, description="factors with one value")
-    factors: dict[FactorName, Axis] = Field(default_factory=dict, description="the axes of the factorial")
+    fixed: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
+        default_factory=dict, description="factors with one value"
+    )
+    factors: Annotated[dict[FactorName, Axis], BY_FACTOR] = Field(
+        default_factory=dict, description="the axes of the factorial"
+    )
     categories: dict[CategoryName, Annotated[list[str], Field(min_length=2, max_length=8)]] = Field(
         default_factory=dict, description="factors that take one of a few names; every case is solved for each"
     )

@@ -5,18 +5,13 @@ from typing import Annotated
 from pydantic import AfterValidator, Field
 
 from workflow.language.constants import DEVICE
-from workflow.language.units import in_si
+from workflow.language.given import number
 from workflow.study.types import Number, Strict
-
-
-def _read(name: str, given: float | str) -> float:
-    """The value in SI of a number of the section; ValueError where it is none, or of another unit."""
-    return in_si(given, DEVICE[name].units) if isinstance(given, str) else given
 
 
 def _above(name: str, *, zero: bool = False) -> AfterValidator:
     def check(given: float | str) -> float | str:
-        value = _read(name, given)
+        value = number(name, given)
         if not (value >= 0 if zero else value > 0):
             raise ValueError(f"{value:g} is not a finite number {'>=' if zero else '>'} 0 [{DEVICE[name].units}]")
         return given
@@ -75,4 +70,4 @@ class Device(Strict):
     def constants(self) -> dict[str, float]:
         """Every number that is given, by its name in designs, in SI."""
         given = {**dict(self), **dict(self.amplifier or {})}
-        return {name: _read(name, given[name]) for name in DEVICE if given.get(name) is not None}
+        return {name: number(name, given[name]) for name in DEVICE if given.get(name) is not None}

@@ -1,11 +1,11 @@
 """A published measurement that the model is held against: its value, what the model answers with, its source."""
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from solver import find
-from workflow.study.types import InputName, Number, Strict
+from workflow.study.types import BY_FACTOR, InputName, Number, Strict
 
 #: What the model can be asked for; ``workflow.measured.values`` has a function of each.
 ModelQuantity = Literal[
@@ -20,7 +20,9 @@ class ModelValue(Strict):
     """What the model is asked for."""
 
     quantity: ModelQuantity = Field(description="what the model answers with")
-    case: dict[InputName, Number | str] = Field(min_length=1, description="factors of the case, among them a material")
+    case: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
+        min_length=1, description="factors of the case, among them a material"
+    )
 
     @model_validator(mode="after")
     def _of_a_material(self) -> Self:

@@ -1,12 +1,12 @@
 """The parts of a study: axes, data set, surrogate, validation, effects and verification."""
 
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from solver.names import COMPOSITES, OF_A_FILM, PROFILES
-from workflow.study.types import FieldName, InputName, Number, QuantityName, Strict, Vector
+from workflow.study.types import BY_FACTOR, FieldName, Given, InputName, Number, QuantityName, Strict, Vector
 
 #: Most cases of a factorial.
 MOST_CASES = 20_000_000
@@ -27,8 +27,8 @@ CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements")
 class Axis(Strict):
     """Range of a factor, sampled at Chebyshev-Gauss levels."""
 
-    low: Number = Field(description="lower end of the range, in the factor's SI unit")
-    high: Number = Field(description="upper end of the range")
+    low: Given = Field(description="lower end of the range, in SI or with a unit, as 20 um")
+    high: Given = Field(description="upper end of the range")
     levels: int | None = Field(
         None, ge=2, le=1000, description="Chebyshev-Gauss levels; null: what the tolerance needs"
     )
@@ -148,12 +148,14 @@ class Interior(Strict):
 class Effects(Strict):
     """One factor at a time about a baseline, on the exact solver."""
 
-    baseline: dict[InputName, Number | str] = Field(description="factors of the reference case")
-    film: dict[InputName, Number | str] = Field(
+    baseline: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(description="factors of the reference case")
+    film: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
         default_factory=dict,
         description="a film for the effects of its own factors, beside the half-plane",
     )
-    vary: dict[InputName, list[Number] | list[str]] = Field(min_length=1, description="values of each factor in turn")
+    vary: Annotated[dict[InputName, list[Given] | list[str]], BY_FACTOR] = Field(
+        min_length=1, description="values of each factor in turn"
+    )
     positions: Positions = Field(
         default_factory=lambda: Positions(inside=200, outside=200), description="positions of the curves"
     )

@@ -13,7 +13,7 @@ from workflow.language import statements, statistics
 from workflow.language.constants import CONSTANTS
 from workflow.language.factors import FACTORS
 from workflow.language.sizes import size
-from workflow.study.types import FactorName, InputName, Interval, Number, Strict
+from workflow.study.types import BY_FACTOR, FactorName, Given, InputName, Interval, Number, Strict
 
 CUT = 3.0  # a normal distribution ends this many standard deviations from its mean
 MOST_CHOICES = 200
@@ -27,8 +27,8 @@ _limit = lru_cache(maxsize=512)(statements.limit)
 class Variable(Strict):
     """A design variable: the whole range of its factor, a part of it, or one value of a list."""
 
-    low: Number | None = Field(None, description="lower end; default: that of the factor")
-    high: Number | None = Field(None, description="upper end; default: that of the factor")
+    low: Given | None = Field(None, description="lower end; default: that of the factor")
+    high: Given | None = Field(None, description="upper end; default: that of the factor")
     choices: list[Number | str] = Field(
         default_factory=list, description="instead of a range: the values to choose from; names of a category"
     )
@@ -47,7 +47,7 @@ class Distribution(Strict):
 
     uniform: Interval | None = Field(None, description="[low, high]")
     normal: Interval | None = Field(None, description="[mean, standard deviation], cut at 3 standard deviations")
-    triangular: list[Number] | None = Field(None, min_length=3, max_length=3, description="[low, mode, high]")
+    triangular: list[Given] | None = Field(None, min_length=3, max_length=3, description="[low, mode, high]")
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
@@ -89,14 +89,16 @@ class Target(Strict):
 
     maximise: str | Texts = Field(default_factory=list, description="expression, or a list of them: a Pareto front")
     minimise: str | Texts = Field(default_factory=list, description="as maximise")
-    over: Annotated[list[InputName], Field(min_length=1)] | dict[InputName, Variable] = Field(
+    over: Annotated[list[InputName], Field(min_length=1)] | Annotated[dict[InputName, Variable], BY_FACTOR] = Field(
         description="design variables, categories among them: names, or names with low and high, or choices"
     )
-    at: dict[InputName, Number | str] = Field(default_factory=dict, description="factors held at a value")
-    worst_case: dict[FactorName, Interval] = Field(
+    at: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
+        default_factory=dict, description="factors held at a value"
+    )
+    worst_case: Annotated[dict[FactorName, Interval], BY_FACTOR] = Field(
         default_factory=dict, description="factors that may take any value of a range [low, high]"
     )
-    uncertain: dict[FactorName, Distribution] = Field(
+    uncertain: Annotated[dict[FactorName, Distribution], BY_FACTOR] = Field(
         default_factory=dict, description="factors with a distribution: uniform, normal or triangular"
     )
     tolerance: dict[FactorName, Number | str] = Field(

@@ -3,10 +3,11 @@
 from typing import Annotated
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from solver.names import ALL_QUANTITIES, CHOICES, COMPOSITES, INTERIOR, INTERIOR_ON_REQUEST, MATERIALS
 from workflow.language.factors import FACTORS, own_kind
+from workflow.language.given import entries
 from workflow.language.spelling import nearest
 
 
@@ -26,6 +27,10 @@ def _one_of(names: list[str], what: str) -> AfterValidator:
 
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
+#: Around a mapping of numbers by the names of factors: each is read by the one rule of `workflow.language.given`.
+BY_FACTOR = BeforeValidator(entries)
+#: A number below `BY_FACTOR`: a file may have it with its unit.
+Given = Annotated[Number, WithJsonSchema({"type": ["number", "string"]})]
 CategoryName = Annotated[str, _one_of([*MATERIALS, *CHOICES], "category")]
 FactorName = Annotated[str, _one_of(list(FACTORS), "factor")]
 InputName = Annotated[str, _one_of([*MATERIALS, *CHOICES, *FACTORS], "factor")]
@@ -35,4 +40,4 @@ CompositeName = Annotated[
 QuantityName = Annotated[str, _one_of(list(ALL_QUANTITIES), "quantity")]
 FieldName = Annotated[str, _one_of([*INTERIOR, *INTERIOR_ON_REQUEST], "field of the interior")]
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
-Interval = Annotated[list[Number], Field(min_length=2, max_length=2)]
+Interval = Annotated[list[Given], Field(min_length=2, max_length=2)]

@@ -74,6 +74,10 @@ def test_a_composite_bears_what_its_weaker_phase_does() -> None:
             {"more": "device: {electrode_length: 10 V}"},
             "device.electrode_length: '10 V': unit mismatch: 'V' does not measure what 'm' measures",
         ),
+        (
+            {"more": "device: {electrode_length: 1, amplifier: {input_capacitance: 1e-11, charge_noise: 1}}"},
+            "device.amplifier.charge_noise: 1 is 1 C; did you mean 1 fC?",
+        ),
         ({"more": "device: {electrode_length: -1}"}, "device.electrode_length: -1 is not a finite number > 0 [m]"),
     ],
 )

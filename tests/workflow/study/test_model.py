@@ -67,7 +67,7 @@ def test_quickstart_is_the_factorial_of_the_documentation() -> None:
         ("[BaTiO3, CoFe2O4]", "[BaTi3, CoFe2O4]", "material: 'BaTi3' is unknown; did you mean 'BaTiO3'?"),
         ("[BaTiO3, CoFe2O4]", "[BaTiO3]", "phases: ['BaTiO3']: list should have at least 2 items"),
         ("composite: fibrous", "composite: fibruos", "composite: 'fibruos' is not one of fibrous, laminate"),
-        ("magnetic_charge: 0.0", "magnetic_charge: none", "magnetic_charge: 'none' is not a finite number [Wb m-1]"),
+        ("magnetic_charge: 0.0", "magnetic_charge: none", "fixed: magnetic_charge: 'none' is not a finite number"),
         ("magnetic_charge: 0.0", "charge: 0.0", "fixed: charge: is one of the factors already"),
         ("tension <=", "tensin <=", "design.sensor: 'trailing_tensin': 'trailing_tensin' is not a quantity; did"),
         ("<= 50 MPa", "= 50 MPa", "design.sensor: 'trailing_tension = 50 MPa' is not of the form: expression"),
