@@ -101,12 +101,13 @@ FILM = Kind(
     method="; on films, integral equations with the closed form as their singular part",
 )
 
+_OF_A_LINE = {name: one for name, one in QUANTITIES.items() if "_edge_intensity_" not in name}
 _IN_AIR = "; with air beside the contact, Newton's iteration on charges beside it"
 HALF_PLANE_IN_AIR = Kind(
     "half-plane with air beside the contact",
     "line",
     "relative",
-    QUANTITIES | {name: FILM_QUANTITIES[name] for name in ("capacitance", "permeance")} | GAP_QUANTITIES,
+    _OF_A_LINE | {name: FILM_QUANTITIES[name] for name in ("capacitance", "permeance")} | GAP_QUANTITIES,
     {},
     (),
     air=True,
@@ -117,7 +118,7 @@ HALF_PLANE_IN_AIR = Kind(
 FILM_IN_AIR = replace(
     FILM,
     name="film with air beside the contact",
-    quantities={**FILM.quantities, **GAP_QUANTITIES},
+    quantities=_OF_A_LINE | FILM_QUANTITIES | GAP_QUANTITIES,
     peaks={},
     regions=(),
     air=True,

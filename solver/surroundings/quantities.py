@@ -25,7 +25,6 @@ _RESPONSES = (
     ("magnetic_potential", "magnetic_sensitivity", "flux_sensitivity", "stroke_per_ampere", "blocked_load_per_ampere",
      "permeance"),
 )  # fmt: skip
-_INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
 
 
 @lru_cache(_TABLES)
@@ -37,7 +36,7 @@ def _air_window(kind: Kind, number: int) -> AirTable:
 def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
     """Quantities by the names of ``solver.names``, as without air, with those that only a gap has; (case,) each.
 
-    Edge intensities of the fields that the air carries are absent.
+    Edge intensities are absent: those of fields that the air carries do not exist, those of others are 0.
 
     Parameters
     ----------
@@ -96,8 +95,6 @@ def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[s
     for field, conducts in enumerate(films.kind.conducts):
         if conducts:
             out |= dict(zip(_RESPONSES[field], _responses(h, field, state, idle, bare), strict=True))
-        else:
-            out |= {f"{_INTENSITIES[field]}_{edge}": 0.0 for edge in ("trailing", "leading")}
     if films.kind.conducts[0]:
         out["nominal_field"] = abs(out["voltage"]) / (h * films.kind.above_ground)
         out["capacitance_at_load"] = 1 / float(state.tangents[1, 1])

@@ -43,6 +43,12 @@ def test_a_table_mixes_punches_and_bodies(tmp_path: Path) -> None:
         ("punch", "stel", "punch: 'stel' is unknown; did you mean 'steel'?"),
         ("punch_modulus,punch_poisson", "0,0.3", "punch_modulus: 0 is not a finite number > 0 [Pa]"),
         ("punch_modulus,punch_poisson", "1e9,0.5", "punch_poisson: 0.5 is not a finite number > -1 and < 0.5 [1]"),
+        (
+            "surroundings,electric,magnetic",
+            "air,insulating,insulating",
+            "surroundings: 'air' is not allowed: the punch conducts no field",
+        ),
+        ("gap_permittivity", "2.2", "gap_permittivity: 2.2 without surroundings: air; only its gap has one"),
         ("punch,punch_modulus,punch_poisson", "steel,1e9,0.3", "punch_modulus: 1e+09 beside a punch; give either"),
     ],
 )
@@ -54,3 +60,29 @@ def test_a_row_at_fault_is_named(
     table.write_text(f"material,radius,load,{header}\nPZT-4,0.05,1e5,{good}\nPZT-4,0.05,1e5,{row}\n", encoding="utf-8")
     assert f"{table}: line 3: {says}" in complaint(capsys, "solve", table, "-o", tmp_path / "out.nc")
     assert list(tmp_path.iterdir()) == [table]
+
+
+AIRY = """\
+material,radius,load,magnetic,surroundings,gap_permittivity,thickness [mm],base
+PZT-4,0.05,1e4,insulating,,,,
+PZT-4,0.05,1e4,insulating,air,,,
+PZT-4,0.05,1e4,insulating,air,2.2,0.2,steel
+"""
+
+
+def test_a_table_mixes_surroundings_and_says_what_is_left_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table, out = tmp_path / "air.csv", tmp_path / "out.nc"
+    table.write_text(AIRY, encoding="utf-8")
+    assert main.main(["solve", str(table), "-o", str(out)]) == 0
+    left = capsys.readouterr().err
+    for gone in ("left out", "gap_field", "electric_edge_intensity_trailing"):
+        assert gone in left
+    data = read_whole(out)
+    case: dict[str, Any] = {"material": "PZT-4", "radius": 0.05, "load": 1e4, "magnetic": "insulating"}
+    film = {"surroundings": "air", "gap_permittivity": 2.2, "thickness": 2e-4, "base": "steel"}
+    for row, own in enumerate([{}, {"surroundings": "air"}, film]):
+        for name in ("contact_trailing", "voltage", "charge_sensitivity"):
+            exact = float(solver.solve(case | own)[name])
+            assert float(data[name][row]) == pytest.approx(exact, rel=1e-9), (row, name)
