@@ -221,11 +221,27 @@ FIELDS: dict[str, Described] = {
 #: Fields with a square-root singularity at the edges, also given times sqrt|1 - X^2| as ``<name>_regular``.
 SINGULAR = tuple(FIELDS)[2:]
 
+#: Surface fields of point contacts over (case factors..., position), positions r/a; stresses need c12.
+POINT_FIELDS: dict[str, Described] = {
+    "contact_pressure": FIELDS["contact_pressure"],
+    "electric_displacement": Described("C m-2", "normal electric displacement D_y at a point contact"),
+    "magnetic_induction": Described("T", "normal magnetic induction B_y at a point contact"),
+    "radial_stress": Described("Pa", "radial surface stress sigma_rr"),
+    "hoop_stress": Described("Pa", "hoop stress of the surface sigma_tt"),
+}
+
+#: Those with a square-root singularity at the edge.
+POINT_SINGULAR = tuple(POINT_FIELDS)[1:]
+
 #: What is given of them then.
 REGULAR: dict[str, Described] = {
-    f"{name}_regular": Described(FIELDS[name].units, f"{FIELDS[name].long_name}, times sqrt|1 - X^2|")
-    for name in SINGULAR
+    f"{name}_regular": Described(field.units, f"{field.long_name}, times sqrt|1 - X^2|")
+    for name, field in (FIELDS | POINT_FIELDS).items()
+    if name in SINGULAR + POINT_SINGULAR
 }
+
+#: Every surface field there is.
+EVERY_FIELD = FIELDS | POINT_FIELDS | REGULAR
 
 #: Fields inside the body over (case factors..., y, x), as :func:`solver.solve_interior` gives them unasked.
 INTERIOR: dict[str, Described] = {

@@ -10,7 +10,7 @@ docs/theory-films.md).
 
 from dataclasses import dataclass
 
-from solver.names import ALL_QUANTITIES, EVERY_INTERIOR, FIELDS, REGULAR
+from solver.names import ALL_QUANTITIES, EVERY_FIELD, EVERY_INTERIOR
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ _CHANGING: dict[Weight, tuple[str, ...]] = {
 QUANTITY_WEIGHTS: dict[str, Weight] = {
     **dict.fromkeys(ALL_QUANTITIES, Weight()),
     **{name: weight for weight, names in _CHANGING.items() for name in names},
-    **dict.fromkeys((*FIELDS, *REGULAR, *EVERY_INTERIOR), _STRESS),
+    **dict.fromkeys((*EVERY_FIELD, *EVERY_INTERIOR), _STRESS),
     "electric_potential": _FORCE,
     "magnetic_potential": _FORCE,
     "half_length": _LENGTH,

@@ -20,6 +20,7 @@ from solver.names import (
     LIMITED,
     LIMITS,
     PEAKS,
+    POINT_FIELDS,
     POINT_QUANTITIES,
     PROFILES,
     QUANTITIES,
@@ -76,6 +77,10 @@ def test_the_table_of_quantities_with_air_is_the_code_s() -> None:
 def test_the_table_of_a_point_s_quantities_is_the_code_s() -> None:
     own = {name: one for name, one in POINT_QUANTITIES.items() if name not in EVERY_QUANTITY}
     assert rows("of a point") == {name: [one.units, one.long_name] for name, one in own.items()}
+
+
+def test_the_table_of_a_point_s_fields_is_the_code_s() -> None:
+    assert rows("field of a point") == {name: [one.units, one.long_name] for name, one in POINT_FIELDS.items()}
 
 
 @pytest.mark.parametrize("name", ["BaTiO3-CoFe2O4 50:50", "BaTiO3-CoFe2O4 0.2"])

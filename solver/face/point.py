@@ -15,11 +15,13 @@ from solver.film.windows import Indices, Kind
 from solver.halfplane.precision import warn_of_rounding
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.surface import HalfPlane
-from solver.point.body import Film, HalfSpace
+from solver.names import POINT_SINGULAR
+from solver.point.body import Film, HalfSpace, Stretch
 from solver.point.halfspace import conducted
 from solver.point.pressed import Pressed
 from solver.point.profile import DISC, Shape
 from solver.point.quantities import quantities
+from solver.point.surface import surface_fields
 from solver.point.table import PointKind
 
 
@@ -50,12 +52,15 @@ class _OnPoints:
         """None: as the peaks."""
         _refuse("curves")
 
+    @np.errstate(all="ignore")
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """Refused: fields of point contacts are not given."""
-        _refuse("positions")
+        """Fields of ``solver.names.POINT_FIELDS`` at r/a that every case has, as those of a line; (..., position)."""
+        found = self._put_together(lambda pressed: surface_fields(pressed, positions))
+        root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
+        return found | {f"{name}_regular": found[name] * root for name in POINT_SINGULAR if regular and name in found}
 
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """Refused, as those on the surface."""
+        """Refused: fields inside are not given."""
         _refuse("fields")
 
     def _put_together(self, output: Callable[[Pressed], dict[str, Array]]) -> dict[str, Array]:
@@ -66,10 +71,10 @@ class _OnPoints:
         out: dict[str, Array] = {}
         for name in parts[0][1]:
             if all(name in values for _, values in parts):
-                whole = np.empty(int(np.prod(self.shape)))
+                whole = np.empty((int(np.prod(self.shape)), *parts[0][1][name].shape[1:]))
                 for places, values in parts:
                     whole[places] = values[name]
-                out[name] = whole.reshape(self.shape)
+                out[name] = whole.reshape((*self.shape, *whole.shape[1:]))
         return out
 
     def _by_exponent(self, places: Indices) -> list[tuple[Indices, Shape, Array]]:
@@ -125,10 +130,28 @@ class OnHalfSpace(_OnPoints):
         N = N / (half.scale[..., 1:, None] * half.scale[..., None, 1:])
         N = np.broadcast_to(conducted(N, self.cases.conducts), (*self.shape, 3, 3)).reshape(-1, 3, 3)
         conducts = np.broadcast_to(self.cases.conducts, (*self.shape, 2)).reshape(-1, 2)
+        stretch = self._stretch(half)
         return [
-            (own, Pressed(HalfSpace(N[own], shape), units[own], coefficient, *self._loads(own), conducts[own]))
+            (
+                own,
+                Pressed(
+                    HalfSpace(N[own], shape, stretch(own)), units[own], coefficient, *self._loads(own), conducts[own]
+                ),
+            )
             for own, shape, coefficient in self._by_exponent(np.arange(int(np.prod(self.shape))))
         ]
+
+    def _stretch(self, half: HalfPlane) -> Callable[[Indices], Stretch | None]:
+        """What the surfaces of some cases do along themselves; nothing is known without c12."""
+        shear = self._flat(half.material.c11 - half.material.c12)
+        stiffness = self._flat(half.in_plane_stiffness)
+        coupling, share = (
+            np.broadcast_to(rows, (*self.shape, 3)).reshape(-1, 3)
+            for rows in (half.friction_coupling, half.in_plane_share)
+        )
+        if np.any(np.isnan(shear)):
+            return lambda own: None
+        return lambda own: Stretch(coupling[own], stiffness[own], shear[own], share[own])
 
 
 class OnPointFilm(_OnPoints):
@@ -166,4 +189,4 @@ def _on_film(pressed: Pressed) -> dict[str, Array]:
 
 
 def _refuse(name: str) -> NoReturn:
-    raise FactorError(f"{name}: fields of point contacts are not given; ask for quantities alone")
+    raise FactorError(f"{name}: inside a body under a point contact are not given; ask for quantities or positions")

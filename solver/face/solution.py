@@ -14,9 +14,10 @@ from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.refusal import FactorError
 from solver.material.constants import Material
-from solver.names import ALL_PEAKS, ALL_QUANTITIES, FIELDS, REGULAR
+from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FIELD
 
 _ALONG = {"units": "1", "long_name": "surface position X = (x - c)/h"}
+_ACROSS = {"units": "1", "long_name": "surface position r/a from the middle of the contact"}
 
 
 def solve(
@@ -42,7 +43,7 @@ def solve(
         ``base``, graded with a ``base_volume_fraction``, see ``solver.names.OF_A_FILM``; NaN and empty names mean that
         a case has none. Instead of material, film and base a ``body`` may be given: a :class:`Stack`, or a list.
     positions
-        Surface positions X = (x - c)/h, dimensionless, any but +-1.
+        Surface positions X = (x - c)/h, or r/a of a point contact, dimensionless, any but +-1.
     materials
         Own materials by name, beside the built-in ones.
     phases
@@ -93,9 +94,11 @@ def solve(
         values = body.quantities() | (body.peaks(searched) if searched else {})
         found = cases.labelled(values, ALL_QUANTITIES, "factors (contact as wide as the datum, or overflow)")
         if X is not None:
-            coordinates |= (axis := {"position": xr.Variable("position", X, _ALONG)})
+            coordinates |= (
+                axis := {"position": xr.Variable("position", X, _ALONG if cases.kind.contact == "line" else _ACROSS)}
+            )
             fields = body.surface(X, regular=regular)
-            found |= cases.labelled(fields, FIELDS | REGULAR, "factors and positions (overflow)", axis)
+            found |= cases.labelled(fields, EVERY_FIELD, "factors and positions (overflow)", axis)
         return xr.Dataset(found, coordinates)
 
     out = cases.solved("exact solution of a punch sliding on a magneto-electro-elastic half-plane", part)

@@ -95,7 +95,7 @@ class Contact:
     state: State
 
     @property
-    def _size(self) -> Array:
+    def size(self) -> Array:
         """C a^e, 1 of a disc, in the units of the body; (case,)."""
         shape = self.pressed.body.shape
         if shape.flat:
@@ -105,17 +105,17 @@ class Contact:
     @property
     def displacement(self) -> Array:
         """u0 = (-depth, V, Psi) [m, V, A]; (case, 3)."""
-        return self.state.displacement * self._size[:, None] * self.pressed.units
+        return self.state.displacement * self.size[:, None] * self.pressed.units
 
     @property
     def loads(self) -> Array:
         """(P, T, J) [N, C, Wb]; (case, 3)."""
-        return self.state.loads * (self._size * self.radius)[:, None] / self.pressed.units
+        return self.state.loads * (self.size * self.radius)[:, None] / self.pressed.units
 
     @property
     def intensities(self) -> Array:
         """Edge intensities lim sqrt(2 pi distance) (sigma_yy, D_y, B_y), SI; (case, 3)."""
-        strength = self.state.strengths * (self._size / self.radius)[:, None]
+        strength = self.state.strengths * (self.size / self.radius)[:, None]
         return np.asarray(np.sqrt(np.pi * self.radius)[:, None] * strength / self.pressed.units)
 
     @property
@@ -137,7 +137,7 @@ class Contact:
         body = self.pressed.body
         of_one: Array = np.asarray(2 / np.pi * np.linalg.inv(self.state.stiffness.compliance)[..., 0, 0])
         own = of_one * halfspace_peak(body.shape) if isinstance(body, HalfSpace) else self._peak_on(body, of_one)
-        return np.asarray(own * self._size / self.radius / self.pressed.units[:, 0])
+        return np.asarray(own * self.size / self.radius / self.pressed.units[:, 0])
 
     def _peak_on(self, film: Film, of_one: Array) -> Array:
         """Largest pressure over C a^(e-1) on a film: at the centre, or else climbed to."""

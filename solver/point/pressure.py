@@ -2,7 +2,9 @@
 
     p(x) = (2/pi) (N^-1)_yy rise e F(x) - sum_n c_n (P_2n(x) - P_2n(0)) / (abs(P_2n(0)) x),   x = sqrt(1 - r^2/a^2),
 
-over C a^(e-1), where F(x) = int_0^x (1 - x^2 + v^2)^(e/2 - 1) dv = x 2F1(1 - e/2, 1; 3/2; x^2).
+over C a^(e-1), where F = int_0^x (1 - x^2 + v^2)^(e/2 - 1) dv = x 2F1(1 - e/2, 1; 3/2; x^2). Up to e = 1 it is
+infinite at the centre, below e = 3 not smooth, and x does not tell places near it: there F is Pfaff's transformation
+x (r/a)^(e-2) 2F1(1 - e/2, 1/2; 3/2; -(x a/r)^2), arsinh(x a/r) of a cone.
 """
 
 from collections.abc import Callable
@@ -17,6 +19,8 @@ from solver.point.profile import Shape
 #: Places x at which tables hold the pressure, from the edge to the centre.
 SAMPLES = np.sin(np.pi / 2 * np.arange(1, 25) / 24)
 
+_NEAR, _SMOOTH = 0.5, 3.0  # of the centre, in r/a; the exponent from which F is smooth there
+
 _STEPS = 46  # of the golden section: to 1e-10 in x, where the pressure is flat
 _RATIO = (np.sqrt(5) - 1) / 2
 
@@ -26,10 +30,33 @@ def finite(shape: Shape) -> bool:
     return shape.exponent > 1
 
 
-def halfspace_form(shape: Shape, x: Array) -> Array:
-    """rise e F(x) of the half-space; any shape."""
-    e = shape.exponent
-    return np.asarray(shape.rise * e * x * (1.0 if e == 2 else hyp2f1(1 - e / 2, 1.0, 1.5, x**2)))
+def halfspace_form(shape: Shape, x: Array, r: Array | None = None) -> Array:
+    """rise e F of the half-space; any shape, infinite at r = 0 where ``finite`` says so.
+
+    Parameters
+    ----------
+    shape
+        The punch.
+    x
+        sqrt(1 - r^2/a^2).
+    r
+        r/a, which x does not tell near the centre; from x unless given.
+    """
+    r = np.sqrt((1 - x) * (1 + x)) if r is None else r
+    return np.asarray(shape.rise * shape.exponent * _form(shape.exponent, x, r))
+
+
+def _form(e: float, x: Array, r: Array) -> Array:
+    """F."""
+    if e == 1:
+        return np.arcsinh(x / r)
+    near = (r > 0) & (r < _NEAR) & (e < _SMOOTH)
+    at, apart = np.where(near, r, 1.0), np.where(near, 0.0, x)
+    return np.where(
+        near,
+        x * at ** (e - 2) * hyp2f1(1 - e / 2, 0.5, 1.5, -((x / at) ** 2)),
+        apart * hyp2f1(1 - e / 2, 1.0, 1.5, apart**2),
+    )
 
 
 @lru_cache

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 
 import solver
 from solver.curves import SIZES
-from solver.names import ALL_QUANTITIES, EVERY_INTERIOR, FIELDS, REGULAR
+from solver.names import ALL_QUANTITIES, EVERY_FIELD, EVERY_INTERIOR
 from solver.similarity import FACTOR_WEIGHTS, QUANTITY_WEIGHTS, scale_powers, weight_of
 from tests.solver.strategies import PROPERTY, decades, loads, materials
 
@@ -72,7 +72,7 @@ def test_films_scale_with_size_and_strength(base: str) -> None:
 
 
 def test_the_table_knows_every_quantity_and_field() -> None:
-    assert set(QUANTITY_WEIGHTS) == {*ALL_QUANTITIES, *FIELDS, *REGULAR, *EVERY_INTERIOR, *SIZES}
+    assert set(QUANTITY_WEIGHTS) == {*ALL_QUANTITIES, *EVERY_FIELD, *EVERY_INTERIOR, *SIZES}
 
 
 def test_scales_are_refused_where_nothing_tells_them() -> None:

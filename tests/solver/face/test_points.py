@@ -93,9 +93,7 @@ def test_bad_cases_are_refused_in_one_line(changed: dict[str, Any], message: str
     assert "\n" not in str(refusal.value)
 
 
-def test_fields_of_points_are_refused() -> None:
-    with pytest.raises(solver.FactorError, match=r"^positions: "):
-        solver.solve(BALL, [0.0])
+def test_fields_inside_below_points_are_refused() -> None:
     with pytest.raises(solver.FactorError, match=r"^fields: "):
         solver.solve_interior(BALL, [0.0], [-1.0])
 

@@ -1,0 +1,128 @@
+"""Fields along the surface of point contacts, on and beside the contact (points, 5).
+
+Tractions are t = strength / x + bounded, x = sqrt(1 - r^2/a^2), below the punch and nothing beside it. On a half-space
+the stretch of the surface is local, div u = -k . t, so that u_r = -(k/r) . int_0^r t s ds, in closed form.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.windows import Indices
+from solver.halfplane.pressing import ContactError
+from solver.point.body import Film, HalfSpace
+from solver.point.pressed import Contact, Pressed
+from solver.point.pressure import added_forms, finite, halfspace_form
+
+
+@dataclass(frozen=True, eq=False)
+class Along:
+    """Fields of contacts along a line through the middle.
+
+    Parameters
+    ----------
+    contact
+        The contacts.
+    positions
+        r/a, of either sign, never +-1; (position,).
+    """
+
+    contact: Contact
+    positions: Array
+
+    @property
+    def _inside(self) -> Array:
+        """1 below the punch, 0 beside it; (position,)."""
+        return np.where(np.abs(self.positions) < 1, 1.0, 0.0)
+
+    @property
+    def _x(self) -> Array:
+        """sqrt(1 - r^2/a^2) below the punch, 0 beside it; (position,)."""
+        return np.sqrt(np.maximum((1 - self.positions) * (1 + self.positions), 0.0))
+
+    @property
+    def _units(self) -> Array:
+        """SI per unit of a traction; (case, 3, 1)."""
+        pressed = self.contact.pressed
+        return np.asarray(((self.contact.size / self.contact.radius)[:, None] / pressed.units)[..., None])
+
+    @property
+    def _per_form(self) -> Array:
+        """What the half-space's bounded part is per form of the pressure; (case, 3, 1)."""
+        inverse = np.linalg.inv(self.contact.state.stiffness.compliance)
+        return np.asarray(-2 / np.pi * inverse[..., :, :1])
+
+    def _form(self) -> Array:
+        """The half-space's pressure but for its size; (position,)."""
+        shape = self.contact.pressed.body.shape
+        return np.zeros(self.positions.size) if shape.flat else halfspace_form(shape, self._x, np.abs(self.positions))
+
+    def tractions(self) -> Array:
+        """sigma_yy, D_y, B_y [Pa, C m-2, T]; (case, 3, position)."""
+        below = np.flatnonzero(self._inside)
+        strength, x = self.contact.state.strengths[..., None], self._x[below]
+        found = np.zeros((*strength.shape[:-1], self.positions.size))
+        found[..., below] = strength / x + self._per_form * self._form()[below]
+        if isinstance(body := self.contact.pressed.body, Film):
+            self._add_layers(body, found, below)
+        return np.asarray(found * self._units)
+
+    def _add_layers(self, film: Film, found: Array, below: Indices) -> None:
+        """What the layers add, whose strength is counted with the half-space's."""
+        contact = self.contact
+        for places, of in film.windows(contact.radius):
+            log_ratio = np.log(contact.radius[places] / film.thickness[places])
+            series = of.tractions(log_ratio, contact.state.causes[places])
+            found[places[:, None, None], np.arange(3)[:, None], below] += (
+                series @ added_forms(self._x[below], series.shape[-1]).T
+            )
+
+    def means(self) -> Array:
+        """int_0^r t s ds / r^2, half the mean traction within r; (case, 3, position). On half-spaces only."""
+        e, x = self.contact.pressed.body.shape.exponent, self._x
+        within = 1 / (1 + x)
+        form = (self.contact.pressed.body.shape.rise * e * within + self._form()) / (e + 1)
+        beyond = 1 / np.maximum(np.abs(self.positions), 1.0) ** 2
+        own = self.contact.state.strengths[..., None] * within + self._per_form * form
+        return np.asarray(own * beyond * self._units)
+
+    def stresses(self, body: HalfSpace) -> dict[str, Array]:
+        """sigma_rr and sigma_tt [Pa] of half-spaces whose c12 is known; (case, position) each."""
+        stretch = body.stretch
+        if stretch is None:
+            return {}
+        tractions = self.tractions()
+        dilation = -np.einsum("cj,cjp->cp", stretch.coupling, tractions)
+        hoop = -np.einsum("cj,cjp->cp", stretch.coupling, self.means())
+        across = stretch.stiffness[:, None] - stretch.shear[:, None]
+        pressed = np.einsum("cj,cjp->cp", stretch.share, tractions)
+        both = across * dilation + pressed
+        return {
+            "radial_stress": both + stretch.shear[:, None] * (dilation - hoop),
+            "hoop_stress": both + stretch.shear[:, None] * hoop,
+        }
+
+
+def surface_fields(pressed: Pressed, positions: Array) -> dict[str, Array]:
+    """Fields of ``solver.names.POINT_FIELDS`` that every case has, SI; (case, position) each.
+
+    Parameters
+    ----------
+    pressed
+        The cases.
+    positions
+        r/a, of either sign, never +-1; (position,).
+
+    Raises
+    ------
+    ContactError
+        As the quantities; the middle of a contact whose pressure is infinite there.
+    """
+    shape = pressed.body.shape
+    if not (shape.flat or finite(shape)) and np.any(positions == 0):
+        raise ContactError(f"positions: the pressure of r^{shape.exponent:g} is infinite at 0; leave 0 out")
+    along = Along(pressed.charged, positions)
+    normal, electric, magnetic = np.moveaxis(along.tractions(), 1, 0)
+    out = {"contact_pressure": 0.0 - normal, "electric_displacement": electric, "magnetic_induction": magnetic}
+    return out | (along.stresses(pressed.body) if isinstance(pressed.body, HalfSpace) else {})
