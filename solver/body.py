@@ -52,9 +52,7 @@ class Kind:
     layered
         Whether it has a top layer with a thickness, on a base.
     air
-        Whether the air beside its contact carries charge.
-    fields
-        Whether its fields are given, on its surface and inside.
+        Whether the air beside its contact carries charge; its fields are not given.
     factors
         Factors that no other kind has.
     tabled
@@ -71,7 +69,6 @@ class Kind:
     regions: tuple[str, ...]
     layered: bool = False
     air: bool = False
-    fields: bool = True
     factors: tuple[str, ...] = ()
     tabled: tuple[str, ...] = ()
     method: str = ""
@@ -111,7 +108,6 @@ HALF_PLANE_IN_AIR = Kind(
     {},
     (),
     air=True,
-    fields=False,
     tabled=tuple(name for name in TABLED if name not in OF_A_FILM),
     method=_IN_AIR,
 )
@@ -122,11 +118,10 @@ FILM_IN_AIR = replace(
     peaks={},
     regions=(),
     air=True,
-    fields=False,
     method=FILM.method + _IN_AIR,
 )
 
-HALF_SPACE = Kind("half-space", "point", "absolute", POINT_QUANTITIES, {}, (), fields=False)
+HALF_SPACE = Kind("half-space", "point", "absolute", POINT_QUANTITIES, {}, ())
 POINT_FILM = Kind(
     "film under a point",
     "point",
@@ -135,7 +130,6 @@ POINT_FILM = Kind(
     {},
     (),
     layered=True,
-    fields=False,
     factors=OF_A_FILM,
     tabled=tuple(name for name in TABLED if name not in ("friction", "speed")),
     method="; on films under a point, Galerkin's equations in Legendre functions beside the closed form",

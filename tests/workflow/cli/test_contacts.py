@@ -81,7 +81,7 @@ def test_a_table_mixes_surroundings_and_says_what_is_left_out(
         assert gone in left
     data = read_whole(out)
     case: dict[str, Any] = {"material": "PZT-4", "radius": 0.05, "load": 1e4, "magnetic": "insulating"}
-    film = {"surroundings": "air", "gap_permittivity": 2.2, "thickness": 2e-4, "base": "steel"}
+    film: dict[str, Any] = {"surroundings": "air", "gap_permittivity": 2.2, "thickness": 2e-4, "base": "steel"}
     for row, own in enumerate([{}, {"surroundings": "air"}, film]):
         for name in ("contact_trailing", "voltage", "charge_sensitivity"):
             exact = float(solver.solve(case | own)[name])
