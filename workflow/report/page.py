@@ -41,7 +41,7 @@ _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
 #: Scripts of the page, in the order in which they need each other.
 _SCRIPTS = (
     "contents.js", "numbers.js", "hover.js", "surrogate.js", "largest.js", "stack.js", "chart.js", "fields.js",
-    "explore.js", "share.js", "whatif.js", "effects.js",
+    "judging.js", "explore.js", "share.js", "whatif.js", "effects.js",
 )  # fmt: skip
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
@@ -151,7 +151,7 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
         says |= {
             "dataset": sentences.dataset(study, content["dataset"]["cases"], content["dataset"]["rows"]),
             "surrogate": sentences.surrogate(validation["worst"], validation["tolerance"]),
-            "sensitivity": sentences.sensitivity(indices, study.of_interest),
+            "sensitivity": sentences.sensitivity(indices, study.aims),
             "time": sentences.time(content["timing"]),
         }
     if content["surface"]:

@@ -1,9 +1,10 @@
 """The sentence with which a section of the page opens: what its numbers say, made from them."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from solver.names import ALL_QUANTITIES
@@ -14,6 +15,7 @@ from workflow.language.titles import capital, listed
 from workflow.study.model import Study
 
 Row = Mapping[str, Any]
+_MOST_NAMED = 3  # categories that a sentence names
 
 
 def reached(verdicts: Mapping[str, Verdict]) -> str:
@@ -56,16 +58,46 @@ def surface(rows: Sequence[Row]) -> str:
     return f"Largest error of a field {number(worst['max_error'], 2)} of its range: {worst['name']}."
 
 
-def sensitivity(indices: xr.Dataset, of_interest: Sequence[str]) -> str:
-    """On which factor the first quantities of interest hang most."""
-    parts = []
-    for name in of_interest[:2]:
-        totals = indices["total"].sel(output=name)
+def sensitivity(indices: xr.Dataset, outputs: Sequence[str]) -> str:
+    """On which factor some outputs hang most: quantities, in each of their categories where these differ.
+
+    Parameters
+    ----------
+    indices
+        ``total`` over output and input.
+    outputs
+        As the surrogate calls them, ``quantity`` or ``quantity[names]``.
+    """
+    shares: dict[str, dict[str, dict[str, float]]] = {}  # by factor, quantity and names
+    for output in outputs:
+        totals = indices["total"].sel(output=output)
+        quantity, _, kind = output.removesuffix("]").partition("[")
         first = str(totals["input"].values[int(totals.values.argmax())])
-        quantity = titles.title(name.partition("[")[0]) if name.partition("[")[0] in ALL_QUANTITIES else name
-        parts.append(f"{quantity} hangs most on {titles.title(first)} ({number(100 * float(totals.max()), 2)} %)")
+        shares.setdefault(first, {}).setdefault(quantity, {})[kind] = 100 * float(totals.max())
+    kinds = Counter(output.partition("[")[0] for output in outputs)
+    parts = []
+    for factor, hanging in shares.items():
+        names = [_hanging(name, own, whole=len(own) == kinds[name]) for name, own in hanging.items()]
+        sizes = [_size(own.values()) for own in hanging.values()]
+        if len(names) == 1:
+            parts.append(f"{names[0]} hangs most on {titles.title(factor)} ({sizes[0]})")
+            continue
+        said = listed([f"{name} ({size})" for name, size in zip(names, sizes, strict=True)])
+        parts.append(f"{said} hang most on {titles.title(factor)}")
     text = "; ".join(parts)
     return f"{capital(text)}: shares of the variance over the box, interactions included."
+
+
+def _hanging(name: str, shares: Iterable[str], *, whole: bool) -> str:
+    """A quantity, and the categories that are meant where these are not all."""
+    kinds, quantity = list(shares), titles.title(name) if name in ALL_QUANTITIES else name
+    more = [f"{len(kinds) - _MOST_NAMED} more"] if len(kinds) > _MOST_NAMED else []
+    return quantity if whole else f"{quantity} of {listed([*kinds[:_MOST_NAMED], *more])}"
+
+
+def _size(shares: Collection[float]) -> str:
+    ends = dict.fromkeys(number(end, 2) for end in (min(shares), max(shares)))
+    return f"{' to '.join(ends)} %"
 
 
 def time(times: Mapping[str, float]) -> str:
@@ -117,10 +149,10 @@ def effects(study: Study) -> str:
 
 
 def strongest(rows: Sequence[Row]) -> str:
-    """Which factor of a parametric study moves each quantity of its summary most, and how far."""
+    """Which factor of a parametric study moves each quantity of its summary most: the widest span of the table."""
     parts = []
     for name in dict.fromkeys(name for row in rows for name in row["spans"]):
-        row = max(rows, key=lambda row: row["shares"].get(name, 0.0))
+        row = max((row for row in rows if name in row["spans"]), key=lambda row: float(np.ptp(row["spans"][name])))
         ends = " to ".join(titles.value(name, end, 3) for end in row["spans"][name])
         parts.append(f"{titles.title(name)} changes most with {titles.title(row['name'])} ({ends})")
     return f"{capital('; '.join(parts))}."

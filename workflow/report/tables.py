@@ -4,8 +4,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from workflow.dataset.slabs import CARD
@@ -151,13 +149,8 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
         own = {name: data[name].isel({factor: slice(len(values))}) for name in known}
         spans = {name: (float(one.min()), float(one.max())) for name, one in own.items() if one.notnull().all()}
         over = ", ".join(said) if named else f"{said[0]} to {said[-1]}"
-        rows.append({"name": factor, "over": over, "spans": spans, "shares": _shares(spans)})
+        rows.append({"name": factor, "over": over, "spans": spans})
     return rows
-
-
-def _shares(spans: dict[str, tuple[float, float]]) -> dict[str, float]:
-    """How far each goes over its larger end."""
-    return {name: (high - low) / max(abs(low), abs(high), np.finfo(float).tiny) for name, (low, high) in spans.items()}
 
 
 def readout(name: str, path: Path) -> dict[str, Any]:

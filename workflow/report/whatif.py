@@ -17,7 +17,8 @@ from workflow.design.asking import scenarios
 from workflow.design.asking.sources import Predicted
 from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import Answer
-from workflow.language import titles
+from workflow.language import grammar, titles
+from workflow.language.constants import FIGURES
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
@@ -64,11 +65,11 @@ def content(
             {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs), "title": titles.title(name)}
             for name in study.outputs
         ],
+        "figures": figures(study),
         "categories": study.categories,
         "kinds": [_kind(study, model, kind) for kind in study.combinations],
         "ranges": _ranges(study, model, factorial.learned(study, quantities)),
-        "fixed": {name: factor.default for name, factor in FACTORS.items() if factor.default is not None}
-        | {name: value for name, value in study.fixed.items() if not isinstance(value, str)},
+        "fixed": _held(study),
         "cases": [
             {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, one)}
             for (name, target), one, case, kind in zip(study.design.items(), designs, values, kinds, strict=True)
@@ -80,6 +81,23 @@ def content(
             float(np.clip(one.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, one in model.box.items()
         ],
     }
+
+
+def figures(study: Study) -> list[dict[str, Any]]:
+    """Figures of the study's device that its quantities, its factors and the device's numbers tell, as formulas."""
+    known = study.device.constants if study.device else {}
+    told = {*known, *study.outputs, *study.factors, *_held(study)}
+    formulas = {name: grammar.parse(name) for name in FIGURES}
+    return [
+        {"name": name, "title": titles.title(name), **FIGURES[name].attrs, "tree": _tree(formula, known)}
+        for name, formula in formulas.items()
+        if set(formula.names()) <= told
+    ]
+
+
+def _held(study: Study) -> dict[str, float]:
+    """Numeric factors that are fixed, those of the top layer of a body, and those with a default."""
+    return {name: value for name in FACTORS if isinstance(value := study.held(name), float | int)}
 
 
 def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[list[float]]:

@@ -238,6 +238,14 @@ class Contents(Strict):
         asked = [name for target in self.design.values() for name in target.names() if name in self.outputs]
         return [output(name, kinds) for name in dict.fromkeys(asked) for kinds in self.combinations] or self.learned
 
+    @property
+    def aims(self) -> list[str]:
+        """What the goals of its designs are made of, of it; without designs, its first two quantities."""
+        goals = [goal.expression for target in self.design.values() for goal in target.objectives]
+        asked = dict.fromkeys(name for goal in goals for name in goal.names())
+        found = [name for name in asked if name in self.outputs] or self.outputs[:2]
+        return [output(name, kinds) for name in found for kinds in self.combinations]
+
     def solved(
         self, entrance: Callable[..., xr.Dataset], factors: Mapping[str, Any], *axes: Any, **options: Any
     ) -> xr.Dataset:

@@ -128,3 +128,27 @@ def test_every_section_says_what_its_numbers_say() -> None:
     study = load("config/parametric.yaml")
     assert study.effects is not None
     assert all(name.replace("_", " ") in sentences.effects(study) for name in study.effects.vary)
+
+
+def test_what_a_goal_hangs_on_is_told_of_every_goal_and_category() -> None:
+    outputs = ["charge_sensitivity[rigid]", "charge_sensitivity[steel]", "voltage[rigid]", "voltage[steel]"]
+    totals = [[0.95, 0.1, 0.0], [0.97, 0.1, 0.0], [0.1, 0.9, 0.2], [0.1, 0.2, 0.8]]
+    inputs = ["volume_fraction", "load", "radius"]
+    indices = xr.DataArray(totals, {"output": outputs, "input": inputs}).to_dataset(name="total")
+    assert sentences.sensitivity(indices, outputs) == (
+        "Charge per force hangs most on volume fraction (95 to 97 %); voltage of rigid hangs most on load (90 %); "
+        "voltage of steel hangs most on radius (80 %): shares of the variance over the box, interactions included."
+    )
+    sensor = load("config/film_sensor.yaml")
+    goals = {name for one in sensor.design.values() for goal in one.objectives for name in goal.expression.names()}
+    assert {name.partition("[")[0] for name in sensor.aims} == goals & set(sensor.outputs)
+    assert len(sensor.aims) == 2 * len(goals & set(sensor.outputs))
+
+
+def test_the_strongest_factor_is_that_of_the_widest_span_of_the_table() -> None:
+    rows = [
+        {"name": "base", "spans": {"trailing_tension": (1e3, 1e6)}},  # by a factor of 1,000, and yet the lesser
+        {"name": "friction", "spans": {"trailing_tension": (20e6, 150e6), "voltage": (-1.0, 2.0)}},
+    ]
+    told = sentences.strongest(rows)
+    assert told.startswith("Tension behind the contact changes most with friction (20 MPa to 150 MPa)")

@@ -12,26 +12,6 @@ function fixed(value, count) {
   return text.includes("e") ? digits(value, count) : text.replace("-", "−");
 }
 
-function evaluate(tree, values) {
-  if (typeof tree === "number") return tree;
-  if (typeof tree === "string") return values[tree];
-  const [symbol, ...parts] = tree, [a, b] = parts.map((part) => evaluate(part, values));
-  switch (symbol) {
-    case "+": return a + b;
-    case "-": return a - b;
-    case "*": return a * b;
-    case "/": return a / b;
-    case "^": return a ** b;
-    case "min": return Math.min(...parts.map((part) => evaluate(part, values)));
-    case "max": return Math.max(...parts.map((part) => evaluate(part, values)));
-    case "abs": return Math.abs(a);
-    case "sqrt": return Math.sqrt(a);
-    case "log": return Math.log(a);
-    case "exp": return Math.exp(a);
-  }
-  throw new Error(`unknown operation ${symbol}`);
-}
-
 const spaced = (name) => name.replaceAll("_", " ");
 
 function startWhatIf(root) {
@@ -44,27 +24,21 @@ function startWhatIf(root) {
   let chosen = 0, design = data.cases.length ? 0 : null; // whose limits; the design shown, until something moves
 
   const panel = {
-    data, model, point, values, judged, choose, move,
+    data, model, point, values: (t = point) => judge.values(t), judged: (t) => judge.cell(t), choose, move,
     get kind() { return kind; },
     get chosen() { return chosen; },
-    get goal() { return goal(); },
+    get goal() { return judge.goal(); },
     watch: (told) => watchers.push(told),
     onTarget: (told) => targeted.push(told),
   };
-
-  // Values of every name at scaled coordinates t, on the means of the surrogate.
-  function values(t = point, mean = means(model, t)) {
-    const found = { ...data.fixed };
-    model.inputs.forEach((input, k) => { found[input.name] = fromUnit(input, t[k]); });
-    data.quantities.forEach((output, p) => { found[output.name] = mean[kind.columns[p]]; });
-    return found;
-  }
+  const judge = judging(panel);
 
   function show() {
-    const answer = predict(model, point), found = values(point, answer.mean);
+    const answer = predict(model, point), found = judge.values(point, answer.mean);
     const [mean, lower, upper] = [answer.mean, answer.lower, answer.upper].map((all) => kind.columns.map((column) => all[column]));
     showInputs(found);
     showOutputs(mean, lower, upper);
+    showFigures(found, judge.reaches(answer));
     showLimits();
     watchers.forEach((told) => told(found));
   }
@@ -80,72 +54,35 @@ function startWhatIf(root) {
 
   function showOutputs(mean, lower, upper) {
     data.quantities.forEach((output, p) => {
-      const row = root.querySelector(`tr[data-output="${output.name}"]`), shown = engineering(mean[p], output.units);
-      row.dataset.mean = String(mean[p]);
-      const ends = [lower[p], upper[p]], count = figures(Math.max(...ends.map(Math.abs)), (upper[p] - lower[p]) / 2);
-      [row.dataset.lower, row.dataset.upper] = ends.map(String);
-      row.cells[1].textContent = fixed(mean[p] / shown.size, count);
-      row.cells[2].textContent = `[${ends.map((end) => fixed(end / shown.size, count)).join(", ")}]`;
-      row.cells[3].textContent = shown.units;
+      const row = root.querySelector(`tr[data-output="${output.name}"]`);
+      showValue(row, output.units, mean[p], lower[p], upper[p]);
       const [low, high] = data.ranges[kind.columns[p]], share = high > low ? (mean[p] - low) / (high - low) : 0.5;
       row.querySelector("i").style.left = `${100 * Math.min(Math.max(share, 0), 1)}%`;
     });
   }
 
-  // The scaled coordinates of some scenarios of a target at a point: what it must stand, and what is off as built.
-  function scenarios(target, t, some = Array.from({ length: target.count }, (_, s) => s)) {
-    const built = (input, k, offset) => {
-      const value = fromUnit(input, t[k]), [absolute, share] = target.tolerances[input.name];
-      return Math.min(Math.max(toUnit(input, value * (1 + share * offset) + absolute * offset), -1), 1);
-    };
-    return some.map((s) => model.inputs.map((input, k) => {
-      if (input.name in target.scenarios) return toUnit(input, target.scenarios[input.name][s]);
-      return input.name in target.offsets ? built(input, k, target.offsets[input.name][s]) : t[k];
-    }));
-  }
-
-  // Values of every name in each scenario at the point, and how far the intervals of the quantities reach from their means.
-  function cases(target) {
-    return scenarios(target, point).map((t, s) => {
-      const answer = predict(model, t), found = values(t, answer.mean), reach = {};
-      Object.entries(target.scenarios).forEach(([name, all]) => { found[name] = all[s]; });
-      data.quantities.forEach(({ name }, p) => {
-        const column = kind.columns[p], mean = answer.mean[column];
-        reach[name] = Math.max(answer.upper[column] - mean, mean - answer.lower[column]);
-      });
-      return { values: found, reach };
+  // Figures of the device: as far as the intervals of their quantities take them.
+  function showFigures(found, reach) {
+    data.figures.forEach(({ name, units, tree }) => {
+      const value = evaluate(tree, found), away = carried(tree, found, reach);
+      showValue(root.querySelector(`tr[data-figure="${name}"]`), units, value, value - away, value + away);
     });
   }
 
-  // The goal of the chosen target; without targets, the first quantity.
-  function goal() {
-    if (data.cases.length) return data.cases[chosen].goal;
-    const { name, title, units } = data.quantities[0];
-    return { title, tree: name, units, worst: false };
+  function showValue(row, units, mean, lower, upper) {
+    const shown = engineering(mean, units), ends = [lower, upper];
+    const count = figures(Math.max(...ends.map(Math.abs)), (upper - lower) / 2);
+    [row.dataset.mean, row.dataset.lower, row.dataset.upper] = [mean, lower, upper].map(String);
+    row.cells[1].textContent = fixed(mean / shown.size, count);
+    row.cells[2].textContent = `[${ends.map((end) => fixed(end / shown.size, count)).join(", ")}]`;
+    row.cells[3].textContent = shown.units;
   }
 
-  // The goal at scaled coordinates t, over the scenarios where it counts at worst, and whether some limit is broken there.
-  function judged(t) {
-    const target = data.cases[chosen], { tree, worst, maximise } = goal();
-    const all = target ? scenarios(target, t, target.few).map((one) => values(one)) : [values(t)];
-    const found = worst ? all.map((one) => evaluate(tree, one)) : [evaluate(tree, values(t))];
-    const limits = target ? target.limits.filter((one) => one.judged) : [];
-    const broken = limits.some(({ tree: of, value, upper }) => all.some((one) => (upper ? evaluate(of, one) > value : evaluate(of, one) < value)));
-    return { goal: (maximise ? Math.min : Math.max)(...found), broken };
-  }
-
-  // The verdict of workflow/design/verdict/assessment.py: exact at the design; elsewhere the worst scenario on the surrogate, where what
-  // is within its interval and the study's tolerance of the limit counts as held.
-  function verdict(limit, cases) {
+  // Exact at the design, as workflow/design/verdict/assessment.py has it; elsewhere on the surrogate.
+  function verdict(limit, points) {
     if (design !== null) return { value: limit.exact, room: 0, words: limit.held ? "held" : "broken" };
     if (!limit.judged) return { value: null, room: 0, words: "not judged at one point" };
-    const all = cases.map(({ values }) => evaluate(limit.tree, values)), value = (limit.upper ? Math.max : Math.min)(...all);
-    const { values, reach } = cases[all.indexOf(value)];
-    const room = data.quantities.reduce((sum, { name }) => {
-      const size = reach[name] + kind.allowances[name], at = (one) => evaluate(limit.tree, { ...values, [name]: one });
-      return sum + Math.abs(at(values[name] + size) - at(values[name] - size)) / 2;
-    }, 1e-12 * Math.abs(limit.value));
-    const excess = limit.upper ? value - limit.value : limit.value - value;
+    const { value, excess, room } = judge.worst(limit, points);
     return { value, room, words: excess > room ? "broken" : excess < -room ? "held" : "on the limit, as exactly as the surrogate can say" };
   }
 
@@ -155,7 +92,7 @@ function startWhatIf(root) {
     const over = target.over ? ` over ${target.over}` : "", name = spaced(target.name);
     const how = design === null ? `on the surrogate${over}${over ? ", whatever the sliders say of that" : ""}` : `exact${over}, at its design`;
     document.getElementById("judged").textContent = target.limits.length ? `Limits of ${name}, ${how}:` : `${name} has no limits.`;
-    const found = design === null && target.limits.some(({ judged: one }) => one) ? cases(target) : [];
+    const found = design === null && target.limits.some(({ judged: one }) => one) ? judge.scenarios(target, point) : [];
     list.replaceChildren(...target.limits.map((limit) => {
       const { value, room, words: said_ } = verdict(limit, found), row = document.createElement("li");
       row.className = said_ === "broken" ? "bad" : said_.startsWith("not") ? "soft" : "good";

@@ -1,0 +1,105 @@
+"""What the panel judges of limits, by one allowance for its map and its list, and tells of a device."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from surrogate import GridGP, Input
+from surrogate.use.export import exported
+from tests.workflow.report.browser import evaluated, needs_browser
+from workflow.language import grammar
+from workflow.language.constants import FIGURES
+from workflow.report import whatif
+from workflow.report.page import TEMPLATES
+from workflow.study.model import load
+
+SCRIPTS = "".join(
+    (TEMPLATES / name).read_text(encoding="utf-8") for name in ("surrogate.js", "largest.js", "judging.js")
+)
+INPUTS = (Input("radius", 0.01, 0.1, "log"), Input("load", 1e3, 1e4))
+OUTPUTS = ["charge_sensitivity", "capacitance"]
+#: What the middle of the box has, beyond a limit just below it by some part of the study's tolerance.
+CENTRE, ALLOWANCE = [0.0, 0.0], 1e-4
+
+STUDY = """
+title: A sensor
+fixed: {composite: fibrous, friction: 0.2, base: steel, thickness: 5e-4, radius: 0.05}
+factors:
+  volume_fraction: {low: 0.4, high: 0.6, levels: 3}
+  load: {low: 1e3, high: 1e4, levels: 3}
+surrogate: {outputs: [charge_sensitivity, capacitance]}
+device:
+  electrode_length: 10 mm
+  amplifier: {input_capacitance: 10 pF, cable_capacitance: 100 pF, charge_noise: 1 fC, voltage_noise: 20 uV}
+"""
+
+
+def model() -> GridGP:
+    """Two smooth outputs over a box."""
+    levels = [one.levels(9) for one in INPUTS]
+    radius, load = (xr.DataArray(own, {one.name: own}, one.name) for one, own in zip(INPUTS, levels, strict=True))
+    charge = 4e-11 * np.sqrt(radius / 0.05) * (1 + load / 1e5)
+    return GridGP(inputs=INPUTS).fit(
+        xr.Dataset({"charge_sensitivity": charge, "capacitance": 2e-8 * load / 1e3 + 0 * radius})
+    )
+
+
+def panel(fitted: GridGP, **changes: Any) -> str:
+    """A panel of one kind of case, and one target whose limit the surrogate exceeds by half of the allowance."""
+    middle = np.array([[one.from_unit(0.0) for one in INPUTS]])
+    value = float(fitted.predict_array(middle)[0, 0]) * 1e12 - ALLOWANCE / 2
+    limit = {"tree": ["*", "charge_sensitivity", 1e12], "value": value, "upper": True, "judged": True} | changes
+    goal = {"tree": "charge_sensitivity", "worst": False, "maximise": True}
+    case = {"limits": [limit], "goal": goal, "scenarios": {}, "offsets": {}, "tolerances": {}, "count": 1, "few": [0]}
+    data = {"fixed": {}, "quantities": [{"name": name} for name in OUTPUTS], "cases": [case]}
+    kind = {"columns": [0, 1], "allowances": {"charge_sensitivity": ALLOWANCE * 1e-12, "capacitance": 0.0}}
+    return f"""const model = loadSurrogate({json.dumps(exported(fitted))}), data = {json.dumps(data)};
+const judge = judging({{ data, model, chosen: 0, kind: {json.dumps(kind)} }}), [limit] = data.cases[0].limits;"""
+
+
+@needs_browser
+def test_the_map_allows_a_limit_what_the_list_below_it_allows(tmp_path: Path) -> None:
+    fitted = model()
+    told = "({{ excess: {0}.excess, room: {0}.room, broken: judge.cell({1}).broken }})"
+    at = f"judge.worst(limit, judge.scenarios(data.cases[0], {CENTRE}))"
+    seen = evaluated(SCRIPTS + panel(fitted), told.format(at, CENTRE), tmp_path)
+    assert seen["excess"] == pytest.approx(ALLOWANCE / 2, rel=1e-6)
+    assert seen["room"] >= ALLOWANCE
+    assert not seen["broken"]
+    beyond = panel(fitted, value=50.0)  # a corner has 40 sqrt(2) 1.1 pC/N
+    assert evaluated(SCRIPTS + beyond, "judge.cell([1, 1]).broken", tmp_path)
+
+
+def test_a_study_with_a_device_tells_its_figures_and_no_other(tmp_path: Path) -> None:
+    path = tmp_path / "sensor.yaml"
+    path.write_text(STUDY, encoding="utf-8")
+    names = [one["name"] for one in whatif.figures(load(path))]
+    assert names == [
+        "force",
+        "signal_charge",
+        "circuit_capacitance",
+        "signal_voltage",
+        "smallest_force",
+        "dynamic_range",
+    ]
+
+
+@needs_browser
+def test_figures_at_the_sliders_are_those_of_python(tmp_path: Path) -> None:
+    path = tmp_path / "sensor.yaml"
+    path.write_text(STUDY, encoding="utf-8")
+    study = load(path)
+    values = {"charge_sensitivity": -4e-11, "capacitance": 2e-8, "load": 5e3}
+    trees = {one["name"]: one["tree"] for one in whatif.figures(study)}
+    script = f"{SCRIPTS}const trees = {json.dumps(trees)}, values = {json.dumps(values)};"
+    told = "Object.fromEntries(Object.entries(trees).map(([name, tree]) => [name, evaluate(tree, values)]))"
+    constants = {name: np.array(one) for name, one in study.device.constants.items()} if study.device else {}
+    known = {name: np.array(one) for name, one in values.items()} | constants
+    expected = {name: float(grammar.parse(FIGURES[name].formula).evaluate(known)) for name in trees}
+    assert evaluated(script, told, tmp_path) == pytest.approx(expected, rel=1e-12)
+    moved = evaluated(script, "carried(trees.signal_charge, values, { charge_sensitivity: 1e-13 })", tmp_path)
+    assert moved == pytest.approx(1e-13 * 5e3 * 0.01, rel=1e-9)  # linear in it: load times length times the change
