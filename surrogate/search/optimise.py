@@ -17,6 +17,7 @@ _ROUNDING = 1e-15  # margin that no step lessens
 _STANDS = 1e-9  # change of all variables that is none
 _STEPS, _ROUNDS = 4, 3
 _TIE = 1e-11  # share of the objective's range over the box that counts as none
+_VANISHING = 1e-100  # share of the largest slope below which one is none
 
 
 @dataclass(frozen=True)
@@ -141,6 +142,8 @@ def retreat(problem: Problem, x: Array) -> Array:
 
 def _shortest(jacobian: Array, rise: Array, x: Array) -> Array:
     """The shortest step from x by which rows rise so far; a variable that would leave the box stops at its end."""
+    # LAPACK's rotations lose their angle among subnormal numbers
+    jacobian = np.where(np.abs(jacobian) > _VANISHING * np.abs(jacobian).max(initial=0.0), jacobian, 0.0)
     step, free = np.zeros(len(x)), np.ones(len(x), dtype=bool)
     while free.any():
         step[free] = np.linalg.lstsq(jacobian[:, free], rise - jacobian[:, ~free] @ step[~free], rcond=None)[0]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -112,6 +112,7 @@ def test_a_free_choice_goes_to_the_largest_margin() -> None:
 
 
 @given(st.floats(0.1, 0.9), st.floats(0, 2 * np.pi), st.floats(1e-14, 1e-6))
+@example(square=0.5, angle=5e-324, beyond=1e-6)
 def test_a_point_beyond_a_limit_steps_back_onto_it_the_shortest_way(square: float, angle: float, beyond: float) -> None:
     """On the disc of the worst scenario that way is along the radius."""
     problem, size = linear_on_a_disc(square + 0.2), np.sqrt(square)
