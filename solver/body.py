@@ -6,15 +6,18 @@ its name here.
 """
 
 from collections.abc import Collection, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 from approximation.arrays import Array
 from solver.names import (
+    AIR,
     BODY,
+    CHOICES,
     CONTACTS,
     FILM_PEAKS,
     FILM_QUANTITIES,
+    GAP_QUANTITIES,
     OF_A_FILM,
     PEAKS,
     POINT_QUANTITIES,
@@ -48,6 +51,8 @@ class Kind:
         Names of ``solver.curves.REGIONS`` that its peaks may follow from.
     layered
         Whether it has a top layer with a thickness, on a base.
+    air
+        Whether the air beside its contact carries charge; its fields are not given.
     factors
         Factors that no other kind has.
     tabled
@@ -63,6 +68,7 @@ class Kind:
     peaks: Mapping[str, Described]
     regions: tuple[str, ...]
     layered: bool = False
+    air: bool = False
     factors: tuple[str, ...] = ()
     tabled: tuple[str, ...] = ()
     method: str = ""
@@ -92,6 +98,29 @@ FILM = Kind(
     method="; on films, integral equations with the closed form as their singular part",
 )
 
+_OF_A_LINE = {name: one for name, one in QUANTITIES.items() if "_edge_intensity_" not in name}
+_IN_AIR = "; with air beside the contact, Newton's iteration on charges beside it"
+HALF_PLANE_IN_AIR = Kind(
+    "half-plane with air beside the contact",
+    "line",
+    "relative",
+    _OF_A_LINE | {name: FILM_QUANTITIES[name] for name in ("capacitance", "permeance")} | GAP_QUANTITIES,
+    {},
+    (),
+    air=True,
+    tabled=tuple(name for name in TABLED if name not in OF_A_FILM),
+    method=_IN_AIR,
+)
+FILM_IN_AIR = replace(
+    FILM,
+    name="film with air beside the contact",
+    quantities=_OF_A_LINE | FILM_QUANTITIES | GAP_QUANTITIES,
+    peaks={},
+    regions=(),
+    air=True,
+    method=FILM.method + _IN_AIR,
+)
+
 HALF_SPACE = Kind("half-space", "point", "absolute", POINT_QUANTITIES, {}, ())
 POINT_FILM = Kind(
     "film under a point",
@@ -106,13 +135,16 @@ POINT_FILM = Kind(
     method="; on films under a point, Galerkin's equations in Legendre functions beside the closed form",
 )
 
-#: Kinds by contact and by whether the body is layered.
-KINDS: dict[tuple[Contact, bool], Kind] = {
-    (kind.contact, kind.layered): kind for kind in (HALF_PLANE, FILM, HALF_SPACE, POINT_FILM)
+#: Kinds by contact, by whether the body is layered, and by whether air beside the contact carries charge.
+KINDS: dict[tuple[Contact, bool, bool], Kind] = {
+    (kind.contact, kind.layered, kind.air): kind
+    for kind in (HALF_PLANE, FILM, HALF_PLANE_IN_AIR, FILM_IN_AIR, HALF_SPACE, POINT_FILM)
 }
 
 
-def kind_of(factors: Collection[str], profile: object = "cylinder") -> Kind:
+def kind_of(
+    factors: Collection[str], profile: object = "cylinder", surroundings: object = CHOICES["surroundings"][0]
+) -> Kind:
     """The kind of a case.
 
     Parameters
@@ -121,9 +153,12 @@ def kind_of(factors: Collection[str], profile: object = "cylinder") -> Kind:
         Names of the factors that it has.
     profile
         That of its punch; one of one's own, or one that is not known and refused later, is pressed along a line.
+    surroundings
+        What is beside its contact; points have no air, and are refused with it later.
     """
     contact = PROFILES[profile].contact if isinstance(profile, str) and profile in PROFILES else "line"
-    return KINDS[contact, BODY in factors or "thickness" in factors]
+    layered = BODY in factors or "thickness" in factors
+    return KINDS[contact, layered, contact == "line" and surroundings == AIR]
 
 
 class Body(Protocol):

@@ -43,7 +43,8 @@ class Factor:
 class Described:
     """Unit and meaning of an output, and what one must know to use it.
 
-    ``on_datum``: it hangs on the datum of a half-plane. ``sparse``: it is NaN in a case that has none.
+    ``on_datum``: it hangs on the datum of a half-plane; ``on_punch``: along a line also on that of an elastic punch.
+    ``sparse``: it is NaN in a case that has none.
     ``formula``: how it follows from smoother ones, in the language of designs.
     """
 
@@ -51,6 +52,7 @@ class Described:
     long_name: str
     comment: str = ""
     on_datum: bool = False
+    on_punch: bool = False
     sparse: bool = False
     formula: str = ""
 
@@ -83,8 +85,8 @@ class Outline:
         return (*self.needs, *self.may)
 
 
-def _on_datum(units: str, long_name: str) -> Described:
-    return Described(units, long_name, _DATUM, on_datum=True)
+def _on_datum(units: str, long_name: str, *, on_punch: bool = False) -> Described:
+    return Described(units, long_name, _DATUM, on_datum=True, on_punch=on_punch)
 
 
 _DATUM = (
@@ -116,6 +118,9 @@ FACTORS: dict[str, Factor] = {
     "total_flux": Factor("Wb", "magnetic charge of the punch of a point contact", 0.0),
     "speed": Factor("m s-1", "steady sliding speed V", 0.0, 0.0),
     "datum": Factor("m", "reference length L of the potentials", 1.0, 0.0, low_allowed=False),
+    "gap_permittivity": Factor(
+        "1", "relative permittivity of what fills the gap beside the contact", 1.0, 0.0, low_allowed=False
+    ),
     "thickness": Factor("m", "thickness of a film", None, 0.0, low_allowed=False, optional=True),
     "base_volume_fraction": Factor(
         "1", "volume fraction of phase one at the base of a graded film", None, 0.0, high=1.0, optional=True
@@ -125,6 +130,17 @@ FACTORS: dict[str, Factor] = {
     "base_poisson": Factor(
         "1",
         "Poisson's ratio of a film's base",
+        None,
+        -1.0,
+        low_allowed=False,
+        high=0.5,
+        high_allowed=False,
+        optional=True,
+    ),
+    "punch_modulus": Factor("Pa", "Young's modulus of the punch", None, 0.0, low_allowed=False, optional=True),
+    "punch_poisson": Factor(
+        "1",
+        "Poisson's ratio of the punch",
         None,
         -1.0,
         low_allowed=False,
@@ -147,12 +163,19 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "corner": ("leading", "trailing"),
     "electric": ("conducting", "insulating"),
     "magnetic": ("conducting", "insulating"),
+    "surroundings": ("insulated", "air"),
     "interface_electric": ("grounded", "bonded"),
     "interface_magnetic": ("grounded", "bonded", "insulated"),
 }
 
 #: Factors that name materials.
-MATERIALS = ("material", "base")
+MATERIALS = ("material", "base", "punch")
+
+#: Factors that say what the punch is made of: a name, or modulus and Poisson's ratio; without one it is rigid.
+OF_A_PUNCH = ("punch", "punch_modulus", "punch_poisson")
+
+#: What is beside a contact whose charges spread along the punch, and the factor that it alone has.
+AIR, OF_A_GAP = "air", "gap_permittivity"
 
 #: Factors that only a film has: a case with a thickness. Its base is named or given by modulus and Poisson's ratio.
 OF_A_FILM = (
@@ -259,7 +282,7 @@ QUANTITIES: dict[str, Described] = {
     "contact_leading": Described("m", "leading extent b of the contact"),
     "pressure_exponent": Described("1", "pressure exponent alpha"),
     "peak_pressure": Described("Pa", "largest contact pressure"),
-    "depth": _on_datum("m", "indentation depth relative to the datum"),
+    "depth": _on_datum("m", "indentation depth relative to the datum", on_punch=True),
     "voltage": _on_datum("V", "electric potential of the punch relative to the datum"),
     "magnetic_potential": _on_datum("A", "magnetic potential of the punch relative to the datum"),
     "electric_edge_intensity_trailing": Described("C m-3/2", "edge intensity of D_y at the trailing edge"),
@@ -274,8 +297,12 @@ QUANTITIES: dict[str, Described] = {
     "flux_sensitivity": _on_datum("Wb N-1", "magnetic charge per load that makes the magnetic potential 0, T = 0"),
     "stroke_per_volt": Described("m V-1", "depth per voltage at fixed load and magnetic charge"),
     "stroke_per_ampere": Described("m A-1", "depth per magnetic potential at fixed load and electric charge"),
-    "blocked_load_per_volt": _on_datum("N m-1 V-1", "load per voltage at fixed depth and magnetic charge"),
-    "blocked_load_per_ampere": _on_datum("N m-1 A-1", "load per magnetic potential at fixed depth and electric charge"),
+    "blocked_load_per_volt": _on_datum(
+        "N m-1 V-1", "load per voltage at fixed depth and magnetic charge", on_punch=True
+    ),
+    "blocked_load_per_ampere": _on_datum(
+        "N m-1 A-1", "load per magnetic potential at fixed depth and electric charge", on_punch=True
+    ),
 }
 
 #: Quantities of the body below depth 0.1 h, which are searched for and given when asked for.
@@ -296,6 +323,13 @@ FILM_QUANTITIES: dict[str, Described] = {
     "nominal_field": Described(
         "V m-1", "abs(voltage)/thickness: the field away from the edges", formula="abs(voltage)/thickness"
     ),
+}
+
+#: Quantities that a contact has where a gap beside it carries charge, in place of edge intensities.
+GAP_QUANTITIES: dict[str, Described] = {
+    "capacitance_at_load": _on_datum("F m-1", "d charge / d voltage at fixed load and magnetic charge"),
+    "peak_displacement": Described("C m-2", "largest abs(D_y) on the contact and beside it"),
+    "gap_field": Described("V m-1", "largest electric field in the gap beside the contact"),
 }
 
 #: Quantities of a film that are searched for and given when asked for, in place of ``PEAKS``.
@@ -354,7 +388,7 @@ LIMITED: dict[str, tuple[str, ...]] = {
 }
 
 #: Every quantity of any body.
-ALL_QUANTITIES = {**EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **POINT_QUANTITIES}
+ALL_QUANTITIES = {**EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **GAP_QUANTITIES, **POINT_QUANTITIES}
 
 #: Those that are searched for over a body.
 ALL_PEAKS = {**PEAKS, **FILM_PEAKS}
@@ -362,5 +396,5 @@ ALL_PEAKS = {**PEAKS, **FILM_PEAKS}
 #: Numeric factors of a film for whose every value the solver makes tables; it reads from these at all others.
 TABLED = (
     "volume_fraction", "scandium_fraction", "friction", "speed",
-    "base_modulus", "base_poisson", "base_volume_fraction", "grading_exponent",
+    "base_modulus", "base_poisson", "base_volume_fraction", "grading_exponent", "punch_modulus", "punch_poisson",
 )  # fmt: skip

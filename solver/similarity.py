@@ -2,8 +2,10 @@
 
 Linear theory knows two scalings of a contact. *Size* l: radius, load, charges, thickness, width and datum times l give
 the same stresses on l times the lengths. *Strength* s: load, charges and the slope of a face times s, the radius over
-s, give s times the stresses and potentials on the same lengths. Every factor and quantity is then l^size s^strength
-times what it was; those that are not named here stay (docs/theory.md, section 8; docs/theory-films.md).
+s, give s times the stresses and potentials on the same lengths, unless air is beside the contact: its gap is s times as
+wide, so that its permittivity and permeability would have to be s times as large. Every factor and quantity is then
+l^size s^strength times what it was; those that are not named here stay (docs/theory.md, section 8;
+docs/theory-films.md).
 """
 
 from dataclasses import dataclass
@@ -47,7 +49,7 @@ _CHANGING: dict[Weight, tuple[str, ...]] = {
     Weight(-1.0): ("voltage_per_force", "magnetic_potential_per_force"),
     _STRESS: (
         "peak_pressure", "trailing_tension", "leading_compression", "nominal_field", "peak_von_mises",
-        "peak_principal_tension", "interface_shear", "interface_tension", "film_peak_von_mises",
+        "peak_principal_tension", "interface_shear", "interface_tension", "film_peak_von_mises", "peak_displacement",
         "film_peak_principal_tension", "base_peak_von_mises", "base_peak_principal_tension",
     ),
 }  # fmt: skip

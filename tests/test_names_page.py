@@ -16,6 +16,7 @@ from solver.names import (
     EVERY_FILM_QUANTITY,
     EVERY_QUANTITY,
     FACTORS,
+    GAP_QUANTITIES,
     LIMITED,
     LIMITS,
     PEAKS,
@@ -67,6 +68,10 @@ def test_the_table_of_quantities_is_the_code_s() -> None:
 
 def test_the_table_of_a_film_s_quantities_is_the_code_s() -> None:
     assert rows("of a film") == {name: [one.units, one.long_name] for name, one in EVERY_FILM_QUANTITY.items()}
+
+
+def test_the_table_of_quantities_with_air_is_the_code_s() -> None:
+    assert rows("of a contact with air") == {name: [one.units, one.long_name] for name, one in GAP_QUANTITIES.items()}
 
 
 def test_the_table_of_a_point_s_quantities_is_the_code_s() -> None:

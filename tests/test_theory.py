@@ -117,7 +117,7 @@ SAID = {
     "volts per load, datum 10 m": "0.057",
     "width between conductor and insulator": "1.4 %",
     "pressure between conductor and insulator": "pressure 1.4 %",
-    "width under an elastic punch of steel": "30 %",
+    "width under an elastic punch of steel": "29 %",
     "(a/R)^2": "2e-05",
     "largest pressure": "312 MPa",
     "tension behind the trailing edge": "200 MPa",

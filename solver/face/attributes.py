@@ -9,12 +9,13 @@ from solver.body import KINDS
 from solver.face.filmfactors import present
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import BODY, CHOICES, CONTACTS, FACTORS, OF_A_LINE, PROFILES, Described
+from solver.names import BODY, CHOICES, CONTACTS, FACTORS, OF_A_GAP, OF_A_LINE, OF_A_PUNCH, PROFILES, Described
 
 #: How every solution is made (CF: the method of production).
 SOURCE = "meecontact: closed-form solution of plane contact in the Stroh formalism"
 _RELATIVE = " relative to the datum"
 _FILM_DATUM = "of a film absolute above a grounded interface (depths: on a rigid base); elsewhere it "
+_PUNCH_DATUM = "an elastic punch's own: its radius, of a flat one its width, of a wedge the datum"
 _LISTS = ("composite", "phases", "defaults")
 _TEXTS = ("title", "source")
 
@@ -48,7 +49,16 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
 
 
 def of_output(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[str, str]:
-    """CF attributes of an output; what hangs on the datum says which one the cases have."""
+    """CF attributes of an output; what hangs on a datum says which ones the cases have."""
+    attrs = _of_body(described, arrays)
+    line = any(kind.contact == "line" for kind in present(arrays))
+    if described.on_punch and line and not set(OF_A_PUNCH).isdisjoint(arrays):
+        attrs["comment"] = "; ".join([*([attrs["comment"]] if "comment" in attrs else []), _PUNCH_DATUM])
+    return attrs
+
+
+def _of_body(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[str, str]:
+    """The same, of the datum of the body."""
     if not described.on_datum:
         return described.attrs
     if all(kind.datum == "absolute" for kind in present(arrays)):
@@ -92,7 +102,8 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
         spared -= {name for kind in kinds_present for name in kind.factors}
     contacts = {kind.contact for kind in kinds_present}
     unused = {name for contact, loads in CONTACTS.items() if contact not in contacts for name in loads.charges}
-    unused |= set() if "line" in contacts else set(OF_A_LINE)
+    unused |= set() if "line" in contacts else {*OF_A_LINE, "surroundings"}
+    unused |= set() if any(kind.air for kind in kinds_present) else {OF_A_GAP}
     spared |= unused
     found = {name: value for name, value in found.items() if name not in unused}
     if "interface_magnetic" not in {*arrays, *spared}:

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable
 
-from solver.body import FILM, HALF_PLANE, HALF_SPACE, POINT_FILM, Body
+from solver.body import FILM, FILM_IN_AIR, HALF_PLANE, HALF_PLANE_IN_AIR, HALF_SPACE, POINT_FILM, Body
+from solver.face.air import FilmInAir, HalfPlaneInAir
 from solver.face.cases import Cases
 from solver.face.film import OnFilm
 from solver.face.halfplane import OnHalfPlane
@@ -11,6 +12,8 @@ from solver.face.point import OnHalfSpace, OnPointFilm
 _BODIES: dict[str, Callable[[Cases], Body]] = {
     HALF_PLANE.name: OnHalfPlane,
     FILM.name: OnFilm,
+    HALF_PLANE_IN_AIR.name: HalfPlaneInAir,
+    FILM_IN_AIR.name: FilmInAir,
     HALF_SPACE.name: OnHalfSpace,
     POINT_FILM.name: OnPointFilm,
 }

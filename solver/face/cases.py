@@ -21,7 +21,7 @@ from solver.face.refusal import FactorError
 from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import CHOICES, FACTORS, Described
+from solver.names import CHOICES, FACTORS, PROFILES, Described, Outline
 
 _OF_A_KIND = ("profile", "corner")  # one of each at a time; what varies is solved part by part
 
@@ -94,6 +94,12 @@ class Cases:
             return Profile.wedge(self.number("slope"), corner)
         return Profile.half_cylinder(self.number("radius"), corner)
 
+    @property
+    def outline(self) -> Outline:
+        """What the one profile of cases of a kind takes; nothing of one's own."""
+        kind = self._one("profile")
+        return Outline(()) if isinstance(kind, Profile) else PROFILES[kind]
+
     def _one(self, name: str) -> Any:
         """A named choice that all cases share, or its default."""
         return self.values[name].flat[0] if name in self.values else CHOICES[name][0]
@@ -151,8 +157,8 @@ class Cases:
         return self._by_kind(part).assign_attrs(attributes(title, self.arrays, self.phases))
 
     def _by_kind(self, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
-        """The part of each profile, corner and body, put together along the dimension that they vary on."""
-        for name in (*_OF_A_KIND, "thickness"):
+        """The part of each profile, corner, surroundings and body, put together along what they vary on."""
+        for name in (*_OF_A_KIND, "surroundings", "thickness"):
             given = kinds_of(self.arrays) if name == "thickness" else self.arrays.get(name, xr.DataArray())
             kinds = given.values
             if kinds.size < 2 or len(found := list(dict.fromkeys(kinds.flat))) < 2:

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import is_finite, shown
-from solver.face.filmfactors import check_films
+from solver.face.filmfactors import check_elasticity, check_films, check_gaps
 from solver.face.refusal import FactorError
 from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
@@ -69,6 +69,8 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
         raise FactorError(f"factors: dimensions do not fit each other: {str(error).splitlines()[0]}") from error
     _check_charges(arrays)
     check_films(arrays)
+    check_elasticity(arrays, "punch")
+    check_gaps(arrays)
     return arrays
 
 

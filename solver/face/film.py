@@ -5,17 +5,17 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver.arrays import Array
 from solver.face.cases import Cases
-from solver.face.filmbodies import films_of
+from solver.face.filmbodies import Bodies, films_of
+from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import FactorError
 from solver.film.along import fields
 from solver.film.inside import inside
 from solver.film.quantities import curves, peaks, quantities
 from solver.film.similar import Films
-from solver.film.windows import Kind, critical
+from solver.film.windows import Indices, Kind, critical
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.material.constants import MaterialError
@@ -26,7 +26,7 @@ from solver.names import FIELDS, FILM_PEAKS, INTERIOR, NEED_C12, SINGULAR
 class _Group:
     """Cases that share one set of tables, and their places among all."""
 
-    places: NDArray[np.intp]
+    places: Indices
     kind: Kind
 
 
@@ -45,29 +45,29 @@ class OnFilm:
     def __init__(self, cases: Cases) -> None:
         self.cases = cases
         self.shape = tuple(cases.sizes.values())
-        self._bodies = films_of(cases)
+        self._bodies = self._made()
         self._groups = list(self._grouped())
 
     def quantities(self) -> dict[str, Array]:
         """Those of ``solver.names.QUANTITIES`` and ``FILM_QUANTITIES`` that every case has; (...)."""
-        return self._put_together(quantities)
+        return self._put_together(lambda films, _: quantities(films))
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of ``solver.names.FILM_PEAKS`` that are asked for and every case has; (...)."""
         if (lacks := self._bodies.lacks_c12) is not None and asked & FILM_PEAKS.keys():
             raise MaterialError(f"{lacks}: c12: missing; film_peak_von_mises needs it [Pa]")
-        return self._put_together(lambda films: peaks(films, asked))
+        return self._put_together(lambda films, _: peaks(films, asked))
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """Sizes and curves of regions, see ``solver.curves``, that every case has; (...) and (..., point)."""
         if (lacks := self._bodies.lacks_c12) is not None:
             raise MaterialError(f"{lacks}: c12: missing; stresses inside the film need it [Pa]")
-        return self._put_together(lambda films: curves(films, regions))
+        return self._put_together(lambda films, _: curves(films, regions))
 
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
         """The surface fields at X, the singular ones also in regular form if asked; (..., position)."""
 
-        def found(films: Films) -> dict[str, Array]:
+        def found(films: Films, _: Indices) -> dict[str, Array]:
             values = fields(films, positions)
             if regular:
                 root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
@@ -86,17 +86,17 @@ class OnFilm:
                 if name in NEED_C12:
                     raise MaterialError(f"{lacks}: c12: missing; {name} needs it [Pa]")
 
-        def found(films: Films) -> dict[str, Array]:
+        def found(films: Films, _: Indices) -> dict[str, Array]:
             return dict(zip(names, np.moveaxis(inside(films, x, y, names), 1, 0), strict=True))
 
         return self._put_together(found)
 
     @np.errstate(all="ignore")  # what is not finite is named in the outputs
-    def _put_together(self, output: Callable[[Films], dict[str, Array]]) -> dict[str, Array]:
-        """Outputs of every group in the places of their cases; those that every group has."""
+    def _put_together(self, output: Callable[[Films, Indices], dict[str, Array]]) -> dict[str, Array]:
+        """Outputs of the films of every group, at their places among the cases; those that every group has."""
         try:
             # films are made anew for every output: tables of thousands of stacks are not held at once
-            parts = [output(self._films(group)) for group in self._groups]
+            parts = [output(self._films(group), group.places) for group in self._groups]
         except ContactError as error:
             raise FactorError(str(error)) from None
         out: dict[str, Array] = {}
@@ -110,11 +110,16 @@ class OnFilm:
             out[name] = whole.reshape((*self.shape, *own))
         return out
 
+    def _made(self) -> Bodies:
+        """What the cases lie on."""
+        return films_of(self.cases)
+
     # -- groups --------------------------------------------------------------------------------------------------------
     def _grouped(self) -> Iterator[_Group]:
-        """Cases by film, friction and conduction, told apart at the smallest shape that these have."""
-        conducts = self.cases.conducts
+        """Cases by film, friction, conduction and punch, told apart at the smallest shape that these have."""
+        conducts, punch = self.cases.conducts, punch_of(self.cases)
         own = [self.cases.number("friction"), conducts[..., 0], conducts[..., 1], self.cases.number("speed")]
+        own += [punch.compliance, punch.coupling]
         columns = [*self._bodies.columns, *own]
         table = np.stack(np.broadcast_arrays(*(np.asarray(c, dtype=np.float64) for c in columns)), -1)
         kinds, which = np.unique(table.reshape(-1, table.shape[-1]), axis=0, return_inverse=True)
@@ -124,11 +129,14 @@ class OnFilm:
             yield _Group(np.flatnonzero(of_case == number), self._kind(row))
 
     def _kind(self, row: list[float]) -> Kind:
-        *film, friction, electric, magnetic, speed = row
+        *film, friction, electric, magnetic, speed, compliance, coupling = row
         profile = self.cases.profile
         layers, base = self._bodies.film(film)
         degree = max(len(profile.slope) - 1, 1)
-        kind = Kind(layers, base, friction, (bool(electric), bool(magnetic)), profile.smooth, degree)
+        kind = Kind(
+            layers, base, friction, (bool(electric), bool(magnetic)), profile.smooth, degree,
+            punch=(compliance, coupling),
+        )  # fmt: skip
         kind.stack()  # refuses what its base does not have before anything is computed
         if speed > 0 and not speed < (limit := self._critical(kind)):
             raise FactorError(
@@ -144,9 +152,13 @@ class OnFilm:
         except MaterialError as error:
             raise FactorError(f"speed: {error}") from None
 
+    def _chosen(self, values: Any, places: Indices) -> Array:
+        """Values of the cases at some places; (place,)."""
+        return np.asarray(np.broadcast_to(values, self.shape).ravel()[places])
+
     def _films(self, group: _Group) -> Films:
         def chosen(values: Any) -> Array:
-            return np.asarray(np.broadcast_to(values, self.shape).ravel()[group.places])
+            return self._chosen(values, group.places)
 
         p, number = self.cases.profile, self.cases.number
         profile = Profile(
@@ -154,6 +166,7 @@ class OnFilm:
             None if p.width is None else chosen(p.width),
             None if p.moment is None else chosen(p.moment),
         )  # fmt: skip
+        own = punch_datum(self.cases)
         charges = np.stack([chosen(charge) for charge in np.moveaxis(self.cases.charges, -1, 0)], -1)
         return Films(
             group.kind,
@@ -162,4 +175,5 @@ class OnFilm:
             charges,
             chosen(number("datum")),
             chosen(self._bodies.thickness),
+            None if own is None else chosen(own),
         )

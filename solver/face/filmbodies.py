@@ -1,6 +1,7 @@
 """Which film every case lies on, by factors or as a stack: told apart by numbers, made of layers."""
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +18,27 @@ from solver.material.constants import UNITS, Material
 from solver.names import CHOICES, MIXTURES
 
 _UNGRADED = -1.0
+_HALF_LENGTH = 10**0.25  # of half-planes over the thickness: the middle of a window
 _INTERFACES = ("interface_electric", "interface_magnetic")
 
 Film = tuple[tuple[Coat, ...], Constants | None]
+
+
+class Bodies(Protocol):
+    """Films, told apart by numbers, whose top layer has a thickness [m] over the case axes."""
+
+    thickness: Array
+
+    @property
+    def columns(self) -> list[Array]:
+        """Numbers that tell films apart, each over the case axes."""
+
+    def film(self, row: Sequence[float]) -> Film:
+        """The layers, the top one of unit thickness, and the base, of one row of the columns."""
+
+    @property
+    def lacks_c12(self) -> str | None:
+        """The name of a material without c12."""
 
 
 class ByFactors:
@@ -46,8 +65,8 @@ class ByFactors:
         mixture = np.select([kind == name for name in MIXTURES], range(len(MIXTURES)), len(MIXTURES))
         exponent = np.nan_to_num(values.get("grading_exponent", np.array(np.nan)), nan=1.0)
         return [
-            *self._constants(self._material),
-            *(np.where(self._rigid, 0.0, constant) for constant in self._constants(self._base)),
+            *_known(self._cases, self._material),
+            *(np.where(self._rigid, 0.0, constant) for constant in _known(self._cases, self._base)),
             self._rigid,
             *(self._interface(name) for name in _INTERFACES),
             np.where(there, graded, _UNGRADED),
@@ -76,12 +95,6 @@ class ByFactors:
     def lacks_c12(self) -> str | None:
         """The name of a material without c12, of films and of bases that are not rigid."""
         return _lacking([(self._material, np.array(True)), (self._base, ~self._rigid)])
-
-    def _constants(self, material: Material) -> list[Array]:
-        """Constants by case, infinite where unknown; the density of what rests has no part."""
-        moving = self._cases.number("speed") > 0
-        known = {key: np.nan_to_num(getattr(material, key), nan=np.inf) for key in UNITS}
-        return [np.where(moving, value, np.inf) if key == "rho" else value for key, value in known.items()]
 
     def _interface(self, name: str) -> Array:
         """What the interface is to a field: the place among the choices, -1 for the default of its base."""
@@ -127,9 +140,41 @@ def _over_the_top(stack: Stack) -> Film:
     return layers, None if isinstance(stack.base, str) else constants_of(stack.base)
 
 
-def films_of(cases: Cases) -> ByFactors | ByStack:
+class HalfPlanes:
+    """Half-planes as films bonded to their own material: of any thickness, which the contact is given in proportion to.
+
+    All lie in the middle of one window of half-lengths, whatever their punch and load.
+    """
+
+    def __init__(self, cases: Cases, material: Material, half_length: Array) -> None:
+        self._cases, self._material = cases, material
+        self.thickness: Array = half_length / _HALF_LENGTH
+
+    @property
+    def columns(self) -> list[Array]:
+        """Numbers that tell films apart, each over the case axes."""
+        return _known(self._cases, self._material)
+
+    def film(self, row: Sequence[float]) -> Film:
+        """The layers, the top one of unit thickness, and the base, of one row of the columns."""
+        return (Coat(_constants(row), 1.0, "bonded", "bonded"),), _constants(row)
+
+    @property
+    def lacks_c12(self) -> str | None:
+        """The name of a material without c12."""
+        return _lacking([(self._material, np.array(True))])
+
+
+def films_of(cases: Cases) -> Bodies:
     """The films of cases that are all on films."""
     return ByStack(cases) if "body" in cases.values else ByFactors(cases)
+
+
+def _known(cases: Cases, material: Material) -> list[Array]:
+    """Constants by case, infinite where unknown; the density of what rests has no part."""
+    moving = cases.number("speed") > 0
+    known = {key: np.nan_to_num(getattr(material, key), nan=np.inf) for key in UNITS}
+    return [np.where(moving, value, np.inf) if key == "rho" else value for key, value in known.items()]
 
 
 def _constants(row: Sequence[float]) -> Constants:

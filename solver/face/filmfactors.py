@@ -11,8 +11,9 @@ from solver.body import KINDS, Kind
 from solver.face.refusal import FactorError
 from solver.film.stack import RIGID, Stack
 from solver.material.constants import Material
-from solver.names import BODY, FACTORS, MATERIALS, OF_A_FILM, PROFILES
+from solver.names import AIR, BODY, FACTORS, OF_A_FILM, OF_A_GAP, PROFILES
 
+_POINTS = [kind.name for kind in KINDS.values() if kind.contact == "point"]
 _BASE = f"{RIGID!r} or a material's name, or else base_modulus and base_poisson"
 
 
@@ -41,9 +42,11 @@ def kinds_of(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
     for name, outline in PROFILES.items():
         if outline.contact != "line" and "profile" in arrays:
             contact = contact.where(arrays["profile"].drop_vars(arrays["profile"].coords) != name, outline.contact)
+    airy = (arrays["surroundings"] == AIR) if "surroundings" in arrays else xr.DataArray(False)
+    airy = airy.drop_vars(airy.coords)
     names = xr.DataArray("")
-    for (touched, layers), kind in KINDS.items():
-        names = names.where((contact != touched) | (layered != layers), kind.name)
+    for (touched, layers, air), kind in KINDS.items():
+        names = names.where((contact != touched) | (layered != layers) | (airy != air), kind.name)
     return names
 
 
@@ -66,27 +69,55 @@ def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
     if BODY in arrays:
         _check_stacks(arrays)
     for name in OF_A_FILM[1:]:
-        _refuse(arrays, name, present[name] & ~film, "without a thickness; only a film has one")
+        refuse(arrays, name, present[name] & ~film, "without a thickness; only a film has one")
     if not np.any(film):
         return
     if "base" in arrays:
         for value in arrays["base"].values.flat:
             if not (absent(value) or isinstance(value, str | Material)):
                 raise FactorError(f"base: {shown(value)} is no material; must be {_BASE}")
-    modulus, poisson = present["base_modulus"], present["base_poisson"]
-    _refuse(arrays, "base_modulus", modulus & present["base"], "beside a base; give either")
-    _refuse(arrays, "base_poisson", poisson & present["base"], "beside a base; give either")
-    for name, lacks in (("base_poisson", modulus & ~poisson), ("base_modulus", poisson & ~modulus)):
-        if np.any(lacks):
-            raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed}")
-    if np.any(film & ~present["base"] & ~modulus):
+    check_elasticity(arrays, "base")
+    if np.any(film & ~present["base"] & ~present["base_modulus"]):
         raise FactorError(f"base: missing; must be {_BASE}")
     graded, exponent = present["base_volume_fraction"], present["grading_exponent"]
     if "volume_fraction" not in arrays:
-        _refuse(arrays, "base_volume_fraction", graded, "without a volume_fraction, which a graded film has on top")
-    _refuse(
-        arrays, "grading_exponent", exponent & ~graded, "without a base_volume_fraction; only a graded film has one"
-    )
+        refuse(arrays, "base_volume_fraction", graded, "without a volume_fraction, which a graded film has on top")
+    refuse(arrays, "grading_exponent", exponent & ~graded, "without a base_volume_fraction; only a graded film has one")
+
+
+def check_elasticity(arrays: Mapping[str, xr.DataArray], body: str) -> None:
+    """A base or a punch is either named or has both modulus and Poisson's ratio.
+
+    Raises
+    ------
+    FactorError
+        Naming the factor, its value and what is allowed.
+    """
+    modulus, poisson = f"{body}_modulus", f"{body}_poisson"
+    there = {name: has(arrays, name) for name in (body, modulus, poisson)}
+    for name in (modulus, poisson):
+        refuse(arrays, name, there[name] & there[body], f"beside a {body}; give either")
+    for name, other in ((poisson, modulus), (modulus, poisson)):
+        if np.any(there[other] & ~there[name]):
+            raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed}")
+
+
+def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
+    """Air is beside lines, and only a gap with air has a permittivity.
+
+    Raises
+    ------
+    FactorError
+        Naming the factor, its value and what is allowed.
+    """
+    air = xr.DataArray(False)
+    if "surroundings" in arrays:
+        air = arrays["surroundings"].drop_vars(arrays["surroundings"].coords) == AIR
+        point = kinds_of({name: one for name, one in arrays.items() if name != "surroundings"}).isin(_POINTS)
+        refuse(arrays, "surroundings", air & point, "beside a point contact is not solved; must be insulated")
+    if OF_A_GAP in arrays:
+        filled = arrays[OF_A_GAP].drop_vars(arrays[OF_A_GAP].coords) != FACTORS[OF_A_GAP].default
+        refuse(arrays, OF_A_GAP, filled & ~air, f"without surroundings: {AIR}; only its gap has one")
 
 
 def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:
@@ -94,12 +125,12 @@ def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:
     for value in arrays[BODY].values.flat:
         if not isinstance(value, Stack):
             raise FactorError(f"{BODY}: {shown(value)} is no solver.Stack")
-    for name in (*MATERIALS, "composite", "volume_fraction", *OF_A_FILM):
+    for name in ("material", "composite", "volume_fraction", *OF_A_FILM):
         if name in arrays:
             raise FactorError(f"{name}: beside a {BODY}; a stack has its own materials, thicknesses and interfaces")
 
 
-def _refuse(arrays: Mapping[str, xr.DataArray], name: str, bad: xr.DataArray, why: str) -> None:
+def refuse(arrays: Mapping[str, xr.DataArray], name: str, bad: xr.DataArray, why: str) -> None:
     """Raise, with the first offending value, where it is bad."""
     if not np.any(bad):
         return

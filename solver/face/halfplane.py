@@ -8,6 +8,7 @@ import numpy as np
 from solver.arrays import Array, BoolArray
 from solver.face.cases import Cases
 from solver.face.materials import material_of
+from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import FactorError
 from solver.halfplane.contact import Contact
 from solver.halfplane.curves import body_curves
@@ -47,7 +48,7 @@ class OnHalfPlane:
 
     def __init__(self, cases: Cases) -> None:
         self.cases = cases
-        self.contact = _contact(cases)
+        self.contact = contact_of(cases)
         warn_of_rounding(self.contact.halfplane)
 
     @cached_property
@@ -57,7 +58,7 @@ class OnHalfPlane:
     @np.errstate(all="ignore")  # here and below: what is not finite is named in the outputs
     def quantities(self) -> dict[str, Array]:
         """Those of ``solver.names.QUANTITIES`` that every case has; (...)."""
-        return quantities(self.contact, self._datum)
+        return quantities(self.contact, self._datum, punch_datum(self.cases))
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of ``solver.names.PEAKS`` that are asked for; (...)."""
@@ -117,7 +118,7 @@ class OnHalfPlane:
 
 
 @np.errstate(all="ignore")
-def _contact(cases: Cases) -> Contact:
+def contact_of(cases: Cases) -> Contact:
     """The contact, its extent found."""
     material, speed = material_of(cases), cases.number("speed")
     if np.any(speed > 0):
@@ -125,7 +126,7 @@ def _contact(cases: Cases) -> Contact:
         halfplane = HalfPlane(material, speed)
     else:
         halfplane = HalfPlane(material)
-    sliding = Sliding(halfplane, cases.number("friction"), cases.conducts)
+    sliding = Sliding(halfplane, cases.number("friction"), cases.conducts, punch_of(cases))
     contact = Contact(sliding, cases.profile, cases.force, cases.charges)
     try:
         _ = contact.pressing

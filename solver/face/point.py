@@ -5,10 +5,11 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from solver.arrays import Array
+from solver.arrays import Array, column
 from solver.face.cases import Cases
 from solver.face.filmbodies import films_of
 from solver.face.materials import material_of
+from solver.face.punches import punch_of
 from solver.face.refusal import FactorError
 from solver.film.windows import Indices, Kind
 from solver.halfplane.precision import warn_of_rounding
@@ -125,7 +126,8 @@ class OnHalfSpace(_OnPoints):
         half = HalfPlane(material_of(self.cases))
         warn_of_rounding(half)
         units = np.broadcast_to(half.scale, (*self.shape, 4)).reshape(-1, 4)
-        N = half.compliance / (half.scale[..., 1:, None] * half.scale[..., None, 1:])
+        N = half.compliance + column(punch_of(self.cases).compliance) * np.diag([1.0, 0.0, 0.0])
+        N = N / (half.scale[..., 1:, None] * half.scale[..., None, 1:])
         N = np.broadcast_to(conducted(N, self.cases.conducts), (*self.shape, 3, 3)).reshape(-1, 3, 3)
         conducts = np.broadcast_to(self.cases.conducts, (*self.shape, 2)).reshape(-1, 2)
         stretch = self._stretch(half)
@@ -166,14 +168,14 @@ class OnPointFilm(_OnPoints):
         return self._put_together(_on_film)
 
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
-        bodies, conducts = films_of(self.cases), self.cases.conducts
-        columns = [self._flat(column) for column in (*bodies.columns, conducts[..., 0], conducts[..., 1])]
+        bodies, conducts, compliance = films_of(self.cases), self.cases.conducts, punch_of(self.cases).compliance
+        columns = [self._flat(column) for column in (*bodies.columns, conducts[..., 0], conducts[..., 1], compliance)]
         kinds, which = np.unique(np.stack(columns, -1), axis=0, return_inverse=True)
         thickness, found = self._flat(bodies.thickness), []
-        for number, (*row, electric, magnetic) in enumerate(kinds.tolist()):
+        for number, (*row, electric, magnetic, punch) in enumerate(kinds.tolist()):
             film, held = Kind(*bodies.film(row), 0.0, (True, True), (True, True), 1), (bool(electric), bool(magnetic))
             for own, shape, coefficient in self._by_exponent(np.flatnonzero(which.ravel() == number)):
-                kind = PointKind(film, held, shape)
+                kind = PointKind(film, held, shape, punch)
                 body = Film(kind, thickness[own])
                 found.append((own, Pressed(body, kind.scale, coefficient, *self._loads(own), np.array(held))))
         return found

@@ -20,6 +20,7 @@ _STEPS = 40
 _CLOSE = 1e-11
 _STALLED = 1e-7  # steps below it that no longer shrink are rounding
 _MOST = 0.3  # of log h and c/h in a step
+_FIELDS = ("voltage", "magnetic potential")
 _EXTENT = 2  # unknowns before the charges: log h, c/h
 
 
@@ -266,9 +267,10 @@ class State:
             of = self.of.table.operators
             X = np.concatenate([of.grid.distance, -of.grid.distance])[: of.beside]
             worst = int(np.argmin(self.gap / self._reference))
+            held = " and ".join(name for name, is_held in zip(_FIELDS, self.of.held, strict=True) if is_held)
             raise GapError(
-                f"surroundings: the punch touches the surface beside the contact, at (x - c)/h = {X[worst]:.3g}: "
-                "the gap is negative there"
+                f"surroundings: the punch touches the surface beside the contact, at (x - c)/h = {X[worst]:.3g}"
+                f"{f', where its {held} is 0' if held else ''}: the gap is negative there"
             )
 
     # -- outputs -------------------------------------------------------------------------------------------------------

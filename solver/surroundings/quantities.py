@@ -25,7 +25,6 @@ _RESPONSES = (
     ("magnetic_potential", "magnetic_sensitivity", "flux_sensitivity", "stroke_per_ampere", "blocked_load_per_ampere",
      "permeance"),
 )  # fmt: skip
-_INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
 
 
 @lru_cache(_TABLES)
@@ -37,7 +36,7 @@ def _air_window(kind: Kind, number: int) -> AirTable:
 def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
     """Quantities by the names of ``solver.names``, as without air, with those that only a gap has; (case,) each.
 
-    Edge intensities of the fields that the air carries are absent.
+    Edge intensities are absent: those of fields that the air carries do not exist, those of others are 0.
 
     Parameters
     ----------
@@ -60,12 +59,13 @@ def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
     out: dict[str, Array] = {}
     idle = dict(_contacts(uncharged))
     for place, (number, contact) in _contacts(films):
-        table = _air_window(films.kind, number)
         air = np.array([VACUUM_PERMITTIVITY * permittivity[place], VACUUM_PERMEABILITY])
-        state = AirContact(table, contact, air).state
-        table = _air_window(films.kind, idle[place][0])
-        bare = AirContact(table, idle[place][1], air)
-        found = _of_case(films, place, state, bare)
+        charged = AirContact(_air_window(films.kind, number), contact, air)
+        bare = charged
+        if uncharged is not films:
+            number, contact = idle[place]
+            bare = AirContact(_air_window(films.kind, number), contact, air)
+        found = _of_case(films, place, charged.state, bare)
         for name, value in found.items():
             out.setdefault(name, np.empty(count))[place] = value
     return out
@@ -95,8 +95,6 @@ def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[s
     for field, conducts in enumerate(films.kind.conducts):
         if conducts:
             out |= dict(zip(_RESPONSES[field], _responses(h, field, state, idle, bare), strict=True))
-        else:
-            out |= {f"{_INTENSITIES[field]}_{edge}": 0.0 for edge in ("trailing", "leading")}
     if films.kind.conducts[0]:
         out["nominal_field"] = abs(out["voltage"]) / (h * films.kind.above_ground)
         out["capacitance_at_load"] = 1 / float(state.tangents[1, 1])

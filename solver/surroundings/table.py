@@ -35,10 +35,12 @@ class AirTable:
 
     def read(self, log_half: float) -> Array:
         """Outputs at log h, and their derivatives in it; (2, row, column)."""
+        return np.tensordot(self.table.polynomials(np.array([log_half]))[0] @ self._series, self.values, 1)
+
+    @cached_property
+    def _series(self) -> Array:
+        """From values at the half-lengths to coefficients of the outputs and of their derivatives; (2, term, node)."""
         series = coefficients(np.eye(self.table.nodes))
-        basis = self.table.polynomials(np.array([log_half]))[0] @ series
-        half = np.log(self.table.upper / self.table.lower) / 2
         rates = np.zeros_like(series)
-        rates[:-1] = np.polynomial.chebyshev.chebder(series) / half
-        slopes = self.table.polynomials(np.array([log_half]))[0] @ rates
-        return np.tensordot(np.stack([basis, slopes]), self.values, 1)
+        rates[:-1] = np.polynomial.chebyshev.chebder(series) * 2 / np.log(self.table.upper / self.table.lower)
+        return np.stack([series, rates])

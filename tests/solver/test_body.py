@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.body import FILM, HALF_PLANE, HALF_SPACE, KINDS, POINT_FILM, Kind, kind_of
+from solver.body import FILM, FILM_IN_AIR, HALF_PLANE, HALF_PLANE_IN_AIR, HALF_SPACE, KINDS, POINT_FILM, Kind, kind_of
 from solver.curves import FOLLOWS, REGIONS
 from solver.face.bodies import body_of
 from solver.face.cases import Cases
@@ -16,6 +16,10 @@ from solver.names import ALL_PEAKS, ALL_QUANTITIES, CONTACTS, FACTORS, PROFILES
 CASES = {
     HALF_PLANE.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5},
     FILM.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5, "thickness": 5e-4, "base": "steel"},
+    HALF_PLANE_IN_AIR.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5, "surroundings": "air"},
+    FILM_IN_AIR.name: {
+        "material": "PZT-4", "radius": 0.05, "load": 1e5, "surroundings": "air", "thickness": 5e-4, "base": "steel",
+    },
     HALF_SPACE.name: {"material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5},
     POINT_FILM.name: {
         "material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "thickness": 5e-4, "base": "steel",
@@ -28,12 +32,15 @@ def test_a_profile_says_which_contact_a_case_is_and_a_thickness_which_body(profi
     assert kind_of(("load", "radius"), profile).contact == PROFILES[profile].contact
     assert kind_of(("thickness",), profile).layered
     assert kind_of(("body",)) is FILM
+    assert kind_of(("body",), surroundings="air") is FILM_IN_AIR
     assert kind_of((), solver.Profile.cylinder(np.array(0.05))) is HALF_PLANE
 
 
 def test_cases_of_a_table_are_told_apart_one_by_one() -> None:
     arrays = {"thickness": xr.DataArray([np.nan, 5e-4], dims="case"), "base": xr.DataArray(["", "steel"], dims="case")}
     assert kinds_of(arrays).values.tolist() == ["half-plane", "film"]
+    air = {"surroundings": xr.DataArray(["air", "insulated"], dims="case")}
+    assert kinds_of(arrays | air).values.tolist() == [HALF_PLANE_IN_AIR.name, "film"]
 
 
 def test_every_kind_names_what_exists() -> None:

@@ -14,7 +14,7 @@ import xarray as xr
 
 from solver import FactorError, Material, MaterialError, PrecisionWarning, solve, solve_interior
 from solver.body import kind_of
-from solver.names import ALL_QUANTITIES
+from solver.names import ALL_QUANTITIES, CHOICES
 from storage.files import output
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
@@ -192,7 +192,10 @@ def _solve(options: argparse.Namespace) -> None:
     positions = None if options.positions is None else numbers("--positions", options.positions)
     points = len(positions or [0.0])
     out = _solved(options, lambda factors, own: solve(factors, positions, materials=own, peaks=options.peaks), points)
-    asked = list(kind_of([str(name) for name in out.coords]).quantities)
+    names = [str(name) for name in out.coords]
+    around = out["surroundings"].values.flat if "surroundings" in names else [CHOICES["surroundings"][0]]
+    kinds = [kind_of(names, surroundings=one) for one in dict.fromkeys(around)]
+    asked = list(dict.fromkeys(name for kind in kinds for name in kind.quantities))
     missing = [name for name in asked if name not in out]
     if missing:
         print(f"left out, as some case has no such quantity: {', '.join(missing)}", file=sys.stderr)

@@ -10,7 +10,7 @@ from tqdm import tqdm
 
 from solver import FactorError, MaterialError
 from solver.face.attributes import united
-from solver.names import CHOICES, FACTORS, OF_A_FILM
+from solver.names import CHOICES, FACTORS, OF_A_FILM, OF_A_PUNCH
 from workflow.cli.casetable import Table
 from workflow.study.reading import InputError
 
@@ -18,7 +18,8 @@ Indices = NDArray[np.intp]
 
 _DEFAULTS: dict[str, float | str | None] = {name: factor.default for name, factor in FACTORS.items()}
 _DEFAULTS |= {name: choices[0] for name, choices in CHOICES.items() if name not in ("composite", "corner")}
-_DEFAULTS |= {name: np.nan if name in FACTORS else "" for name in OF_A_FILM}  # a case without: a half-plane
+# a case without: a half-plane, a rigid punch
+_DEFAULTS |= {name: np.nan if name in FACTORS else "" for name in (*OF_A_FILM, *OF_A_PUNCH)}
 _CASES = 512  # solved at a time at most: searched contacts (tilted flats) take 100 kB of temporaries each
 _VALUES = 2**17  # of a field at a time: some hundred temporaries of 8 bytes each inside the body
 _MOST_BYTES = 2**32  # of an answer, which is kept in memory until it is written

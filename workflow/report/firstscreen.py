@@ -45,6 +45,8 @@ class Screen:
         How sure all of that is.
     beyond
         Where it leaves what the theory holds for; empty where it does not.
+    around
+        What air beside the contact would change; empty where nothing is known of it.
     verdict
         In words.
     drawing
@@ -60,6 +62,7 @@ class Screen:
     cost: str
     sure: str
     beyond: str
+    around: str
     verdict: Verdict
     drawing: Markup
 
@@ -69,8 +72,20 @@ class Screen:
         return self.verdict.kind != UNREACHABLE
 
 
-def answered(study: Study, name: str, target: Target, found: Answer, contact: Mapping[str, float]) -> Screen:
-    """The first screen's part on one target, from its design and the ends of its contact [m]."""
+def answered(
+    study: Study, name: str, target: Target, found: Answer, contact: Mapping[str, float], in_air: Mapping[str, float]
+) -> Screen:
+    """The first screen's part on one target.
+
+    Parameters
+    ----------
+    study, name, target, found
+        The study, the target by its name, and the target's answer.
+    contact
+        Ends of the contact of its design [m], by name.
+    in_air
+        Quantities of it with air beside the contact over those without, by name.
+    """
     kinds, varied = found.kinds, found.case
     case: Case = {**study.fixed, **kinds, **varied}
     told = verdict(found)
@@ -87,9 +102,18 @@ def answered(study: Study, name: str, target: Target, found: Answer, contact: Ma
         cost=_unbroken(cost(found)),
         sure=_unbroken(sure(found)),
         beyond=f"Beyond what the theory holds for: {found.flags}." if found.flags else "",
+        around=around(in_air),
         verdict=told,
         drawing=element(drawn, f"device-{name}", f"{name.replace('_', ' ')}, drawn to scale: {body}; {punch}"),
     )
+
+
+def around(in_air: Mapping[str, float]) -> str:
+    """What air beside the contact would change of quantities, from what it multiplies them by."""
+    if not in_air:
+        return ""
+    changed = titles.listed([f"{titles.title(name)} x {number(by, 2)}" for name, by in in_air.items()])
+    return f"No charge is beside the contact (surroundings: insulated); with air there: {changed}."
 
 
 def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.Device:

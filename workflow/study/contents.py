@@ -14,6 +14,7 @@ from pydantic import Field, PrivateAttr
 from solver import Material
 from solver.body import Kind, kind_of
 from solver.curves import FOLLOWS
+from solver.material.punches import RIGID_PUNCH
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
 from workflow.language.constants import BORNE, DEVICE
 from workflow.language.factors import FACTORS
@@ -111,6 +112,13 @@ class Contents(Strict):
         return kind_of({*self.factors, *self.fixed, *([BODY] if self.body else [])}, profile)
 
     @property
+    def elastic(self) -> bool:
+        """Whether a punch on a line deforms: its displacement has a datum of its own."""
+        named = {str(self.fixed.get("punch", RIGID_PUNCH)), *self.categories.get("punch", [])}
+        numbers = "punch_modulus" in {*self.fixed, *self.factors}
+        return self.kind.contact == "line" and (numbers or named != {RIGID_PUNCH})
+
+    @property
     def tabled(self) -> list[str]:
         """The axes for whose every value the solver makes tables of films."""
         names = (*self.kind.tabled, *layered.tabled(self.body))
@@ -201,8 +209,12 @@ class Contents(Strict):
 
     @property
     def added(self) -> frozenset[str]:
-        """Quantities whose logarithm of the datum is added exactly: of a film's groups, the depth on its base."""
-        return frozenset({"depth"} if self.kind.datum == "by_base" else set()) & self._hanging
+        """Quantities whose logarithm of the datum is added exactly: of a film's groups, the depth on its base.
+
+        Under an elastic punch none: its depth has a second logarithm, of the punch's own datum.
+        """
+        alone = self.kind.datum == "by_base" and not self.elastic
+        return frozenset({"depth"} if alone else set()) & self._hanging
 
     @property
     def regions(self) -> list[str]:

@@ -15,7 +15,14 @@ from workflow.study.contents import Contents, Origin
 from workflow.study.location import location
 from workflow.study.messages import first_problem
 from workflow.study.reading import InputError, read_material, read_yaml
-from workflow.study.solvable import check_groups, check_size, hanging_on_datum, lacked, solve_effects
+from workflow.study.solvable import (
+    check_groups,
+    check_size,
+    check_surroundings,
+    hanging_on_datum,
+    lacked,
+    solve_effects,
+)
 
 _LABEL = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 
@@ -27,6 +34,7 @@ class Study(Contents):
     def _complete(self) -> Self:
         if not (self.factors or self.effects or self.verification or self.measurements):
             raise ValueError("factors: a study needs factors, effects, verification or measurements")
+        check_surroundings(self)
         check_groups(self)
         check_size(self)
         for name in self.fixed:

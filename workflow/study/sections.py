@@ -195,6 +195,9 @@ class Effects(Strict):
             "base": ("base_modulus", "base_poisson"),
             "base_modulus": ("base",),
             "base_poisson": ("base",),
+            "punch": ("punch_modulus", "punch_poisson"),
+            "punch_modulus": ("punch",),
+            "punch_poisson": ("punch",),
         }
         return {name: value for name, value in case.items() if name not in (*other.get(factor, ()), *of_others)}
 

@@ -1,13 +1,13 @@
 """Whether the solver can answer a study at all, and which quantities its cases lack or tell only with the datum."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from solver import solve
-from solver.names import ALL_QUANTITIES
+from solver.names import AIR, ALL_QUANTITIES
 from solver.similarity import Weight, weight_of
 from workflow.language.factors import FACTORS
 from workflow.study import datum, grouped, representatives
@@ -68,13 +68,39 @@ def hanging_on_datum(study: Contents) -> frozenset[str]:
 
     But of a film the depth, whose logarithm of the datum has one coefficient a base.
     """
+    return _on_datum(study) | _on_punch(study)
+
+
+def _on_punch(study: Contents) -> frozenset[str]:
+    """Quantities that hang on where an elastic punch is at rest: its radius, which strength changes and size does not.
+
+    Groups tell them only of cases that differ in size alone.
+    """
+    if not study.groups or not study.elastic:
+        return frozenset()
+    if _tells(study, {"strength": Weight(0.0, 1.0)}):
+        return frozenset()
+    hanging = frozenset(name for name, one in ALL_QUANTITIES.items() if one.on_punch)
+    if asked := [name for name in study.surrogate.outputs if name in hanging]:
+        raise ValueError(
+            f"groups: {', '.join(asked)} hang on an elastic punch's radius beside the groups: make groups of each "
+            "length over another and of load over a length, or leave them out of surrogate.outputs"
+        )
+    return hanging
+
+
+def _tells(study: Contents, fixed: dict[str, Weight]) -> bool:
+    """Whether groups tell cases apart that are not similar under what else stays."""
+    return grouped.unlike(list(study.products.values()), list(study.factors), standing(study) | fixed) is None
+
+
+def _on_datum(study: Contents) -> frozenset[str]:
     if not study.groups or "datum" in study.factors:
         return frozenset()
-    fixed = standing(study) | {"datum": weight_of("datum")}
-    if grouped.unlike(list(study.products.values()), list(study.factors), fixed) is None:
+    if _tells(study, {"datum": weight_of("datum")}):
         return frozenset()
     hanging = datum.hanging(study)
-    by_base = study.kind.datum == "by_base"
+    by_base = study.kind.datum == "by_base" and not study.elastic
     untold = hanging - ({"depth"} if by_base else set())
     asked = [name for name in study.surrogate.outputs or ([] if by_base else study.quantities) if name in untold]
     if asked:
@@ -112,6 +138,19 @@ def _solve_stored(study: Contents) -> None:
         study.solved(solve, {**study.fixed, **study.categories, **representatives.ends(study)})
     except ValueError as error:
         raise ValueError(f"groups: in a corner of their ranges: {error}") from None
+
+
+def check_surroundings(study: Contents) -> None:
+    """Whether cases are such that have fields, which studies store and draw."""
+    effects = study.effects
+    asked: dict[str, Mapping[str, Any]] = {"fixed": study.fixed, "categories": study.categories}
+    asked |= {"effects: baseline": effects.baseline, "effects: vary": effects.vary} if effects else {}
+    for where, given in asked.items():
+        if AIR in np.atleast_1d(given.get("surroundings", "")):
+            raise ValueError(
+                f"{where}: surroundings: {AIR!r} has no fields, which studies store; must be insulated "
+                "(meecontact solve takes tables of cases with air)"
+            )
 
 
 def solve_effects(study: Contents) -> None:

@@ -6,7 +6,7 @@ import solver
 from solver.face.attributes import united
 
 COMMON = "charge = 0 C m-1, magnetic_charge = 0 Wb m-1, speed = 0 m s-1, datum = 1 m"
-CONDUCTING = "electric = conducting, magnetic = conducting"
+CONDUCTING = "electric = conducting, magnetic = conducting, surroundings = insulated"
 
 
 @pytest.mark.parametrize(

@@ -184,3 +184,28 @@ def test_a_half_plane_without_the_datum_in_a_group_is_told_what_hangs_on_it(tmp_
 def test_a_product_is_read_as_written() -> None:
     one = grouped.product("charge / (load * radius^2)")
     assert (dict(one.powers), one.name) == ({"charge": 1, "load": -1, "radius": -2}, "charge_per_load_radius2")
+
+
+ELASTIC = STUDY.replace("{composite: fibrous, datum: 0.5}", "{composite: fibrous, datum: 0.5, punch: steel}")
+NO_DEPTH = ELASTIC.replace("[depth, voltage,", "[voltage,").replace("blocked_load_per_volt, ", "")
+
+
+def test_groups_that_do_not_tell_an_elastic_punch_s_depth_leave_it_out(tmp_path: Path) -> None:
+    """Its datum is its radius: of two cases with one load radius / datum^2 the depth differs by a logarithm."""
+    with pytest.raises(InputError, match="groups: depth, blocked_load_per_volt hang on an elastic punch's radius"):
+        study(ELASTIC, tmp_path)
+    rigid = study(ELASTIC.replace("punch: steel", "punch: rigid"), tmp_path)
+    assert "depth" in rigid.outputs
+    silent = study(ELASTIC.split("surrogate:")[0], tmp_path)
+    assert {"depth", "blocked_load_per_volt", "blocked_load_per_ampere"}.isdisjoint(silent.outputs)
+    assert "voltage" in silent.outputs
+
+
+def test_what_groups_say_under_an_elastic_punch_is_exact(tmp_path: Path) -> None:
+    elastic = study(NO_DEPTH, tmp_path)
+    made = training.fit(elastic, factorial.exact(elastic, factorial.axes(elastic)))
+    fresh = factorial.cases(elastic, "validation")
+    for name in elastic.outputs:
+        points = {one: xr.DataArray(fresh[one].values, dims="case") for one in elastic.factors}
+        mean = made.predict(points, False)[name].values
+        assert np.abs(mean - fresh[name].values).max() < 1e-4 * np.ptp(fresh[name].values), name

@@ -1,0 +1,126 @@
+"""Air beside the contact by the face: half-planes against their closed form, similarity, tables of both, refusals."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver.names import GAP_QUANTITIES
+from solver.similarity import FACTOR_WEIGHTS, QUANTITY_WEIGHTS
+from workflow.run.provenance import ROOT
+
+AIR: dict[str, Any] = {"surroundings": "air"}
+LINE: dict[str, Any] = {"material": "PZT-4", "radius": 0.05, "load": 2e4, "magnetic": "insulating"}
+FILM = LINE | {"thickness": 2e-4, "base": "steel"}
+#: Cases of the table in docs/names.md, in its order.
+TABLE: list[dict[str, Any]] = [
+    FILM,
+    LINE | {"material": "AlN", "radius": 0.01, "load": 1e3, "thickness": 2e-6, "base": "silicon"},
+]
+
+
+@pytest.mark.parametrize("own", [{}, {"speed": 100.0, "punch": "steel", "radius": [0.02, 0.05], "datum": 0.3}])
+def test_a_half_plane_in_no_air_is_the_closed_form(own: dict[str, Any]) -> None:
+    """A gap of next to no permittivity; at the edge, where D_y is infinite without it, it is only next to none."""
+    exact, found = solver.solve(LINE | own), solver.solve(LINE | AIR | own | {"gap_permittivity": 1e-16})
+    gone = {f"{field}_edge_intensity_{edge}" for field in ("electric", "magnetic") for edge in ("trailing", "leading")}
+    assert set(found.data_vars) - gone == set(exact.data_vars) - gone | GAP_QUANTITIES.keys() | {"capacitance"}
+    for name in set(exact.data_vars) - gone - {"trailing_tension", "leading_compression"}:
+        np.testing.assert_allclose(found[name], exact[name], rtol=1e-11, err_msg=str(name))
+
+
+def test_air_changes_neither_pressure_nor_charge_per_load_of_a_half_plane() -> None:
+    """The theorem of docs/theory.md, 10: both by the closed form; capacitances at fixed contact and load are one."""
+    exact, found = solver.solve(LINE), solver.solve(LINE | AIR)
+    for name in ("contact_trailing", "peak_pressure", "charge_sensitivity", "stroke_per_volt"):
+        assert float(found[name]) == pytest.approx(float(exact[name]), rel=1e-9), name
+    assert abs(float(found["voltage"] / exact["voltage"])) < 0.95
+    assert float(found["capacitance_at_load"]) == pytest.approx(float(found["capacitance"]), rel=1e-9)
+
+
+def test_films_scale_with_size_and_with_strength_and_permittivity() -> None:
+    base = FILM | AIR | {"datum": 1.0, "gap_permittivity": 1.0}
+    size, strength = 1.7, 0.8
+    changed = {
+        name: value * size ** FACTOR_WEIGHTS[name].size * strength ** FACTOR_WEIGHTS[name].strength
+        for name, value in base.items()
+        if name in FACTOR_WEIGHTS
+    }
+    one = solver.solve(base)
+    two = solver.solve(base | changed | {"gap_permittivity": strength})
+    assert GAP_QUANTITIES.keys() <= set(one.data_vars)
+    for name in one.data_vars:
+        weight = QUANTITY_WEIGHTS[str(name)]
+        by = size**weight.size * strength**weight.strength
+        # the contact's centre is 0 but for the rounding of both
+        np.testing.assert_allclose(two[name], one[name] * by, rtol=1e-6, atol=1e-12, err_msg=str(name))
+
+
+def test_a_table_holds_both_and_each_case_is_the_case_alone() -> None:
+    both = solver.solve(FILM | {"surroundings": ["air", "insulated"], "load": [1e4, 2e4], "gap_permittivity": 1.0})
+    assert "capacitance_at_load" not in both
+    assert "electric_edge_intensity_trailing" not in both
+    for around in ("air", "insulated"):
+        alone = solver.solve(FILM | {"surroundings": around, "load": 1e4})
+        for name in ("contact_trailing", "voltage", "capacitance", "charge_sensitivity"):
+            at = both[name].sel(surroundings=around).isel(load=0)
+            assert float(at) == pytest.approx(float(alone[name]), rel=1e-9), name
+
+
+def test_insulated_is_the_default_bit_for_bit() -> None:
+    for case in (LINE, FILM):
+        said, unsaid = solver.solve(case | {"surroundings": "insulated"}), solver.solve(case)
+        for name in unsaid.data_vars:
+            np.testing.assert_array_equal(said[name], unsaid[name])
+        assert "surroundings = insulated" in unsaid.attrs["defaults"]
+        assert "gap_permittivity" not in unsaid.attrs["defaults"]
+    assert "gap_permittivity = 1" in solver.solve(FILM | AIR).attrs["defaults"]
+
+
+def test_the_table_of_films_with_air_is_the_solver_s() -> None:
+    page = (ROOT / "docs/names.md").read_text(encoding="utf-8")
+    lines = page.split("| voltage at the load | charge per load, pC/N |\n")[1].split("\n\n")[0].splitlines()[1:]
+    for line, case in zip(lines, TABLE, strict=True):
+        bare, air = solver.solve(case), solver.solve(case | AIR)
+        stored, volts, charge = (cell.strip() for cell in line.strip("|").split("|")[1:])
+        assert stored == f"{float(bare['capacitance']) * 1e9:.3g}, air {float(air['capacitance']) * 1e9:.3g}"
+        assert volts == f"x {float(air['voltage'] / bare['voltage']):.2g}"
+        pico = [float(one["charge_sensitivity"]) * 1e12 for one in (bare, air)]
+        assert charge == f"{pico[0]:.3g}, air {pico[1]:.3g}"
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"surroundings": "water"}, "surroundings: 'water' is not one of insulated, air"),
+        (AIR | {"electric": "insulating"}, "surroundings: 'air' is not allowed: the punch conducts no field"),
+        (AIR | {"profile": "flat", "width": 1e-3}, "surroundings: 'air' is not allowed: the punch has a corner"),
+        (AIR | {"gap_permittivity": 0.0}, "gap_permittivity: 0 is not a finite number > 0 [1]"),
+        ({"gap_permittivity": 2.2}, "gap_permittivity: 2.2 without surroundings: air; only its gap has one"),
+        (AIR | {"friction": 0.3, "load": 1e5}, "surroundings: the punch touches the surface beside the contact, at"),
+        (AIR | {"speed": 1e4}, "speed: 10000 m/s is not below the limiting speed"),
+        (
+            AIR | {"profile": "sphere", "force": 1.0},
+            "surroundings: 'air' beside a point contact is not solved; must be",
+        ),
+    ],
+)
+def test_refused_in_one_line(changed: dict[str, Any], message: str) -> None:
+    case = LINE | changed
+    for name in {"flat": ["radius"], "sphere": ["load"]}.get(changed.get("profile", ""), []):
+        del case[name]
+    with pytest.raises((solver.FactorError, solver.MaterialError)) as refusal:
+        solver.solve(case)
+    assert str(refusal.value).startswith(message)
+    assert "\n" not in str(refusal.value)
+
+
+def test_fields_are_refused_and_peaks_are_none() -> None:
+    with pytest.raises(solver.FactorError, match="positions: fields of contacts with air beside them are not given"):
+        solver.solve(LINE | AIR, [0.5])
+    with pytest.raises(solver.FactorError, match="fields: fields of contacts with air beside them are not given"):
+        solver.solve_interior(LINE | AIR, [0.0], [-0.5])
+    with pytest.raises(solver.FactorError, match="curves: fields of contacts with air beside them are not given"):
+        solver.solve_curves(LINE | AIR, ["body"])
+    assert "peak_von_mises" not in solver.solve(LINE | AIR, peaks=True)

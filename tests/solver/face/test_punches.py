@@ -1,0 +1,133 @@
+"""The punch as a factor: rigid, by name or by numbers, on every kind of body; what is refused."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import solver
+from solver.halfplane.contact import Contact
+from solver.halfplane.profile import Profile
+from solver.halfplane.punch import Punch
+from solver.halfplane.quantities import quantities
+from solver.halfplane.sliding import Sliding
+from solver.halfplane.surface import HalfPlane
+
+STEEL = {"punch_modulus": 210e9, "punch_poisson": 0.3}
+LINE: dict[str, Any] = {"volume_fraction": 0.5, "radius": 0.05, "load": 1e5, "friction": 0.3, "datum": 0.2}
+FILM = LINE | {"thickness": 2e-4, "base": "steel", "interface_magnetic": "grounded"}
+BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
+PROFILES: list[dict[str, Any]] = [
+    {"radius": 0.05},
+    {"profile": "half_cylinder", "radius": 0.05},
+    {"profile": "wedge", "slope": 1e-3},
+    {"profile": "flat", "width": 1e-3},
+]
+BARE = {key: value for key, value in LINE.items() if key != "radius"}
+
+
+def width(out: xr.Dataset) -> xr.DataArray:
+    return out["contact_trailing"] + out["contact_leading"]
+
+
+def test_steel_makes_contacts_wider_by_the_published_shares() -> None:
+    """The plane by two programs that share no code; balls by Hertz's formula with N11 of Willis."""
+    body = [solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5), solver.find("BaTiO3")]
+    plane = {"material": xr.DataArray(np.array(body, dtype=object), dims="kind"), "radius": 0.05, "load": 1e5}
+    found = width(solver.solve(plane | {"friction": 0.3, "punch": ["rigid", "steel"]}))
+    np.testing.assert_allclose(found.sel(punch="steel") / found.sel(punch="rigid") - 1, [0.289, 0.248], atol=5e-4)
+    ball = BALL | {"material": plane["material"], "punch": ["rigid", "steel"]}
+    radius = solver.solve(ball)["contact_radius"]
+    np.testing.assert_allclose(radius.sel(punch="steel") / radius.sel(punch="rigid") - 1, [0.185, 0.160], atol=5e-4)
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_the_face_gives_what_the_room_gives(profile: dict[str, Any]) -> None:
+    found = solver.solve(BARE | profile | {"punch": "steel"})
+    made = {
+        "half_cylinder": Profile.half_cylinder(np.array(0.05), "leading"),
+        "wedge": Profile.wedge(np.array(1e-3), "leading"),
+        "flat": Profile.flat(np.array(1e-3), np.array(0.0)),
+    }.get(profile.get("profile", ""), Profile.cylinder(np.array(0.05)))
+    body = HalfPlane(solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5))
+    sliding = Sliding(body, np.array(0.3), np.array([True, True]), Punch.isotropic(210e9, 0.3))
+    own = np.array(profile.get("radius", profile.get("width", 0.2)))  # a wedge has no length of its own
+    direct = quantities(Contact(sliding, made, np.array(1e5), np.zeros(2)), np.array(0.2), own)
+    assert set(found.data_vars) == set(direct)
+    for name, value in direct.items():
+        np.testing.assert_allclose(found[name], value, rtol=1e-12, err_msg=name)
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+def test_a_film_of_its_own_base_is_the_half_plane(profile: dict[str, Any]) -> None:
+    own = {"material": "PZT-4", **{key: value for key, value in BARE.items() if key != "volume_fraction"}, **profile}
+    film = own | {"thickness": 5e-4, "base": "PZT-4", "interface_electric": "bonded"}
+    one, other = (solver.solve(case | {"punch": "brass"}, [-0.5, 2.0]) for case in (film, own))
+    for name in other:
+        np.testing.assert_allclose(one[name], other[name], rtol=1e-9, err_msg=str(name))
+    inside, whole = (solver.solve_interior(case | STEEL, [0.3], [-0.7]) for case in (film, own))
+    for name in whole:
+        np.testing.assert_allclose(inside[name], whole[name], rtol=1e-7, err_msg=str(name))
+
+
+@pytest.mark.parametrize("case", [LINE, FILM, BALL, BALL | {"thickness": 1e-4, "base": "glass"}])
+def test_rigid_is_the_default_and_the_limit(case: dict[str, Any]) -> None:
+    default, rigid = solver.solve(case), solver.solve(case | {"punch": "rigid"})
+    hard = solver.solve(case | {"punch_modulus": 1e25, "punch_poisson": 0.3})
+    named, given = solver.solve(case | {"punch": "steel"}), solver.solve(case | STEEL)
+    for name in default:
+        np.testing.assert_array_equal(rigid[name], default[name], err_msg=str(name))
+        np.testing.assert_allclose(hard[name], default[name], rtol=1e-9, err_msg=str(name))
+        np.testing.assert_array_equal(named[name], given[name], err_msg=str(name))
+    assert float(abs(named["peak_pressure"] / default["peak_pressure"])) < 0.99
+
+
+def test_a_material_of_the_library_and_one_s_own_may_be_punches() -> None:
+    own = solver.Material.isotropic(70e9, 0.22, name="mine")
+    cases = LINE | {"punch": np.array(["silicon", own, "mine", ""], dtype=object)}
+    for case in (cases, FILM | {"punch": cases["punch"]}):
+        if "silicon" not in solver.materials():
+            pytest.fail("the library has no silicon")
+        with pytest.raises(solver.MaterialError, match=r"^punch: 'silicon' is not isotropic"):
+            solver.solve(case, materials={"mine": own})
+    punches = np.array(["glass", own, "mine", "", "copper"], dtype=object)
+    depth = width(solver.solve(LINE | {"punch": punches}, materials={"mine": own})).values
+    assert depth[0] == pytest.approx(depth[1], rel=1e-12)
+    assert depth[1] == depth[2]
+    assert depth[3] == float(width(solver.solve(LINE)))
+    assert depth[3] < depth[4] < depth[0]
+
+
+def test_the_depth_says_where_the_punch_is_at_rest() -> None:
+    one, two = (solver.solve(LINE | STEEL | {"radius": R}) for R in (0.05, 0.1))
+    assert "an elastic punch's own: its radius" in one["depth"].attrs["comment"]
+    assert "elastic punch" not in solver.solve(LINE)["depth"].attrs.get("comment", "")
+    on_rigid = {"material": "PZT-4", "radius": 0.05, "load": 1e5, "thickness": 1e-3, "base": "rigid"}
+    assert "an elastic punch's own: its radius" in solver.solve(on_rigid | STEEL)["depth"].attrs["comment"]
+    assert "elastic punch" not in solver.solve(BALL | STEEL)["depth"].attrs.get("comment", "")
+    assert float(two["depth"]) != float(one["depth"])
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"punch": "stel"}, "punch: 'stel' is unknown; did you mean 'steel'? known are rigid, steel, stainless"),
+        ({"punch": "PZT-4"}, "punch: 'PZT-4' is not isotropic and elastic alone; must be rigid, steel"),
+        ({"punch": 3.0}, "punch: '3.0' is no punch; must be 'rigid' or a material's name"),
+        ({"punch": "steel", **STEEL}, "punch_modulus: 2.1e+11 beside a punch; give either"),
+        ({"punch": "rigid", "punch_poisson": 0.3}, "punch_poisson: 0.3 beside a punch; give either"),
+        ({"punch_modulus": 210e9}, "punch_poisson: missing; must be a finite number > -1 and < 0.5 [1]"),
+        ({"punch_poisson": 0.3}, "punch_modulus: missing; must be a finite number > 0 [Pa]"),
+        (STEEL | {"punch_modulus": 0.0}, "punch_modulus: 0 is not a finite number > 0 [Pa]"),
+        (STEEL | {"punch_modulus": -1.0}, "punch_modulus: -1 is not a finite number > 0 [Pa]"),
+        (STEEL | {"punch_poisson": 0.5}, "punch_poisson: 0.5 is not a finite number > -1 and < 0.5 [1]"),
+        (STEEL | {"punch_poisson": -1.0}, "punch_poisson: -1 is not a finite number > -1 and < 0.5 [1]"),
+    ],
+)
+@pytest.mark.parametrize("case", [LINE, FILM, BALL])
+def test_bad_punches_are_refused_in_one_line(case: dict[str, Any], changed: dict[str, Any], message: str) -> None:
+    with pytest.raises((solver.FactorError, solver.MaterialError)) as refusal:
+        solver.solve(case | changed)
+    assert str(refusal.value).startswith(message)
+    assert "\n" not in str(refusal.value)
