@@ -14,6 +14,7 @@ from storage.netcdf import write_whole
 from storage.quarantine import little_memory
 from storage.sealed import FormatError
 from surrogate import GridGP, Input
+from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.face import persistence
 from surrogate.face.sizes import MOST, check_sizes
 
@@ -29,7 +30,7 @@ def model(count: int = 6) -> GridGP:
 def written(stored: xr.Dataset, path: Path) -> Path:
     """A file of a model's arrays as `save` writes it, whatever they are."""
     stored.attrs |= {"format": persistence.FORMAT, "format_version": persistence.VERSION}
-    write_whole(described(stored, "hostile", persistence.SOURCE, persistence.MEANINGS), path)
+    write_whole(described(stored, "hostile", SOURCE, MEANINGS), path)
     return path
 
 
