@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import NoReturn, TextIO
+from typing import Any, NoReturn, TextIO
 
 import numpy as np
 import xarray as xr
@@ -25,11 +25,16 @@ from workflow.cli.progress import busy
 from workflow.cli.query import query
 from workflow.cli.solving import solved
 from workflow.cli.words import cores, netcdf_file, numbers, say, surrogate_file
+from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, one_line, read_material
 
 
 class _Parser(argparse.ArgumentParser):
-    """Complains in one line."""
+    """Complains in one line, and says what a command may have been meant to be."""
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is not None and value not in action.choices:
+            raise argparse.ArgumentError(action, f"{value!r} is none; {nearest(str(value), list(action.choices))}")
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {one_line(message)}\n")
@@ -118,6 +123,7 @@ def _parser() -> _Parser:
     command.add_argument(
         "--level", type=float, metavar="SHARE", help="of cases that intervals hold; default: the study's"
     )
+    _add_si(command)
     command.add_argument("--extrapolate", action="store_true", help="answer outside the trained box too, flagged")
     command.add_argument(
         "--exact", metavar="STUDY", help="also the exact answers, by the formula: the study that it came from"
@@ -154,9 +160,12 @@ def _parser() -> _Parser:
 
     command = commands.add_parser("invert", help="from measured quantities back to factors, with intervals")
     command.add_argument("results", type=Path, metavar="results/STUDY")
-    command.add_argument("--measured", action="append", required=True, metavar="NAME=VALUE+-STD,...", help="SI units")
+    command.add_argument(
+        "--measured", action="append", required=True, metavar="NAME=VALUE+-STD,...", help="as -519+-5, -0.52kV+-1%%"
+    )
     command.add_argument("--infer", action="append", required=True, metavar="NAME,...", help="one to three factors")
     command.add_argument("--at", action="append", metavar="NAME=VALUE,...", help="all the others")
+    _add_si(command)
     command.set_defaults(run=_invert)
 
     learn.add(commands)
@@ -178,6 +187,10 @@ def _parser() -> _Parser:
     command.add_argument("-n", "--dry-run", action="store_true", help="only say what would be done")
     command.set_defaults(run=_run)
     return parser
+
+
+def _add_si(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--si", action="store_true", help="print in units of the SI without prefixes")
 
 
 def _add_cases(command: argparse.ArgumentParser) -> None:
@@ -242,7 +255,7 @@ def _invert(options: argparse.Namespace) -> None:
     from workflow.cli import questions
 
     with busy("inferring"):
-        answer = questions.invert(options.results, vars(options))
+        answer = questions.invert(options.results, vars(options), si=options.si)
     print(_shown(answer))
 
 

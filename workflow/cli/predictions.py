@@ -7,6 +7,7 @@ import xarray as xr
 
 from surrogate import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL
+from workflow.language.numbers import prefixed
 
 #: Figures of a number whose interval says nothing of them, and the fewest and most that an interval asks for.
 _FIGURES, _FEWEST, _MOST = 10, 4, 15
@@ -28,12 +29,30 @@ def predicted(
     return whole[names + (["extrapolated"] if extrapolate else [])]
 
 
-def table(answer: xr.Dataset, outputs: Sequence[str], level: float) -> dict[str, str]:
-    """A line for every output, ``name value [lower, upper] (95 %)`` at the first point, all of one length."""
+def table(answer: xr.Dataset, outputs: Sequence[str], level: float, *, si: bool = False) -> dict[str, str]:
+    """A line for every output, ``name value [lower, upper] unit (95 %)`` at the first point, all of one length."""
+    units = {name: str(answer[name].attrs.get("units", "")) for name in outputs}
     ends = {name: [float(answer[f"{name}{part}"].values[0]) for part in ("", "_lower", "_upper")] for name in outputs}
-    lines = {name: f"{name:34s} {shown(value, lower, upper, level)}" for name, (value, lower, upper) in ends.items()}
+    lines = {
+        name: f"{name:34s} {with_units(value, lower, upper, units[name], level, si=si)}"
+        for name, (value, lower, upper) in ends.items()
+    }
     length = max(map(len, lines.values()))
     return {name: line.ljust(length) for name, line in lines.items()}
+
+
+def with_units(
+    value: float, lower: float, upper: float, units: str, level: float = NOMINAL, *, si: bool = False
+) -> str:
+    """``value [lower, upper] unit (95 %)`` in a unit that keeps the numbers short, or in SI.
+
+    >>> with_units(4.3856e-7, 4.3855e-7, 4.3857e-7, "m"), with_units(4.3856e-7, 4.3855e-7, 4.3857e-7, "m", si=True)
+    ('438.560 [438.550, 438.570] nm (95 %)', '4.38560e-07 [4.38550e-07, 4.38570e-07] m (95 %)')
+    """
+    size = max(abs(lower), abs(upper))
+    scale, text = (1.0, units) if si else prefixed(size, units)
+    numbers, bracket, share = shown(value / scale, lower / scale, upper / scale, level).partition(" (")
+    return f"{numbers} {text}".rstrip() + bracket + share
 
 
 def shown(value: float, lower: float, upper: float, level: float = NOMINAL) -> str:

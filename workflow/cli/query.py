@@ -19,6 +19,7 @@ from workflow.cli.casetable import Table, read_cases
 from workflow.cli.pointtable import predicted
 from workflow.cli.words import pairs, say
 from workflow.dataset import factorial
+from workflow.language.numbers import prefixed
 from workflow.study import location
 from workflow.study import model as studies
 from workflow.study.reading import InputError, one_line
@@ -44,7 +45,8 @@ def query(options: argparse.Namespace) -> None:
         inputs = [path for path in (options.surrogate, options.table) if path is not None]
         options.output = output(options.output, *inputs)
     if options.at is not None:
-        values = {name: np.array([value]) for name, value in pairs(options.at).items()}
+        units = {name: axis.units for name, axis in model.box.items()}
+        values = {name: np.array([value]) for name, value in pairs(options.at, units).items()}
         table = Table("--at", values, np.empty(0, dtype=np.int64))
     else:
         table = read_cases(options.table)
@@ -55,7 +57,7 @@ def query(options: argparse.Namespace) -> None:
     if options.exact is not None:
         answer = _with_exact(answer, model, table, study_of(model, options.exact))
     if options.output is None:
-        _print_answer(answer, list(model.outputs_), level)
+        _print_answer(answer, list(model.outputs_), level, si=options.si)
     else:
         _write_answer(options.output, table.columns, answer)
         say(f"wrote {options.output}: {answer.sizes['point']} points, {len(model.outputs_)} outputs")
@@ -93,13 +95,19 @@ def _with_exact(answer: xr.Dataset, model: GaussianProcess, table: Table, study:
     return answer.assign({f"{name}_exact": exact[name] for name in model.outputs_})
 
 
-def _print_answer(answer: xr.Dataset, outputs: list[str], level: float) -> None:
+def _print_answer(answer: xr.Dataset, outputs: list[str], level: float, *, si: bool) -> None:
     if "extrapolated" in answer and bool(answer["extrapolated"].values[0]):
         print("extrapolated: the point lies outside the trained box; its intervals are not to be trusted")
-    said = predictions.table(answer, outputs, level)
+    said = predictions.table(answer, outputs, level, si=si)
     for name in outputs:
-        exact = f"  exact {float(answer[f'{name}_exact'].values[0]): .10g}" if f"{name}_exact" in answer else ""
-        print(one_line(f"{said[name]}{exact}  {answer[name].attrs.get('units', '')}"))
+        exact = f"  exact {_exact(answer[f'{name}_exact'], si=si)}" if f"{name}_exact" in answer else ""
+        print(one_line(f"{said[name]}{exact}").rstrip())
+
+
+def _exact(exact: xr.DataArray, *, si: bool) -> str:
+    value, units = float(exact.values[0]), str(exact.attrs.get("units", ""))
+    scale, text = (1.0, units) if si else prefixed(abs(value), units)
+    return f"{value / scale:.10g} {text}".rstrip()
 
 
 def _write_answer(path: Path, points: Mapping[str, NDArray[Any]], answer: xr.Dataset) -> None:

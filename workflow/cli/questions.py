@@ -8,14 +8,19 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from solver.names import CHOICES
-from surrogate import GaussianProcess, load
+from solver.names import ALL_QUANTITIES, CHOICES
+from surrogate import GaussianProcess, Input, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
+from workflow.cli import predictions
+from workflow.cli.words import quantity
 from workflow.dataset import factorial
 from workflow.design.search import targets
 from workflow.design.told.words import verdict
 from workflow.design.verdict.answer import Answer
 from workflow.language.factors import FACTORS
+from workflow.language.numbers import shown
+from workflow.language.sizes import size
+from workflow.language.spelling import nearest
 from workflow.learning import widened
 from workflow.study import location
 from workflow.study import model as studies
@@ -23,10 +28,11 @@ from workflow.study.asked import check_target, check_values
 from workflow.study.categories import output
 from workflow.study.messages import first_problem
 from workflow.study.model import Study
-from workflow.study.reading import InputError, number
+from workflow.study.reading import InputError
 from workflow.study.target import Target
 
 _IMPOSSIBLE = 25.0  # five standard deviations
+_UNTOLD = 0.8  # share of its range over which a factor's interval tells nothing: a measurement of nothing leaves 0.95
 
 
 def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProcess]:
@@ -70,7 +76,7 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
         "over": {name: _variable(name, text) for name, text in _named("--over", words.get("over"))},
         "at": {name: _value(f"--at: {name}", name, text) for name, text in _named("--at", words.get("at"))},
         "worst_case": {
-            name: _interval(f"--worst-case: {name}", text)
+            name: _interval(f"--worst-case: {name}", name, text)
             for name, text in _named("--worst-case", words.get("worst_case"))
         },
         "uncertain": {name: _distribution(name, text) for name, text in _named("--uncertain", words.get("uncertain"))},
@@ -136,8 +142,8 @@ def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> Answer:
     return answer
 
 
-def invert(folder: Path, words: Mapping[str, Sequence[str] | None]) -> str:
-    """What measurements tell of some factors: a line each, with its 95 % interval.
+def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool = False) -> str:
+    """What measurements tell of some factors: a line each, with its 95 % interval, in engineering units unless `si`.
 
     Raises
     ------
@@ -148,13 +154,9 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None]) -> str:
     pairs = _named("--measured", words.get("measured"))
     values, errors = [], []
     for name, text in pairs:
-        value, sign, std = text.partition("+-")
-        if not sign:
-            raise InputError(f"--measured: {name}: {text!r} is not of the form VALUE+-STD")
-        values.append(_number(f"--measured: {name}", value))
-        errors.append(_number(f"--measured: {name}", std))
-        if not errors[-1] > 0 or not np.isfinite(errors[-1]) or not np.isfinite(values[-1]):
-            raise InputError(f"--measured: {name}: {text!r} needs finite numbers, and a positive one after +-")
+        value, error = _measured(name, text)
+        values.append(value)
+        errors.append(error)
         if not SMALLEST_ERROR <= errors[-1] <= LARGEST_ERROR:
             raise InputError(
                 f"--measured: {name}: {text!r}: an error must be within {SMALLEST_ERROR:g} to {LARGEST_ERROR:g}"
@@ -177,10 +179,39 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None]) -> str:
             f"invert: no case within the study's ranges gives these measurements (misfit {found.misfit:.3g})"
         )
     rows = zip(infer, found.mean, found.low, found.high, strict=True)
-    return "\n".join(
-        f"{name:16s} {mean:<12.6g} 95 % within {low:.6g} to {high:.6g}  {FACTORS[name].units}"
-        for name, mean, low, high in rows
-    )
+    return "\n".join(f"{name:16s} {_told(model.box[name], *numbers, si=si)}" for name, *numbers in rows)
+
+
+def _told(axis: Input, mean: float, low: float, high: float, *, si: bool) -> str:
+    """A factor with its interval, unless that is little narrower than the study's range."""
+    units = FACTORS[axis.name].units
+    if axis.to_unit(high) - axis.to_unit(low) > _UNTOLD * 2:  # the range is [-1, 1]
+        return f"cannot be told from this: the study's range is {shown(axis.low, units)} to {shown(axis.high, units)}"
+    return predictions.with_units(mean, low, high, units, si=si)
+
+
+def _measured(name: str, text: str) -> tuple[float, float]:
+    """A measured value and one standard deviation of it, in SI; the latter may be a share of the value, as 1%."""
+    where = f"--measured: {name}"
+    value, sign, std = text.partition("+-")
+    if not sign:
+        raise InputError(f"{where}: {text!r} is not of the form VALUE+-STD")
+    if name not in ALL_QUANTITIES:
+        raise InputError(f"{where}: is no quantity; {nearest(name, list(ALL_QUANTITIES))}")
+    mean = quantity(where, value, _units(name))
+    try:
+        absolute, share = size(name, std)
+    except ValueError as error:
+        raise InputError(f"{where}: {error}") from None
+    if not np.isfinite(mean):
+        raise InputError(f"{where}: {text!r} needs finite numbers")
+    return mean, absolute + share * abs(mean)
+
+
+def _units(name: str) -> str:
+    """Units of a factor or quantity; none of a name that is not known, which is told later."""
+    known = FACTORS.get(name) or ALL_QUANTITIES.get(name)
+    return known.units if known else "1"
 
 
 def _named(option: str, words: Sequence[str] | None) -> list[tuple[str, str]]:
@@ -209,32 +240,26 @@ def _variable(name: str, text: str) -> dict[str, Any]:
     if not text:
         return {}
     if ":" in text:
-        low, high = _interval(f"--over: {name}", text)
+        low, high = _interval(f"--over: {name}", name, text)
         return {"low": low, "high": high}
     return {"choices": [_value(f"--over: {name}", name, one) for one in text.split("|")]}
 
 
 def _value(where: str, name: str, text: str) -> float | str:
     """A number, or one of the names of a category."""
-    return _number(where, text) if name in FACTORS else text.strip()
+    return quantity(where, text, FACTORS[name].units) if name in FACTORS else text.strip()
 
 
-def _interval(where: str, text: str) -> list[float]:
+def _interval(where: str, name: str, text: str) -> list[float]:
     ends = text.split(":")
     if len(ends) != 2:
         raise InputError(f"{where}: {text!r} is not of the form LOW:HIGH")
-    return [_number(where, end) for end in ends]
+    return [quantity(where, end, _units(name)) for end in ends]
 
 
 def _distribution(name: str, text: str) -> dict[str, list[float]]:
     family, bracket, rest = text.partition("(")
     if not bracket or not rest.endswith(")"):
         raise InputError(f"--uncertain: {name}: {text!r} is not of the form normal(MEAN,STD) or another distribution")
-    return {family.strip(): [_number(f"--uncertain: {name}", one) for one in rest[:-1].split(",")]}
-
-
-def _number(where: str, text: str) -> float:
-    try:
-        return number(text)
-    except ValueError:
-        raise InputError(f"{where}: {text.strip()!r} is not a number") from None
+    units = _units(name)
+    return {family.strip(): [quantity(f"--uncertain: {name}", one, units) for one in rest[:-1].split(",")]}

@@ -14,12 +14,11 @@ from solver.face.materials import material_of
 from solver.names import FACTORS
 from storage.files import output, write_text
 from workflow.cli.casetable import TEXT_FACTORS, read_cases
-from workflow.cli.words import say
+from workflow.cli.words import quantity, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import Contact
 from workflow.device.signal import History, Signal, read
 from workflow.language.numbers import shown
-from workflow.language.units import in_si
 from workflow.study.device import Amplifier, Device
 from workflow.study.messages import first_problem
 from workflow.study.reading import InputError, number, read_material
@@ -120,19 +119,7 @@ def _case(text: str) -> dict[str, Any]:
 def _factor(name: str, text: str) -> float | str:
     if name in TEXT_FACTORS or name not in FACTORS:  # what is unknown the solver names
         return text
-    return _si(f"--on: {name}", text, FACTORS[name].units)
-
-
-def _si(where: str, text: str, units: str) -> float:
-    """A number in SI, or with its unit."""
-    try:
-        return number(text)
-    except ValueError:
-        pass
-    try:
-        return in_si(text, units)
-    except ValueError as error:
-        raise InputError(f"{where}: {error}") from None
+    return quantity(f"--on: {name}", text, FACTORS[name].units)
 
 
 def _device(text: str, kind: Kind) -> dict[str, float]:

@@ -2,8 +2,10 @@
 
 import sys
 from argparse import ArgumentTypeError
+from collections.abc import Mapping
 from pathlib import Path
 
+from workflow.language.units import in_si
 from workflow.study.reading import InputError, number, one_line
 
 
@@ -23,8 +25,29 @@ def numbers(where: str, text: str) -> list[float]:
     return values
 
 
-def pairs(text: str) -> dict[str, float]:
-    """``NAME=VALUE`` between commas, of the option ``--at``; `InputError` names the part that is none."""
+def quantity(where: str, text: str, units: str) -> float:
+    """A number, bare in SI or with its unit, in SI; `InputError` names `where` and what is none.
+
+    Examples
+    --------
+    >>> quantity("--at: radius", "20um", "m"), quantity("--at: radius", "2e-05", "m")
+    (2e-05, 2e-05)
+    """
+    try:
+        return number(text)
+    except ValueError:
+        pass
+    try:
+        return in_si(text, units)
+    except ValueError as error:
+        raise InputError(f"{where}: {error}") from None
+
+
+def pairs(text: str, units: Mapping[str, str]) -> dict[str, float]:
+    """``NAME=VALUE`` between commas, of the option ``--at``, in SI; `InputError` names the part that is none.
+
+    ``units`` are those of every name that may be given; another's number is bare.
+    """
     found: dict[str, float] = {}
     for part in text.split(","):
         name, equals, value = part.partition("=")
@@ -32,7 +55,7 @@ def pairs(text: str) -> dict[str, float]:
             raise InputError(f"--at: {part.strip()!r} is not of the form NAME=VALUE")
         if name.strip() in found:
             raise InputError(f"--at: {name.strip()}: given twice")
-        found[name.strip()] = numbers(f"--at: {name.strip()}", value)[0]
+        found[name.strip()] = quantity(f"--at: {name.strip()}", value, units.get(name.strip(), "1"))
     return found
 
 

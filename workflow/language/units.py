@@ -33,7 +33,7 @@ _SYMBOLS: dict[str, tuple[float, tuple[int, int, int, int]]] = {  # exponents of
     "Ohm": (1.0, (2, 1, -3, -2)),
 }
 _PART = re.compile(r"(?P<over>/)?\s*(?P<symbol>%|1|[A-Za-zµμ]+)\^?(?P<power>[-+]?[0-9]+(?:/[0-9]+)?)?")
-_QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)(?![\w.])\s*(\S.*)")
+_QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)(?![0-9._eE])\s*(\S.*)")
 _FEW = 2  # symbols of a unit that reads well
 _LARGEST_POWER, _LONGEST = 9, 100  # an exponent, also of its denominator; characters of a unit, or of a number with it
 
@@ -137,7 +137,7 @@ def _power(text: str) -> Fraction:
 
 
 def in_si(text: str, units: str) -> float:
-    """Read a number with its unit, as ``115 GPa``: its value in `units`, which are of the SI.
+    """Read a number with its unit, as ``115 GPa`` or ``115GPa``: its value in `units`, which are of the SI.
 
     What a decimal prefix does is rounded once: ``11.2 nF/m`` is 11.2e-9 to the last bit.
 
@@ -148,7 +148,7 @@ def in_si(text: str, units: str) -> float:
     """
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None:
-        raise ValueError(f"{text[:_LONGEST]!r} is not a finite number [{units}], nor one with a unit behind a blank")
+        raise ValueError(f"{text[:_LONGEST]!r} is not a finite number [{units}], nor one with its unit")
     found = parse(match[2])
     if not found.fits(parse(units)):
         raise ValueError(f"{text!r}: unit mismatch: {match[2]!r} does not measure what {units!r} measures")

@@ -126,8 +126,8 @@ def test_bad_limits_and_alternatives_are_refused_in_one_line(
         ("c11: 115 GV\n", "m: c11: '115 GV': unit mismatch: 'GV' does not measure what 'Pa' measures"),
         ("c11: 1e999 GPa\n", "m: c11: '1e999 GPa' is not a finite number [Pa]"),
         ("c11: 1e308 GPa\n", "m: c11: '1e308 GPa' is not a finite number [Pa]"),
-        ("c11: '115e9'\n", "m: c11: '115e9' is not a finite number [Pa], nor one with a unit behind a blank"),
-        ("c11: 115GPa\n", "m: c11: '115GPa' is not a finite number [Pa], nor one with a unit behind a blank"),
+        ("c11: '115e9'\n", "m: c11: '115e9' is not a finite number [Pa], nor one with its unit"),
+        ("c11: 115e GPa\n", "m: c11: '115e GPa' is not a finite number [Pa], nor one with its unit"),
         (f"c11: {'1' * 2000} GPa\n", "11' is not a finite number [Pa]"),
     ],
 )

@@ -34,8 +34,8 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     [
         ("radius=-1,friction=0.1", "--at: radius = -1 (trained within [0.01, 0.2] m): no finite answer so far outside"),
         ("radius=0.1,friction=1e200", "--at: friction = 1e+200 (trained within [0, 0.5] 1): no finite answer so far"),
-        ("radius=1_0,friction=0.1", "--at: radius: '1_0' is not a number"),
-        ("radius=\u0663,friction=0.1", "is not a number"),
+        ("radius=1_0,friction=0.1", "--at: radius: '1_0' is not a finite number"),
+        ("radius=\u0663,friction=0.1", "is not a finite number"),
     ],
 )
 def test_no_answer_is_no_number(model: Path, capsys: pytest.CaptureFixture[str], at: str, says: str) -> None:

@@ -85,17 +85,27 @@ def test_the_command_inverts(study: Study, model: GridGP, monkeypatch: pytest.Mo
         "at": ["volume_fraction=0.67,radius=0.12"],
     }
     lines = questions.invert(Path("results/sensor"), words).splitlines()
-    low, high = (float(lines[0].split()[k]) for k in (5, 7))
-    assert low < 2e4 < high
-    assert high / low < 1.02
+    name, _, low, high, unit = lines[0].split()[:5]
+    assert (name, unit) == ("load", "kN/m")
+    assert float(low[1:-1]) < 20 < float(high[:-1]) < 1.02 * float(low[1:-1])
+    plain = questions.invert(Path("results/sensor"), words, si=True).split()
+    assert plain[4:6] == ["N", "m-1"]
+    units = {**words, "measured": [f"voltage={voltage / 1e3}kV+-0.1%", f"magnetic_potential={potential}+-0.1 %"],
+             "at": ["volume_fraction=67%,radius=12cm"]}  # fmt: skip
+    assert questions.invert(Path("results/sensor"), units) == "\n".join(lines)
+    alone = {**words, "measured": [f"voltage={voltage}+-1%"]}
+    assert "friction         cannot be told from this: the study's range is " in questions.invert(
+        Path("results/sensor"), alone
+    )
     for change, reason in (
         ({"measured": ["voltage=1"]}, "--measured: voltage: '1' is not of the form VALUE"),
-        ({"measured": ["voltage=1+-0"]}, "needs finite numbers, and a positive one"),
+        ({"measured": ["voltag=1+-1"]}, "--measured: voltag: is no quantity; did you mean 'voltage'?"),
+        ({"measured": ["voltage=1+-0"]}, "'0' is not a positive number with a unit"),
         ({"measured": ["voltage=1+-1e308"]}, "'1+-1e308': an error must be within 1e-150 to 1e+150"),
         ({"measured": ["voltage=1+-1e-200"]}, "'1+-1e-200': an error must be within 1e-150 to 1e+150"),
         ({"measured": ["voltage=1e308+-1"]}, "no case within the study's ranges gives these measurements (misfit inf)"),
         ({"measured": ["voltage=1e30+-1"]}, "no case within the study's ranges gives these measurements"),
-        ({"measured": ["voltage=1_0+-1"]}, "--measured: voltage: '1_0' is not a number"),
+        ({"measured": ["voltage=1_0+-1"]}, "--measured: voltage: '1_0' is not a finite number"),
         ({"measured": ["voltage=1e9+-1"]}, "no case within the study's ranges gives these measurements"),
         ({"infer": ["load"]}, "'friction' must be either inferred or given"),
         ({"at": ["volume_fraction=0.67,radius=3"]}, "--at: radius = 3 is not within"),

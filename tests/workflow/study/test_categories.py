@@ -119,7 +119,7 @@ def test_questions_in_words(study: Study) -> None:
     assert target.at["profile"] == "cylinder"  # its default
     for words, says in (
         ({"over": ["radius,material=PZT-6"]}, "design: material: 'PZT-6' is not one of BaTiO3, PZT-4, PZT-5H"),
-        ({"over": ["radius=PZT-4,material"]}, "--over: radius: 'PZT-4' is not a number"),
+        ({"over": ["radius=PZT-4,material"]}, "--over: radius: 'PZT-4' is not a finite number"),
         ({"over": ["radius"]}, "design: 'material' is missing; put it in over or at"),
         ({"at": ["load=1e4,profile=wedge"]}, "design: profile: 'wedge' is not one of cylinder, half_cylinder"),
         ({"worst_case": ["profile=0:1"]}, "worst_case.profile"),
