@@ -111,16 +111,21 @@ class Hdf5:
 _INT = ("H5Iget_type", "H5Pget_layout", "H5Pget_external_count", "H5Tequal", "H5Tis_variable_str", "H5Tget_class")
 
 
+def addresses() -> int:
+    """Bytes of addresses that this process has; 0 where the system does not say."""
+    used = Path("/proc/self/statm")
+    return int(used.read_text(encoding="ascii").split()[0]) * resource.getpagesize() if used.exists() else 0
+
+
 def limit() -> None:
     """Give this process little time and memory from here on, and let it open one file more at a time."""
-    used = Path("/proc/self/statm")
-    pages = int(used.read_text(encoding="ascii").split()[0]) if used.exists() else 0
+    used = addresses()
     handle = os.open(os.devnull, os.O_RDONLY)
     os.close(handle)
     most = {
         resource.RLIMIT_CORE: 0,
         resource.RLIMIT_CPU: SECONDS,
-        resource.RLIMIT_AS: pages * resource.getpagesize() + MEMORY,
+        resource.RLIMIT_AS: used + MEMORY,
         resource.RLIMIT_NOFILE: handle + 1,
     }
     for kind, value in most.items():

@@ -3,10 +3,12 @@
 import contextlib
 import faulthandler
 import os
+import resource
 import select
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
 from typing import NoReturn
@@ -15,6 +17,7 @@ from storage import examined
 from storage.sealed import FormatError, check_seal
 
 SCRIPT = examined.__file__
+_A_THREAD = 2**27  # bytes of addresses: a heap of its own, a buffer of linear algebra
 PATIENCE = 5 * examined.SECONDS  # of waiting; a child that gets no processor is not one that never ends
 
 
@@ -55,6 +58,27 @@ def try_to_read(path: str | PathLike[str], max_bytes: int) -> None:
         raise FormatError(file, reason)
     if status:
         raise FormatError(file, "no readable netCDF-4 file (the library cannot read it within its limits)")
+
+
+@contextlib.contextmanager
+def little_memory(path: Path) -> Iterator[None]:
+    """Within it, this process takes at most `examined.MEMORY` more addresses, and some for each thread that may start.
+
+    Raises
+    ------
+    FormatError
+        What is made of the file's content asks for more; the file is named.
+    """
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    most = examined.addresses() + examined.MEMORY + _A_THREAD * (os.cpu_count() or 1)
+    if soft == resource.RLIM_INFINITY or most < soft:
+        resource.setrlimit(resource.RLIMIT_AS, (most, hard))
+    try:
+        yield
+    except MemoryError:
+        raise FormatError(path, "too large: what is made of it takes more memory than a model has") from None
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
 def _has_one_thread() -> bool:

@@ -69,6 +69,9 @@ def test_the_container_is_made_as_make_run_makes_its_environment() -> None:
     assert version
     assert asked
     assert version[1] == asked[1]
+    users = [line.split()[1] for line in steps.splitlines() if line.startswith("USER ")]
+    assert users, "the container would run as root"
+    assert users[-1].split(":")[0] not in ("root", "0")
     # what the steps need is not left behind
     left = {line.rstrip("/") for line in (ROOT / ".dockerignore").read_text(encoding="utf-8").split()}
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()

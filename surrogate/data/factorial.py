@@ -11,6 +11,7 @@ from approximation.chebyshev import gauss_points
 from surrogate.data.inputs import Input, Scale
 
 # How far a level may lie from its Chebyshev-Gauss position, as a share of the half-range.
+MOST_OF_A_FACTOR = 1000  # of a factor: its kernel's matrix is decomposed
 LEVEL_TOLERANCE = 1e-10
 
 
@@ -159,6 +160,8 @@ def check_levels(inputs: Sequence[Input], levels: Sequence[Array], chebyshev: bo
 
 
 def _check_levels(one: Input, levels: Array, chebyshev: bool) -> None:
+    if len(levels) > MOST_OF_A_FACTOR:
+        raise ValueError(f"input {one.name!r} has {len(levels)} levels; a factor has at most {MOST_OF_A_FACTOR}")
     if len(levels) < 2:
         raise ValueError(f"input {one.name!r} has {len(levels)} level; a factor needs at least 2")
     if one.scale == "log" and levels[0] <= 0:

@@ -1,7 +1,7 @@
 """Models as data: netCDF files with everything that a prediction needs, nothing of which is executed."""
 
 from os import PathLike
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -9,18 +9,20 @@ import xarray as xr
 from approximation.arrays import Array
 from storage.described import described
 from storage.netcdf import FAILURES, read_whole, write_whole
-from storage.quarantine import try_to_read
+from storage.quarantine import little_memory, try_to_read
 from storage.sealed import FormatError
 from surrogate.data.inputs import Input, stored_inputs
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.face.engines import ENGINES, engine, members_of
 from surrogate.face.model import SMALLEST, GaussianProcess
+from surrogate.face.sizes import check_sizes
 from surrogate.intervals.conformal import Calibration
 from surrogate.intervals.distribution import NOMINAL
 
 FORMAT = "surrogate"
 VERSION = 4
 MAX_BYTES = 2**28  # unpacked; a model is a few MB at most, and a hostile file must not fill the memory
+_DENSEST, _SMALL = 100, 2**22  # times what a file weighs that it may unpack to, where that is more than some bytes
 PROBES = 8
 _PROBE_DIMS = {"point": ("probe", "input")} | dict.fromkeys(("mean", "std", "lower", "upper"), ("probe", "output"))
 PROBE_TOLERANCE = 1e-7
@@ -35,6 +37,8 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
         The folder does not exist.
     OSError
         No room or no permission, in the system's words, with the file.
+    ValueError
+        More levels, cases or outputs than `load` reads.
 
     Examples
     --------
@@ -51,6 +55,7 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
     whole = nested(model).assign({f"probe_{name}": (_PROBE_DIMS[name], values) for name, values in probes.items()})
     title = f"surrogate of {', '.join(model.outputs_)}"[:200]
     whole.attrs |= {"format": FORMAT, "format_version": VERSION}
+    check_sizes(whole)
     write_whole(described(whole, title, SOURCE, MEANINGS), path)
 
 
@@ -122,7 +127,8 @@ def load(path: str | PathLike[str]) -> GaussianProcess:
     FileNotFoundError
         There is no such file.
     FormatError
-        One line with the file and the reason: truncated, altered, too large, more than plain numbers and texts, not a
+        One line with the file and the reason: truncated, altered, too large for what it weighs or for the memory of a
+        model, more than plain numbers and texts, not a
         model, of an unknown version, engine or kernel, inconsistent in its shapes, or its probe predictions do not come
         out as stored.
 
@@ -137,8 +143,10 @@ def load(path: str | PathLike[str]) -> GaussianProcess:
     >>> bool(again.predict({"x0": 0.3})["y0"] == made.predict({"x0": 0.3})["y0"])
     True
     """
-    try_to_read(path, MAX_BYTES)
-    stored = read_whole(path, max_bytes=MAX_BYTES)
+    file = Path(path)
+    most = min(MAX_BYTES, max(_DENSEST * file.stat().st_size, _SMALL)) if file.is_file() else MAX_BYTES
+    try_to_read(file, most)
+    stored = read_whole(file, max_bytes=most)
     attrs = stored.attrs
     if attrs.get("format") != FORMAT:
         raise FormatError(path, "not a surrogate model")
@@ -147,9 +155,11 @@ def load(path: str | PathLike[str]) -> GaussianProcess:
             path, f"format version {attrs.get('format_version')} is not {VERSION}, the one known here: `make run` anew"
         )
     try:
+        check_sizes(stored)
         _check_numbers(stored)
-        model = restored(stored, tuple(ENGINES))
-        answers = _answers(model, stored["probe_point"].transpose("probe", "input").values)
+        with little_memory(file):
+            model = restored(stored, tuple(ENGINES))
+            answers = _answers(model, stored["probe_point"].transpose("probe", "input").values)
     except FAILURES as error:
         raise FormatError(path, f"inconsistent: {error}") from error
     for part, found in answers.items():
@@ -193,12 +203,13 @@ def probe_points(inputs: tuple[Input, ...]) -> Array:
 
 
 def _outputs(stored: xr.Dataset) -> dict[str, dict[str, str]]:
-    attrs: dict[str, dict[str, str]] = {}
-    for name in stored["output"].values.tolist():
-        column = stored.sel(output=name)
-        texts: dict[str, Any] = {key: column[f"output_{key}"].item() for key in ("units", "long_name")}
-        attrs[name] = {key: text for key, text in texts.items() if text}
-    return attrs
+    names, units, meanings = (stored[key].values for key in ("output", "output_units", "output_long_name"))
+    if len({len(names), len(units), len(meanings), len(set(names.tolist()))}) != 1:
+        raise ValueError("output names must be unique, each with its units and its meaning")
+    return {
+        name: {key: text for key, text in (("units", unit), ("long_name", meaning)) if text}
+        for name, unit, meaning in zip(names.tolist(), units.tolist(), meanings.tolist(), strict=True)
+    }
 
 
 def _check_numbers(stored: xr.Dataset) -> None:

@@ -11,7 +11,7 @@ from approximation.panels import Panels
 from surrogate.transforms.curves.basis import Basis, Curves, Largest
 
 # Most points of the panels of one file's curves.
-_MOST = 1_000_000
+_MOST = 1000
 
 Arrays = dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]
 
