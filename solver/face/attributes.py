@@ -5,7 +5,7 @@ from typing import Any
 
 import xarray as xr
 
-from solver.body import KINDS
+from solver.body import KINDS, Kind
 from solver.face.filmfactors import present
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
@@ -48,27 +48,27 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
     return {**found, "defaults": ", ".join(f"{name} = {text}{words.get(name, '')}" for name, text in shown.items())}
 
 
-def of_output(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[str, str]:
-    """CF attributes of an output; what hangs on a datum says which ones the cases have."""
-    attrs = _of_body(described, arrays)
-    line = any(kind.contact == "line" for kind in present(arrays))
+def of_output(described: Described, arrays: Mapping[str, xr.DataArray], kinds: Sequence[Kind]) -> dict[str, str]:
+    """CF attributes of an output of cases of some kinds; what hangs on a datum says which ones they have."""
+    attrs = _of_body(described, arrays, kinds)
+    line = any(kind.contact == "line" for kind in kinds)
     if described.on_punch and line and not set(OF_A_PUNCH).isdisjoint(arrays):
         attrs["comment"] = "; ".join([*([attrs["comment"]] if "comment" in attrs else []), _PUNCH_DATUM])
     return attrs
 
 
-def _of_body(described: Described, arrays: Mapping[str, xr.DataArray]) -> dict[str, str]:
+def _of_body(described: Described, arrays: Mapping[str, xr.DataArray], kinds: Sequence[Kind]) -> dict[str, str]:
     """The same, of the datum of the body."""
     if not described.on_datum:
         return described.attrs
-    if all(kind.datum == "absolute" for kind in present(arrays)):
+    if all(kind.datum == "absolute" for kind in kinds):
         return {"units": described.units, "long_name": described.long_name.removesuffix(_RELATIVE)}
     datum = arrays.get("datum")
     if datum is None:
         length = f"{FACTORS['datum'].default:g} m, the default"
     else:
         length = "that of the coordinate datum" if datum.ndim else f"{float(datum):.15g} m"
-    absolute = [kind.datum != "relative" for kind in present(arrays)]
+    absolute = [kind.datum != "relative" for kind in kinds]
     words = described.long_name.removesuffix(_RELATIVE) if all(absolute) else described.long_name
     comment = f"{_FILM_DATUM if any(absolute) else ''}{described.comment}; datum: {length}"
     return described.attrs | {"long_name": words, "comment": comment}

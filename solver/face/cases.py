@@ -143,13 +143,14 @@ class Cases:
         FactorError
             An output is not finite in some case, for these factors ``of``: no file ever holds such a value unawares.
         """
+        kinds = present(self.arrays)
         own = {name: axis.size for name, axis in (axes or {}).items()}
         found = {}
         for name, value in values.items():
             if not np.all(np.isfinite(value) | (np.isnan(value) & (described[name].sparse | hollow))):
                 raise FactorError(f"{name}: not finite for these {of}")
             whole = np.broadcast_to(value, (*self.sizes.values(), *own.values()))
-            found[name] = xr.Variable((*self.sizes, *own), whole, of_output(described[name], self.arrays))
+            found[name] = xr.Variable((*self.sizes, *own), whole, of_output(described[name], self.arrays, kinds))
         return found
 
     def solved(self, title: str, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:

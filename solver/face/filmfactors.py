@@ -38,16 +38,19 @@ def has(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
 def kinds_of(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
     """The kind of body of every case, by name: without thickness or stack, of no layers."""
     layered = xr.DataArray(True) if BODY in arrays else has(arrays, "thickness")
-    contact = xr.DataArray("line")
-    for name, outline in PROFILES.items():
-        if outline.contact != "line" and "profile" in arrays:
-            contact = contact.where(arrays["profile"].drop_vars(arrays["profile"].coords) != name, outline.contact)
-    airy = (arrays["surroundings"] == AIR) if "surroundings" in arrays else xr.DataArray(False)
-    airy = airy.drop_vars(airy.coords)
-    names = xr.DataArray("")
-    for (touched, layers, air), kind in KINDS.items():
-        names = names.where((contact != touched) | (layered != layers) | (airy != air), kind.name)
-    return names
+    pointed, air = xr.DataArray(False), xr.DataArray(False)
+    if "profile" in arrays:
+        profiles = arrays["profile"].values
+        points = [profiles == name for name, outline in PROFILES.items() if outline.contact == "point"]
+        pointed = xr.DataArray(np.any(points, axis=0), dims=arrays["profile"].dims)
+    if "surroundings" in arrays:
+        air = xr.DataArray(arrays["surroundings"].values == AIR, dims=arrays["surroundings"].dims)
+    layered, pointed, air = xr.broadcast(layered, pointed, air)
+    holds = [
+        (pointed.values == (contact == "point")) & (layered.values == layers) & (air.values == airy)
+        for contact, layers, airy in KINDS
+    ]
+    return xr.DataArray(np.select(holds, [kind.name for kind in KINDS.values()], ""), dims=layered.dims)
 
 
 def present(arrays: Mapping[str, xr.DataArray]) -> list[Kind]:
