@@ -177,11 +177,12 @@ def test_query_prints_and_writes_what_the_surrogate_says(
     path = ran.folder / "results/small/surrogate.nc"
     model = surrogate.load(path)
     point = {"volume_fraction": 0.6, "friction": 0.2, "radius": 0.1, "load": 1e4}
-    assert main.main(["query", str(path), "--at", ",".join(f"{k}={v}" for k, v in point.items())]) == 0
+    at = ",".join(f"{k}={v}" for k, v in point.items())
+    assert main.main(["query", str(path), "--si", "--at", at]) == 0
     printed = capsys.readouterr().out
     for name in model.outputs_:
         assert name in printed
-    assert main.main(["query", str(path.parent), "--at", ",".join(f"{k}={v}" for k, v in point.items())]) == 0
+    assert main.main(["query", str(path.parent), "--si", "--at", at]) == 0
     assert capsys.readouterr().out == printed  # of the study's folder too
     table = write(tmp_path / "at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.5,0,0.02,5e3\n")
     out = tmp_path / "out.csv"
@@ -194,7 +195,7 @@ def test_query_prints_and_writes_what_the_surrogate_says(
         for key in (name, f"{name}_std", f"{name}_lower", f"{name}_upper"):
             assert float(rows[0][key]) == pytest.approx(float(expected[key][0]), rel=1e-9)
         line = next(one for one in printed.splitlines() if one.split()[0] == name)
-        found = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] \(95 %\) +{model.attrs_[name]['units']}", line)
+        found = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] {model.attrs_[name]['units']} \(95 %\)", line.rstrip())
         assert found, line
         half = float(expected[f"{name}_upper"][0] - expected[f"{name}_lower"][0]) / 2
         for text, key in zip(found.groups(), (name, f"{name}_lower", f"{name}_upper"), strict=True):
@@ -203,12 +204,10 @@ def test_query_prints_and_writes_what_the_surrogate_says(
     assert list(rows[0]) == [*point, *columns]
     assert "+-" not in printed
     assert [row["radius"] for row in rows] == ["0.1", "0.02"]
-    assert (
-        main.main(["query", str(path), "--at", ",".join(f"{k}={v}" for k, v in point.items()), "--level", "0.8"]) == 0
-    )
+    assert main.main(["query", str(path), "--si", "--at", at, "--level", "0.8"]) == 0
     name, narrow = model.outputs_[0], model.interval(named, 0.8)
     line = next(one for one in capsys.readouterr().out.splitlines() if one.split()[0] == name)
-    found = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] \(80 %\) .*", line)
+    found = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] .* \(80 %\)", line.rstrip())
     assert found, line
     half = float(narrow[f"{name}_upper"][0] - narrow[f"{name}_lower"][0]) / 2
     assert float(found[3]) == pytest.approx(float(narrow[f"{name}_upper"][0]), abs=0.051 * half)
