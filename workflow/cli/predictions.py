@@ -47,7 +47,7 @@ def with_units(
     """``value [lower, upper] unit (95 %)`` in a unit that keeps the numbers short, or in SI.
 
     >>> with_units(4.3856e-7, 4.3855e-7, 4.3857e-7, "m"), with_units(4.3856e-7, 4.3855e-7, 4.3857e-7, "m", si=True)
-    ('438.560 [438.550, 438.570] nm (95 %)', '4.38560e-07 [4.38550e-07, 4.38570e-07] m (95 %)')
+    ('438.5600 [438.5500, 438.5700] nm (95 %)', '4.385600e-07 [4.385500e-07, 4.385700e-07] m (95 %)')
     """
     size = max(abs(lower), abs(upper))
     scale, text = (1.0, units) if si else prefixed(size, units)
