@@ -7,6 +7,8 @@ from approximation.arrays import Array
 
 # The smoothing ends at this share of the residuals' upper spread, where its bias no longer matters.
 BANDWIDTH = 0.1
+# Further away, in widths, a case has no weight in the curvature: its density is below the last digit of the nearest's.
+FAR = 8.5
 # Keeps at zero what few values tell: in sparse parts of the box a share may lie below whatever is large enough.
 RIDGE = 1.0
 
@@ -32,6 +34,7 @@ def quantile_regression(A: Array, y: Array, level: float, start: Array | None = 
     -------
     ndarray, shape (k,)
     """
+    A = np.ascontiguousarray(A)  # cases are picked out of it
     if start is None:
         b = np.zeros(A.shape[1])
         b[0] = np.quantile(y, level)
@@ -66,7 +69,9 @@ def _newton(A: Array, y: Array, level: float, width: float, b: Array) -> Array:
         if _density(z).sum() < 1e-9:  # no case is near: two clusters, with the quantile between them
             break
         slope = penalty * b - A.T @ (level - ndtr(-z))
-        curvature = (A * (_density(z) / width)[:, None]).T @ A + np.diag(penalty)
+        near = np.abs(z) < FAR
+        root = A[near] * np.sqrt(_density(z[near]) / width)[:, None]
+        curvature = root.T @ root + np.diag(penalty)
         curvature[np.diag_indices_from(curvature)] += 1e-6 * np.trace(curvature) / len(b)
         step = np.linalg.solve(curvature, slope)
         length = 1.0
