@@ -1,8 +1,11 @@
 """The study: one strict model of everything that a run can be asked for, checked and read from its file."""
 
 import re
-from collections.abc import Mapping
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from threading import Timer
 from typing import Any, Self
 
 from pydantic import ValidationError, model_validator
@@ -24,6 +27,10 @@ from workflow.study.solvable import (
     solve_effects,
 )
 
+#: Seconds after which a check says what it does.
+SILENCE = 3.0
+
+_last: dict[str, tuple[str, "Study"]] = {}  # by path, with what was checked: the command and the Snakefile ask alike
 _LABEL = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 
 
@@ -70,14 +77,27 @@ class Study(Contents):
 
 
 def named(name: str) -> Study:
-    """The checked study of a name, wherever its file is.
+    """The checked study of a name, wherever its file is; a check that takes seconds says so on standard error.
 
     Raises
     ------
     InputError
         Also for a name that is unknown or no plain name.
     """
-    return load(location(name))
+    with _told(f"checking {name}: solving the corners of its box and its effects"):
+        return load(location(name))
+
+
+@contextmanager
+def _told(what: str) -> Iterator[None]:
+    """Say what is done, once it has taken longer than people wait in silence."""
+    timer = Timer(SILENCE, lambda: print(what, file=sys.stderr, flush=True))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def load(path: str | Path) -> Study:
@@ -92,7 +112,11 @@ def load(path: str | Path) -> Study:
     content = read_yaml(path)
     names = content.get("materials")
     known = names if isinstance(names, list) and all(isinstance(name, str) for name in names) else []
-    return _made(content, Origin(path, dict(read_material(path.parent / name) for name in known)))
+    materials = dict(read_material(path.parent / name) for name in known)
+    text = repr((content, {name: material.plain() for name, material in materials.items()}))
+    if _last.get(str(path), ("",))[0] != text:
+        _last[str(path)] = text, _made(content, Origin(path, materials))
+    return _last[str(path)][1]
 
 
 def thawed(frozen: Mapping[str, Any]) -> Study:

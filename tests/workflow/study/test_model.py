@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from solver.names import PEAKS
-from workflow.study import schema
+from workflow.study import model, schema
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError, read_material, read_yaml
 from workflow.study.sections import Effects
@@ -354,3 +354,20 @@ def test_a_level_that_the_calibration_does_not_tell_is_refused() -> None:
         ValueError, match=r"surrogate: level: 0\.99 is more than 0\.98, all that 99 cases of validation"
     ):
         Study.model_validate({**content, "surrogate": {"level": 0.99}})
+
+
+def test_a_long_check_says_what_it_does(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(model, "SILENCE", 0.0)
+    monkeypatch.setattr(model, "_last", {})
+    model.named("quickstart")
+    assert capfd.readouterr().err == "checking quickstart: solving the corners of its box and its effects\n"
+
+
+def test_a_file_is_checked_again_when_it_has_changed(tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    text = QUICKSTART.read_text(encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
+    first = load(path)
+    assert load(path) is first
+    path.write_text(text.replace(first.title, "Another"), encoding="utf-8")
+    assert load(path).title == "Another"
