@@ -6,9 +6,10 @@ from scipy.integrate import quad_vec
 
 import solver
 from solver.arrays import Array
+from solver.film import kernel as module
 from solver.film.kernel import ENTRIES, Kernel, kernel
 from solver.film.reflection import waves
-from solver.film.stack import RIGID, Layer, Stack
+from solver.film.stack import RIGID, Layer, Stack, StackError
 
 #: Roots with a large real part put singularities beside the first panels.
 STEEP = ["PMN-PT 67:33", "PMN-PT 67:33 (alternative 1)"]
@@ -32,6 +33,14 @@ def test_no_built_in_material_is_refused(name: str, base: str) -> None:
 @pytest.mark.parametrize("fraction", [0.44, 0.5])
 def test_no_composition_is_refused(fraction: float) -> None:
     assert of(solver.aluminium_scandium_nitride(fraction), "steel", 30.0).reach > 60
+
+
+def test_what_the_panels_do_not_resolve_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without their halving, which PMN-PT needs: the message names what makes tables hard, the critical speed too."""
+    monkeypatch.setattr(module, "_HALVINGS", 0)
+    with pytest.raises(StackError, match=r"does not resolve this stack: .* \(or a speed next to the critical one\)"):
+        of(solver.find(STEEP[0]), "steel", 1.07)  # of no other test's reach: tables are kept
+    assert of(solver.find("PZT-4"), "steel", 1.07).reach > 2
 
 
 def test_values_are_the_integrals() -> None:
