@@ -13,6 +13,7 @@ is Q/C_f, in the sign of the charge at zero volts; the voltage of an open contac
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -88,7 +89,7 @@ class Circuit:
         """Output over the voltage of the punch."""
         return -self.numbers.get("open_loop_gain", 1e6) if self.reads_charge else 1.0
 
-    @property
+    @cached_property
     def capacitance(self) -> float:
         """C_e [F]: cable, input and what the feedback seems to be at the input."""
         feedback = (1 - self.gain) * self.numbers.get("feedback_capacitance", 0.0)

@@ -10,6 +10,7 @@ device; functions are abs, sqrt, log, exp, min and max. A name that has a formul
 """
 
 import re
+from functools import lru_cache
 from math import isfinite
 
 from solver.names import ALL_QUANTITIES
@@ -25,6 +26,7 @@ _KNOWN = {**ALL_QUANTITIES, **FIGURES, **CONSTANTS}
 _TOKEN = re.compile(r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|(?P<name>[A-Za-z_]\w*)|(?P<sign>\*\*|\S))")
 
 
+@lru_cache(1024)
 def parse(text: str) -> Expression:
     """Read an expression.
 

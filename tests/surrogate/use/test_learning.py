@@ -99,10 +99,12 @@ def corrected(found: Learnt, rows: Measurements) -> CorrectedGP:
     return CorrectedGP(nominal(), effect, CONSTANTS, found.about, found.draws, rows, np.zeros(2), "what it taught")
 
 
-def test_intervals_hold_on_two_hundred_devices() -> None:
-    # discrepancies from none to ten times the noise; 4,000 truths of each output that nobody has measured
+# of sixty, whose shares scatter by 0.105, 0.033 and 0.12 from device to device, three standard deviations more
+@pytest.mark.parametrize(("count", "slack"), [(60, 3.0), pytest.param(200, 0.0, marks=pytest.mark.soak)])
+def test_intervals_hold_on_synthetic_devices(count: int, slack: float) -> None:
+    # discrepancies from none to ten times the noise; 20 truths a device of each output that nobody has measured
     truths, rows, constants = [], [], []
-    for seed in range(200):
+    for seed in range(count):
         device = Device(seed, size=(0.0, 0.003, 0.01, 0.03, 0.1)[seed % 5])
         measured = device.rows()
         found = learnt(measured)
@@ -112,9 +114,10 @@ def test_intervals_hold_on_two_hundred_devices() -> None:
         truths.append(inside.mean())
         rows.append((abs(measured.value - found.left_out[0]) < 1.96 * found.left_out[1]).mean())
         constants.append((abs(device.constants - found.mean) < 1.96 * found.contraction).mean())
-    assert 0.93 <= np.mean(truths) <= 0.97
-    assert 0.93 <= np.mean(rows) <= 0.97
-    assert np.mean(constants) >= 0.93
+    more = slack / np.sqrt(count)
+    assert abs(np.mean(truths) - 0.95) <= 0.02 + more * 0.105
+    assert abs(np.mean(rows) - 0.95) <= 0.02 + more * 0.033
+    assert np.mean(constants) >= 0.93 - more * 0.12
 
 
 @pytest.fixture(scope="module")
