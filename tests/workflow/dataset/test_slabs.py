@@ -158,9 +158,9 @@ def test_slabs_follow_cores_and_memory(study: Study, monkeypatch: pytest.MonkeyP
 
 
 def test_memory_of_a_slab_does_not_grow_with_it(study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(dataset, "_BLOCK", 2**12)
+    monkeypatch.setattr(dataset, "_BLOCK", 2**11)
     peaks = []
-    for levels in (16, 64):  # a few blocks wait for the garbage collector
+    for levels in (10, 20):  # a few blocks wait for the garbage collector
         axis = study.factors["volume_fraction"].model_copy(update={"levels": levels})
         alone = study.dataset.model_copy(update={"slabs": 1})
         grown = study.model_copy(update={"factors": {**study.factors, "volume_fraction": axis}, "dataset": alone})
