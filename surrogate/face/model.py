@@ -8,7 +8,6 @@ from typing import Any, ClassVar, Literal, Self, overload
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from sklearn.exceptions import NotFittedError
 
 from approximation.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
@@ -308,6 +307,8 @@ class GaussianProcess(Physical, Predictive):
 
     def _require_fitted(self) -> None:
         if not hasattr(self, "inputs_"):
+            from sklearn.exceptions import NotFittedError  # slow to import
+
             raise NotFittedError(f"this {type(self).__name__} is not fitted yet; call fit first")
 
     def _asked(

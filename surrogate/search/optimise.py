@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import NonlinearConstraint, minimize
-from scipy.stats import qmc
 
 from approximation.arrays import Array, Flags
+from approximation.sobol import sobol_points
 
 _FEASIBLE = 1e-9  # largest excess, in units of the limits, that counts as none: SLSQP's own accuracy
 _NEARLY = 1e-6  # an excess that next to nothing of the objective takes away
@@ -79,7 +79,7 @@ def maximise(problem: Problem, *, scan: int = 4096, starts: int = 6, seed: int =
     seed
         Seed of the scan.
     """
-    X = 2 * qmc.Sobol(problem.dimension, rng=seed).random(scan) - 1
+    X = 2 * sobol_points(scan, problem.dimension, seed) - 1
     objective, excess = problem.value(X)
     worst, largest = objective.min(1), excess.max(1, initial=-np.inf)
     order = np.lexsort((-worst, np.maximum(largest, 0.0)))

@@ -9,9 +9,9 @@ are reached as well. References on the segment between two anchors are those of 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import qmc
 
 from approximation.arrays import Array, Flags
+from approximation.sobol import sobol_points
 from surrogate.search.optimise import Problem, improve, maximise
 
 _ON = 1e-9  # excess that counts as none
@@ -58,7 +58,7 @@ def front(problem: Problem, objectives: int, *, points: int = 33, fill: int = 8,
     Front or None
         None where no feasible design was found.
     """
-    X = 2 * qmc.Sobol(problem.dimension, rng=0).random(scan) - 1
+    X = 2 * sobol_points(scan, problem.dimension) - 1
     anchors = np.array([maximise(_only(problem, k, objectives), scan=min(scan, 1024)).x for k in range(objectives)])
     X = np.concatenate([_feasible(problem, X), _feasible(problem, anchors)])
     if not len(X):

@@ -11,10 +11,10 @@ from itertools import combinations
 import numpy as np
 import xarray as xr
 from numpy.polynomial.legendre import leggauss
-from scipy.stats import qmc
 
 from approximation.arrays import Array
 from approximation.chebyshev import gauss_points
+from approximation.sobol import sobol_points
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.factors import cosine_basis
 from surrogate.gp.gridgp import GridGP
@@ -160,7 +160,7 @@ def expanded(model: GaussianProcess) -> GridGP:
 def _tails(model: GaussianProcess) -> list[Array]:
     """For every input, the largest sum of the means' Chebyshev coefficients from a degree on, over their range."""
     inputs, tails = model.inputs_, []
-    at = 2 * qmc.Sobol(len(inputs), rng=0).random(LINES) - 1
+    at = 2 * sobol_points(LINES, len(inputs)) - 1
     basis, weights = cosine_basis(FEWEST_NODES)
     for k in range(len(inputs)):
         t = np.repeat(at, FEWEST_NODES, axis=0)
@@ -176,7 +176,7 @@ def _tails(model: GaussianProcess) -> list[Array]:
 def _errors(model: GaussianProcess, plain: GridGP, positions: Array) -> tuple[Array, Array]:
     """Root-mean-square predictive error of the train over the box, (p,), and given one input, (p, d, positions)."""
     inputs = model.inputs_
-    t = 2 * qmc.Sobol(len(inputs), rng=0).random(SAMPLE) - 1
+    t = 2 * sobol_points(SAMPLE, len(inputs)) - 1
     over = np.empty((len(model.outputs_), len(inputs), len(positions)))
     for i in range(len(inputs)):
         for j, position in enumerate(positions):

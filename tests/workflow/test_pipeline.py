@@ -253,8 +253,8 @@ def test_equal_inputs_give_equal_bytes(ran: Project, again: Project) -> None:
     made += [str(file.relative_to(results)) for file in results.glob("fields/interior_*.nc")]
     assert len(made) > 6
     again.run("snakemake", "--cores", "1", *(f"results/small/{file}" for file in made))
-    for file in made:
-        assert (results / file).read_bytes() == (again.folder / "results/small" / file).read_bytes(), file
+    for name in made:
+        assert (results / name).read_bytes() == (again.folder / "results/small" / name).read_bytes(), name
 
 
 def test_any_intermediate_file_can_be_asked_for(copy: Callable[[str], Project]) -> None:

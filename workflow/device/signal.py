@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy  # scipy.integrate, slow to import, when a signal is asked for
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 from workflow.device.circuit import Circuit
 from workflow.device.contact import Contact
@@ -93,7 +93,7 @@ def read(history: History, contact: Contact, circuit: Circuit) -> Signal:
     for first, last in pairwise(ends):
         times = history.times[first : last + 1]
         balance = _Balance(contact, circuit, float(times[0]), float(history.forces[first]), float(rates[first]))
-        found = solve_ivp(
+        found = scipy.integrate.solve_ivp(
             balance.slope,
             (float(times[0]), float(times[-1])),
             voltage[first : first + 1],

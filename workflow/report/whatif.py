@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from markupsafe import Markup
-from scipy.stats import qmc
 
+from approximation.sobol import sobol_points
 from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.use.export import exported
@@ -103,7 +103,7 @@ def _held(study: Study) -> dict[str, float]:
 def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[list[float]]:
     """Ends of every output over the box: of its factorial, or of the surrogate, where that is in groups."""
     if study.groups:
-        t = 2 * qmc.Sobol(len(model.box), rng=0).random(_POINTS) - 1
+        t = 2 * sobol_points(_POINTS, len(model.box)) - 1
         X = np.stack([one.from_unit(row) for one, row in zip(model.box.values(), t.T, strict=True)], axis=1)
         return [[float(row.min()), float(row.max())] for row in model.predict_array(X).T]
     return [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_]

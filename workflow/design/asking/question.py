@@ -7,8 +7,8 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
+from approximation.sobol import sobol_points
 from solver.names import ALL_QUANTITIES
 from surrogate import Input
 from workflow.dataset import factorial
@@ -257,7 +257,7 @@ def _pilot(d: int, scenarios: int) -> Array:
     """
     ends = np.array(list(product([-1.0, 1.0], repeat=min(d, _ENDS))))
     count = 1 << int(np.clip(np.log2(_EVALUATED / scenarios), 5, np.log2(_PILOT)))
-    inside = 2 * qmc.Sobol(d, rng=0).random(count) - 1
+    inside = 2 * sobol_points(count, d) - 1
     return np.concatenate([inside, np.pad(ends, ((0, 0), (0, d - ends.shape[1])))])
 
 

@@ -8,8 +8,8 @@ from itertools import product
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
+from approximation.sobol import sobol_points
 from workflow.design.asking.terms import Term
 from workflow.study.target import Target
 
@@ -107,7 +107,7 @@ def draws(target: Target, count: int) -> Scenarios:
     size = len(next(iter(groups.values()))) if groups else 1
     names = target.random
     # the middle of its cell instead of the corner: no draw is an end of a support
-    shares = (np.floor(qmc.Sobol(len(names), scramble=False).random(count) * count) + 0.5) / count
+    shares = (np.floor(sobol_points(count, len(names), None) * count) + 0.5) / count
     levels = {name: np.repeat(one, count) for name, one in groups.items()}
     for column, name in enumerate(names):
         share = shares[:, column]

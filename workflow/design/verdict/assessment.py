@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
+from approximation.sobol import sobol_points
 from solver.names import ALL_QUANTITIES, CHOICES, PROFILES
 from workflow.dataset import factorial
 from workflow.design.asking import budget
@@ -187,7 +187,7 @@ def _corners(design: Designs) -> dict[str, Array]:
 
 def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[str, float]:
     """The study's tolerance of some quantities: a share of their range over the box."""
-    box = qmc.Sobol(len(study.factors), rng=0).random(_PILOT)
+    box = sobol_points(_PILOT, len(study.factors))
     levels = {
         axis.name: axis.from_unit(2 * box[:, [column]] - 1).clip(axis.low, axis.high)
         for column, axis in enumerate(factorial.inputs(study))
