@@ -15,13 +15,8 @@ from solver import Material
 from solver.body import Kind, kind_of
 from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
-<<<<<<< HEAD
-from solver.names import ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
-from workflow.language.constants import BORNE, DEVICE, Meeting
-=======
 from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
-from workflow.language.constants import BORNE, DEVICE
->>>>>>> main
+from workflow.language.constants import BORNE, DEVICE, Meeting
 from workflow.language.factors import FACTORS
 from workflow.study import grouped, layered
 from workflow.study.borne import MADE_OF, Borne, borne
