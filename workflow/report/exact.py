@@ -11,7 +11,6 @@ from workflow.report import datum_effect
 from workflow.study.model import Study
 from workflow.study.target import Target
 
-_CONTACT = ("contact_trailing", "contact_leading")
 _IN_AIR = ("voltage", "capacitance", "charge_sensitivity")  # what a device is read by, and air changes most
 
 
@@ -40,7 +39,7 @@ def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
 def contact(study: Study, answer: Answer) -> dict[str, float]:
     """Both ends of the contact of a design [m], by name of their quantity."""
     found = factorial.exact(study.narrowed(answer.kinds), dict(answer.case), peaks=())
-    return {name: float(found[name]) for name in _CONTACT}
+    return {name: float(found[name]) for name in study.kind.ends}
 
 
 def in_air(study: Study, case: Mapping[str, float]) -> dict[str, float]:
