@@ -4,7 +4,7 @@ What a field of a record is stands in Croissant's own words, sizes included; uni
 every variable stand in schema.org's `variableMeasured`, which search engines of data read.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from typing import Any
 
@@ -61,7 +61,7 @@ def croissant(card: Mapping[str, Any]) -> dict[str, Any]:
         "@type": "sc:Dataset",
         "conformsTo": "http://mlcommons.org/croissant/1.1",
         "name": card["study"],
-        "description": f"{card['title']} {card['cases']:,} exact cases, each at {len(card['positions'])} positions.",
+        "description": f"{card['title']} {card['cases']:,} exact cases{_at(card['positions'])}.",
         "version": version("meecontact"),
         "license": LICENSE,
         "citeAs": _PAPER,
@@ -69,6 +69,10 @@ def croissant(card: Mapping[str, Any]) -> dict[str, Any]:
         "recordSet": [{"@type": "cr:RecordSet", "@id": "cases", "name": "cases", "key": key, "field": axes + outputs}],
         "variableMeasured": [_measured(name, one) for name, one in card["variables"].items()],
     }
+
+
+def _at(positions: Sequence[float]) -> str:
+    return f", each at {len(positions)} positions" if positions else ""
 
 
 def _file(one: Mapping[str, Any]) -> dict[str, Any]:

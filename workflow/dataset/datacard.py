@@ -65,7 +65,7 @@ def markdown(card: Mapping[str, Any]) -> str:
     lines = [
         f"# Data card: {card['title']}",
         "",
-        f"Study `{card['study']}`: {card['cases']:,} cases, {len(card['positions'])} positions; {size}"
+        f"Study `{card['study']}`: {card['cases']:,} cases{_at(card['positions'])}; {size}"
         + (f"; {took:,.1f} s of jobs." if took is not None else "."),
         "",
         "| factor | low | high | levels | scale |",
@@ -110,6 +110,11 @@ def _groups(study: Study) -> dict[str, Any]:
     held = {name: value for name, value in middles(study).items() if name not in leads.values()}
     scales = {name: similar.scale(study, name) for name in study.quantities}
     return {"axes": axes, "varied": leads, "held": held, "scales": scales, "log_of_datum_added": sorted(study.added)}
+
+
+def _at(positions: Sequence[float]) -> str:
+    """At how many positions fields are stored; of none, nothing."""
+    return f", {len(positions)} positions" if positions else ""
 
 
 def _row(name: str, axis: Mapping[str, Any]) -> str:

@@ -51,8 +51,8 @@ def write_slab(study: Study, index: int, path: Path) -> None:
     axes = factorial.axes(study)
     first = next(iter(axes))
     axes[first] = np.array_split(axes[first], partition.count(study))[index]
-    positions = study.dataset.positions.values()
-    points = max([positions.size, *(REGIONS[name].panels.size for name in study.regions)])
+    positions = study.dataset.positions.values() if study.stores_fields else None
+    points = max([study.dataset.positions.count, *(REGIONS[name].panels.size for name in study.regions)])
     lengths, block = [levels.size for levels in axes.values()], max(1, _BLOCK // points)
     chunk = tiling.chunk_lengths(lengths, min(block, _CHUNK_CASES))
     regions = list(tiling.regions(lengths, chunk, block))
@@ -105,7 +105,8 @@ def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
     -------
     xarray.Dataset
         Quantities over the factors (what a cross approximation has asked for: over ``place`` and those that it does
-        not cross), fields over these and ``position``, with units and statistics as attributes.
+        not cross), fields, where the study stores them, over these and ``position``, with units and statistics as
+        attributes.
         Selecting (``isel``, ``sel``) reads nothing; ``load``, ``values`` and arithmetic read what was selected.
 
     Raises
@@ -119,7 +120,7 @@ def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
     card = json.loads((folder / CARD).read_text(encoding="utf-8"))
     whole = read_whole(folder / "quantities.nc")
     dims = [*whole[next(iter(whole.data_vars))].dims, "position"]
-    if not card["positions"]:  # of a cross approximation, which stores none
+    if not card["positions"]:  # of a study that stores no fields
         return whole
     axis = xr.Variable("position", card["positions"], {"units": "1", "long_name": "surface position X = (x - c)/h"})
     whole = whole.assign_coords(position=axis)

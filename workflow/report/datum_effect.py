@@ -62,13 +62,14 @@ def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, An
 def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
     """How far inside the trailing edge what conduction adds to sigma_xx exceeds the trailing tension [m].
 
-    In the case that decides a limit of ``trailing_tension``; None without such a limit or such a singularity. There
+    In the case that decides a limit of ``trailing_tension``; None without such a limit or such a singularity, which air
+    beside the contact takes away. There
     sigma_xx grows as K / sqrt(1 - X^2): K is its regular part at the edge.
     """
     limits = [limit for limit in answer.limits if "trailing_tension" in limit.statement.expression.names()]
-    if not limits:
-        return None
     own = study.narrowed(answer.kinds)
+    if not limits or own.kind.air:
+        return None
     solved = factorial.exact(own, dict(limits[0].worst), [_EDGE], peaks=(), regular=True)
     tension = float(solved["trailing_tension"])
     half = float(solved["contact_trailing"] + solved["contact_leading"]) / 2

@@ -83,8 +83,8 @@ def levels_of(wildcards):
 
 def figures_of(wildcards):
     study = study_of(wildcards)
-    names = ["fields", "decay", "errors", "parity", "intervals", "sensitivity", "main_effects"] if study.factors else []
-    names = names[1:] if study.crossed else names  # whose cases have no surface fields
+    names = ["decay", "errors", "parity", "intervals", "sensitivity", "main_effects"] if study.factors else []
+    names = ["fields", *names] if study.factors and study.stores_fields else names
     names += [f"readout_{name}" for name in study.readout]
     names += effects_of(study)
     names += [f"convergence_{group}" for group in CONVERGING if study.verification]

@@ -15,8 +15,8 @@ from solver import Material
 from solver.body import Kind, kind_of
 from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
-from solver.names import ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
-from workflow.language.constants import BORNE, DEVICE
+from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
+from workflow.language.constants import BORNE, DEVICE, Meeting
 from workflow.language.factors import FACTORS
 from workflow.study import grouped, layered
 from workflow.study.borne import MADE_OF, Borne, borne
@@ -106,10 +106,30 @@ class Contents(Strict):
 
     @property
     def kind(self) -> Kind:
-        """The kind of body of its cases: what they can be asked for, and what that costs."""
+        """The kind of body of its cases: what they can be asked for, and what that costs; in air where any case is."""
         usual = self.fixed.get("profile", CHOICES["profile"][0])
         profile = self.categories["profile"][0] if "profile" in self.categories else usual
-        return kind_of({*self.factors, *self.fixed, *([BODY] if self.body else [])}, profile)
+        around = AIR if AIR in self.surroundings else self.surroundings[0]
+        return kind_of({*self.factors, *self.fixed, *([BODY] if self.body else [])}, profile, around)
+
+    @property
+    def surroundings(self) -> list[str]:
+        """What is beside the contacts of its cases, each once: names of the factor ``surroundings``."""
+        usual = self.fixed.get("surroundings", CHOICES["surroundings"][0])
+        return self.categories.get("surroundings", [str(usual)])
+
+    @property
+    def stores_fields(self) -> bool:
+        """Whether the data set holds surface fields, and the page draws them.
+
+        A cross approximation has no factorial to show them over, and contacts with air beside them have none.
+        """
+        return not (self.crossed or self.kind.air)
+
+    @property
+    def meeting(self) -> Meeting:
+        """How punch and body meet in its cases, which says what figures of a device are."""
+        return "line in air" if self.kind.air else self.kind.contact
 
     @property
     def elastic(self) -> bool:
@@ -157,8 +177,8 @@ class Contents(Strict):
 
     @property
     def costly(self) -> frozenset[str]:
-        """Quantities of which a case costs milliseconds: searched for, or read from tables of the case's own."""
-        return frozenset(ALL_QUANTITIES if self.tabled else ALL_PEAKS)
+        """Quantities of which a case costs milliseconds: searched for, read from its own tables, or in air."""
+        return frozenset(ALL_QUANTITIES if self.tabled or self.kind.air else ALL_PEAKS)
 
     @property
     def searched(self) -> frozenset[str]:
@@ -311,6 +331,8 @@ class Contents(Strict):
     def model_post_init(self, origin: Any, /) -> None:
         """Take what stands beside the file, before anything is checked: the context of the validation."""
         self._origin = origin or Origin(Path(), {})
+        for target in self.design.values():
+            target.meets(self.meeting)
 
     def chosen(self, target: Target) -> list[Self]:
         """The study for every combination of categories among which a target may choose."""

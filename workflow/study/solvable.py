@@ -140,17 +140,22 @@ def _solve_stored(study: Contents) -> None:
         raise ValueError(f"groups: in a corner of their ranges: {error}") from None
 
 
-def check_surroundings(study: Contents) -> None:
-    """Whether cases are such that have fields, which studies store and draw."""
+def check_fields(study: Contents) -> None:
+    """Whether cases have the fields and largest stresses that sections ask for: those with air have none."""
     effects = study.effects
-    asked: dict[str, Mapping[str, Any]] = {"fixed": study.fixed, "categories": study.categories}
-    asked |= {"effects: baseline": effects.baseline, "effects: vary": effects.vary} if effects else {}
-    for where, given in asked.items():
+    drawn: dict[str, Mapping[str, Any]] = (
+        {"effects: baseline": effects.baseline, "effects: vary": effects.vary} if effects else {}
+    )
+    for where, given in drawn.items():
         if AIR in np.atleast_1d(given.get("surroundings", "")):
-            raise ValueError(
-                f"{where}: surroundings: {AIR!r} has no fields, which studies store; must be insulated "
-                "(meecontact solve takes tables of cases with air)"
-            )
+            raise ValueError(f"{where}: surroundings: {AIR!r} has no fields, which effects draw; must be insulated")
+    if not study.kind.air:
+        return
+    without = f"cases with surroundings: {AIR!r} have none"
+    if study.surrogate.fields:
+        raise ValueError(f"surrogate: fields: {without}; must be 0")
+    if study.dataset.peaks:
+        raise ValueError(f"dataset: peaks: {without}; must be false")
 
 
 def solve_effects(study: Contents) -> None:
@@ -171,9 +176,8 @@ def check_size(study: Contents) -> None:
         raise ValueError(f"factors: a box of {corners} corners, over all categories, has more than {MOST_CORNERS}")
     if not study.factors:
         return
-    cases, positions = study.cases or study.dataset.budget, study.dataset.positions.count
-    if study.crossed:
-        cases, positions = study.dataset.budget, 1  # without surface fields
+    cases = study.dataset.budget if study.crossed else study.cases or study.dataset.budget
+    positions = study.dataset.positions.count if study.stores_fields else 1
     if cases * positions > MOST_VALUES:
         raise ValueError(
             f"dataset: {cases} cases x {positions} positions are more than {MOST_VALUES} values of each field"

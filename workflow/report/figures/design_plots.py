@@ -33,8 +33,9 @@ from workflow.study.target import Target
 
 
 def figures_of(answer: Answer, target: Target) -> dict[str, Figure]:
-    """All of them, by kind."""
-    return {kind: draw(kind, answer) for kind in kinds(target)}
+    """All of them, by kind; the contact where the answer has its fields."""
+    contact = ["contact"] if "position" in answer.pictures.dims else []
+    return {kind: draw(kind, answer) for kind in (*kinds(target), *contact)}
 
 
 def draw(kind: str, answer: Answer) -> Figure:

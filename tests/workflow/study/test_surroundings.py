@@ -1,0 +1,82 @@
+"""Studies with air beside the contact: what their cases have, which fields nobody stores, and what is refused."""
+
+from pathlib import Path
+
+import pytest
+
+from solver.body import FILM_IN_AIR, HALF_PLANE_IN_AIR
+from solver.names import GAP_QUANTITIES
+from workflow.study.model import Study, load
+from workflow.study.reading import InputError
+
+#: A half-plane, whose tables are small.
+AIR = """\
+title: A half-plane in air
+fixed: {material: PZT-4, radius: 0.05, magnetic: insulating, surroundings: air}
+factors:
+  load: {low: 1e4, high: 2e4, levels: 3}
+"""
+
+
+def study(text: str, folder: Path) -> Study:
+    path = folder / "study.yaml"
+    path.write_text(text, encoding="utf-8")
+    return load(path)
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    return study(AIR, tmp_path_factory.mktemp("air"))
+
+
+@pytest.fixture(scope="module")
+def both(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    text = AIR.replace(", surroundings: air}", "}\ncategories: {surroundings: [insulated, air]}")
+    return study(text, tmp_path_factory.mktemp("both"))
+
+
+def test_cases_have_the_quantities_of_contacts_in_air(alone: Study) -> None:
+    assert alone.kind is HALF_PLANE_IN_AIR
+    assert alone.surroundings == ["air"]
+    assert {*GAP_QUANTITIES, "capacitance", "voltage"} <= {*alone.quantities}
+    assert not [name for name in alone.quantities if "edge_intensity" in name]
+    assert alone.costly >= {*alone.quantities}
+
+
+def test_what_only_some_surroundings_have_is_lacked(both: Study) -> None:
+    assert both.surroundings == ["insulated", "air"]
+    assert both.absent >= {*GAP_QUANTITIES, "electric_edge_intensity_trailing", "capacitance"}
+    assert "voltage[air]" in both.learned
+    assert both.narrowed({"surroundings": "insulated"}).kind.air is False
+
+
+def test_no_fields_are_stored_where_any_case_is_in_air(alone: Study, both: Study) -> None:
+    assert not alone.stores_fields
+    assert not both.stores_fields
+    assert both.narrowed({"surroundings": "insulated"}).stores_fields
+    film = alone.model_copy(update={"fixed": {**alone.fixed, "base": "steel", "thickness": 1e-4}})
+    assert film.kind is FILM_IN_AIR
+    assert not film.stores_fields
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ("surrogate: {fields: 8}\n", "surrogate: fields: cases with surroundings: 'air' have none; must be 0"),
+        ("dataset: {peaks: true}\n", "dataset: peaks: cases with surroundings: 'air' have none; must be false"),
+        (
+            "effects:\n  baseline: {material: PZT-4, radius: 0.05, load: 1e4, surroundings: air}\n"
+            "  vary: {friction: [0.0, 0.1]}\n",
+            "effects: baseline: surroundings: 'air' has no fields, which effects draw; must be insulated",
+        ),
+        (
+            "effects:\n  baseline: {material: PZT-4, radius: 0.05, load: 1e4}\n"
+            "  vary: {surroundings: [insulated, air]}\n",
+            "effects: vary: surroundings: 'air' has no fields, which effects draw; must be insulated",
+        ),
+    ],
+)
+def test_what_needs_fields_is_refused(tmp_path: Path, more: str, message: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        study(AIR + more, tmp_path)
+    assert str(refusal.value) == f"{tmp_path / 'study.yaml'}: {message}"
