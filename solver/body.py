@@ -15,11 +15,14 @@ from solver.names import (
     BODY,
     CHOICES,
     CONTACTS,
+    ENDS,
+    FIELDS,
     FILM_PEAKS,
     FILM_QUANTITIES,
     GAP_QUANTITIES,
     OF_A_FILM,
     PEAKS,
+    POINT_FIELDS,
     POINT_QUANTITIES,
     PROFILES,
     QUANTITIES,
@@ -77,6 +80,26 @@ class Kind:
     def loads(self) -> Loads:
         """The factors that press and charge its punch; their units are those of ``solver.names.FACTORS``."""
         return CONTACTS[self.contact]
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """The quantities that its contact extends to the trailing and to the leading side by."""
+        return ENDS[self.contact]
+
+    @property
+    def fields(self) -> Mapping[str, Described]:
+        """Fields that its surface may have."""
+        return POINT_FIELDS if self.contact == "point" else FIELDS
+
+    @property
+    def slides(self) -> bool:
+        """Whether its punch slides."""
+        return self.contact == "line"
+
+    @property
+    def unbounded(self) -> str:
+        """What it is where it is not layered, in words."""
+        return "half-space" if self.contact == "point" else "half-plane"
 
     @property
     def every_quantity(self) -> dict[str, Described]:

@@ -204,6 +204,12 @@ CONTACTS: dict[Contact, Loads] = {
     "point": Loads("force", ("total_charge", "total_flux")),
 }
 
+#: How far a contact extends to the trailing and to the leading side, by its kind: a point alike.
+ENDS: dict[Contact, tuple[str, str]] = {
+    "line": ("contact_trailing", "contact_leading"),
+    "point": ("contact_radius", "contact_radius"),
+}
+
 #: Factors that a point contact has no use for: its depth and potentials are absolute, and it does not move.
 OF_A_LINE = ("datum", "speed", "corner", "moment")
 

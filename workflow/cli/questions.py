@@ -95,7 +95,7 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
         if name not in said and _usual(study, name):
             asked["at"][name] = _usual(study, name)
     try:
-        found = Target.model_validate(asked)
+        found = Target.model_validate(asked).meets(study.meeting)
     except ValidationError as error:
         raise InputError(f"design: {first_problem(error, Target, asked)}") from None
     return found

@@ -67,7 +67,7 @@ def signal(options: argparse.Namespace) -> None:
     case = _case(options.on)
     kind = kind_of([*case], case.get("profile", "cylinder"))
     numbers = _device(options.device, kind)
-    length = numbers["electrode_length"]
+    length = numbers.get("electrode_length", 1.0)
     history = _history(options.history, kind, length)
     most = float(history.forces.max())
     contact = Contact.of(case, most, length=length, materials=own)
@@ -123,18 +123,18 @@ def _factor(name: str, text: str) -> float | str:
 
 
 def _device(text: str, kind: Kind) -> dict[str, float]:
-    """Numbers of a study's section ``device``, in SI; a point contact has the length 1, as it has none."""
+    """Numbers of a study's section ``device``, in SI."""
     given = {name: _plain(value) for name, value in _pairs("--device", text).items()}
     amplifier = {name: given.pop(name) for name in Amplifier.model_fields if name in given}
-    if kind.contact == "point":
-        if "electrode_length" in given:
-            raise InputError("--device: electrode_length: a point contact has none")
-        given["electrode_length"] = 1.0
     content = {**given, "amplifier": amplifier}
     try:
-        return Device.model_validate(content).constants
+        device = Device.model_validate(content)
+        device.check(kind.contact)
     except ValidationError as error:
         raise InputError(f"--device: {first_problem(error, Device, content)}") from None
+    except ValueError as error:
+        raise InputError(f"--device: {error}") from None
+    return device.constants
 
 
 def _plain(text: str) -> float | str:

@@ -1,5 +1,7 @@
 """Names that have one value in a design question: what materials bear, and what is read or driven through the punch."""
 
+from typing import Literal
+
 from solver.names import LIMITS, Described
 
 _BASE = "base_"
@@ -29,34 +31,33 @@ DEVICE: dict[str, Described] = {
 #: Every name of a constant.
 CONSTANTS: dict[str, Described] = {**BORNE, **DEVICE}
 
-_CIRCUIT = "(capacitance * electrode_length + input_capacitance + cable_capacitance)"
-_NOISE = f"sqrt(charge_noise^2 + (voltage_noise * {_CIRCUIT})^2)"
+#: How punch and body meet, as far as figures of a device differ by it: a line without or with air, or a point.
+Meeting = Literal["line", "line in air", "point"]
 
-#: Figures of a device, each a formula of quantities, factors and constants in the language of designs.
-FIGURES: dict[str, Described] = {
-    name: Described(units, long_name, formula=formula)
-    for name, units, long_name, formula in (
-        ("force", "N", "load on the whole punch", "load * electrode_length"),
-        ("signal_charge", "C", "charge at zero voltage", "charge_sensitivity * load * electrode_length"),
-        (
-            "circuit_capacitance",
-            "F",
-            "capacitance of punch, cable and amplifier together",
-            _CIRCUIT,
-        ),
+
+def _figures(pressing: str, capacitance: str, blocked: str, *, per_metre: bool) -> dict[str, Described]:
+    """Figures of a device on a contact, from the names of what presses, of its capacitance and of its blocked force."""
+    whole = " * electrode_length" if per_metre else ""
+    circuit = f"({capacitance}{whole} + input_capacitance + cable_capacitance)"
+    noise = f"sqrt(charge_noise^2 + (voltage_noise * {circuit})^2)"
+    force = [("force", "N", "load on the whole punch", f"{pressing}{whole}")] if per_metre else []
+    told = (
+        *force,
+        ("signal_charge", "C", "charge at zero voltage", f"charge_sensitivity * {pressing}{whole}"),
+        ("circuit_capacitance", "F", "capacitance of punch, cable and amplifier together", circuit),
         (
             "signal_voltage",
             "V",
             "open-circuit voltage into cable and amplifier",
-            f"charge_sensitivity * load * electrode_length / {_CIRCUIT}",
+            f"charge_sensitivity * {pressing}{whole} / {circuit}",
         ),
-        ("time_constant", "s", "time in which the signal decays to 1/e", f"input_resistance * {_CIRCUIT}"),
-        ("smallest_force", "N", "force whose charge is the noise", f"{_NOISE} / abs(charge_sensitivity)"),
+        ("time_constant", "s", "time in which the signal decays to 1/e", f"input_resistance * {circuit}"),
+        ("smallest_force", "N", "force whose charge is the noise", f"{noise} / abs(charge_sensitivity)"),
         (
             "dynamic_range",
             "1",
             "load over the smallest detectable one",
-            f"load * electrode_length * abs(charge_sensitivity) / {_NOISE}",
+            f"{pressing}{whole} * abs(charge_sensitivity) / {noise}",
         ),
         ("drive_field", "V m-1", "driving voltage over the thickness", "abs(drive_voltage) / thickness"),
         ("stroke", "m", "stroke of the driving voltage at fixed load", "stroke_per_volt * drive_voltage"),
@@ -64,10 +65,22 @@ FIGURES: dict[str, Described] = {
             "blocked_force",
             "N",
             "force of the driving voltage at fixed depth, on the whole punch",
-            "blocked_load_per_volt * drive_voltage * electrode_length",
+            f"{blocked} * drive_voltage{whole}",
         ),
     )
+    return {name: Described(units, long_name, formula=formula) for name, units, long_name, formula in told}
+
+
+#: Figures of a device, each a formula of quantities, factors and constants in the language of designs, by meeting. The
+#: force on a point is a factor.
+FIGURES_BY: dict[Meeting, dict[str, Described]] = {
+    "line": _figures("load", "capacitance", "blocked_load_per_volt", per_metre=True),
+    "line in air": _figures("load", "capacitance_at_load", "blocked_load_per_volt", per_metre=True),
+    "point": _figures("force", "contact_capacitance", "blocked_force_per_volt", per_metre=False),
 }
+
+#: Every one by name; unit and meaning are those of any meeting.
+FIGURES = FIGURES_BY["line"]
 
 
 def borne_by_base(name: str) -> bool:

@@ -6,7 +6,8 @@
     atom    := number | name | function "(" sum ("," sum)* ")" | "(" sum ")"
 
 Names are the quantities and numeric factors of the interface, what materials bear, and the numbers and figures of a
-device; functions are abs, sqrt, log, exp, min and max. A name that has a formula of others is read as that.
+device; functions are abs, sqrt, log, exp, min and max. A name that has a formula of others is read as that: of a
+figure the one of its meeting of punch and body.
 """
 
 import re
@@ -14,7 +15,7 @@ from functools import lru_cache
 from math import isfinite
 
 from solver.names import ALL_QUANTITIES
-from workflow.language.constants import CONSTANTS, FIGURES
+from workflow.language.constants import CONSTANTS, FIGURES_BY, Meeting
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
 from workflow.language.spelling import nearest
@@ -22,13 +23,20 @@ from workflow.language.spelling import nearest
 FUNCTIONS = {"abs": 1, "sqrt": 1, "log": 1, "exp": 1, "min": 2, "max": 2}  # number of arguments; min and max: or more
 DEEPEST = 40  # levels of brackets; keeps hostile texts from exhausting the stack
 LONGEST = 1000  # characters
-_KNOWN = {**ALL_QUANTITIES, **FIGURES, **CONSTANTS}
+_KNOWN = {meeting: {**ALL_QUANTITIES, **figures, **CONSTANTS} for meeting, figures in FIGURES_BY.items()}
 _TOKEN = re.compile(r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|(?P<name>[A-Za-z_]\w*)|(?P<sign>\*\*|\S))")
 
 
 @lru_cache(1024)
-def parse(text: str) -> Expression:
+def parse(text: str, meeting: Meeting = "line") -> Expression:
     """Read an expression.
+
+    Parameters
+    ----------
+    text
+        The expression.
+    meeting
+        How punch and body meet, which says what figures of a device are.
 
     Raises
     ------
@@ -39,7 +47,7 @@ def parse(text: str) -> Expression:
     if len(text) > LONGEST:
         raise ValueError(f"an expression of {len(text)} characters is longer than {LONGEST}")
     try:
-        tree = _Parser(text).whole()
+        tree = _Parser(text, meeting).whole()
         tree.unit()
     except ValueError as error:
         raise ValueError(f"{text!r}: {error}") from None
@@ -51,7 +59,8 @@ def parse(text: str) -> Expression:
 class _Parser:
     """Recursive descent over the tokens."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, meeting: Meeting) -> None:
+        self._meeting, self._known = meeting, _KNOWN[meeting]
         self._tokens = [(str(match.lastgroup), match[str(match.lastgroup)]) for match in _TOKEN.finditer(text)]
         self._at = 0
 
@@ -112,10 +121,10 @@ class _Parser:
         if group == "name" and self._take("("):
             return self._call(token, depth)
         if group == "name":
-            if token not in _KNOWN and token not in FACTORS:
-                raise ValueError(f"{token!r} is not a quantity; {nearest(token, [*_KNOWN, *FACTORS])}")
-            formula = _KNOWN[token].formula if token in _KNOWN else ""
-            return _Parser(formula).whole() if formula else Name(token)
+            if token not in self._known and token not in FACTORS:
+                raise ValueError(f"{token!r} is not a quantity; {nearest(token, [*self._known, *FACTORS])}")
+            formula = self._known[token].formula if token in self._known else ""
+            return _Parser(formula, self._meeting).whole() if formula else Name(token)
         if token == "(":
             return self._closed(self._sum(depth + 1))
         raise ValueError(f"{token!r} is not expected there")

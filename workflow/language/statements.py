@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from workflow.language import grammar, units
-from workflow.language.constants import BORNE
+from workflow.language.constants import BORNE, Meeting
 from workflow.language.expressions import Expression
 
 _LIMIT = re.compile(
@@ -29,7 +29,7 @@ class Objective:
     """What is maximised or minimised.
 
     ``inner`` is the expression as the study writes it; ``deviation``: it is the expression's largest relative deviation
-    from its mean, over the factors ``over``, or all.
+    from its mean, over the factors ``over``, or all; ``meeting``: of punch and body, for which it was read.
     """
 
     text: str
@@ -38,6 +38,7 @@ class Objective:
     maximise: bool
     deviation: bool = False
     over: tuple[str, ...] = ()
+    meeting: Meeting = "line"
 
     @property
     def sign(self) -> float:
@@ -74,6 +75,8 @@ class Limit:
         The name of what a material bears, if that is the bound.
     over
         The factors over which a deviation is taken; none: all that a design does not choose.
+    meeting
+        Of punch and body, for which it was read.
     """
 
     text: str
@@ -86,6 +89,7 @@ class Limit:
     unitless: bool = False
     borne: str = ""
     over: tuple[str, ...] = ()
+    meeting: Meeting = "line"
 
     @property
     def sign(self) -> float:
@@ -96,12 +100,13 @@ class Limit:
         return self.text
 
 
-def objective(text: str, *, maximise: bool = True) -> Objective:
-    """Read an objective; ValueError names what is wrong."""
+def objective(text: str, *, maximise: bool = True, meeting: Meeting = "line") -> Objective:
+    """Read an objective on a meeting of punch and body; ValueError names what is wrong."""
     inner, over = _unwrapped(text)
     if over is not None and maximise:
         raise ValueError(f"{text!r}: a deviation is minimised")
-    return Objective(_spaced(text), _spaced(inner), grammar.parse(inner), maximise, over is not None, over or ())
+    expression = grammar.parse(inner, meeting)
+    return Objective(_spaced(text), _spaced(inner), expression, maximise, over is not None, over or (), meeting)
 
 
 def _spaced(text: str) -> str:
@@ -116,15 +121,18 @@ def _unwrapped(text: str) -> tuple[str, tuple[str, ...] | None]:
     return match["inner"], tuple(name.strip() for name in (match["over"] or "").split(",") if name.strip())
 
 
-def limit(text: str) -> Limit:
-    """Read a limit; ValueError names what is wrong, such as a unit that does not fit the expression."""
+def limit(text: str, meeting: Meeting = "line") -> Limit:
+    """Read a limit on a meeting of punch and body.
+
+    ValueError names what is wrong, such as a unit that does not fit the expression.
+    """
     if len(text) > grammar.LONGEST:
         raise ValueError(f"a limit of {len(text)} characters is longer than {grammar.LONGEST}")
     match = _LIMIT.fullmatch(text)
     if match is None or (match["value"] is None and not match["borne"]):
         raise ValueError(f"{text!r} is not of the form: expression <= number [unit] [with probability p]")
     inner, over = _unwrapped(match["left"])
-    expression, wrapped = grammar.parse(inner), over is not None
+    expression, wrapped = grammar.parse(inner, meeting), over is not None
     try:
         unit = units.parse(match["unit"])
     except ValueError as error:
@@ -150,7 +158,17 @@ def limit(text: str) -> Limit:
     unitless = bare and expected is not None and not expected.fits(units.Unit.none())
     upper = "<" in match["sign"]
     return Limit(
-        _spaced(text), _spaced(inner), expression, value, upper, probability, wrapped, unitless, borne, over or ()
+        _spaced(text),
+        _spaced(inner),
+        expression,
+        value,
+        upper,
+        probability,
+        wrapped,
+        unitless,
+        borne,
+        over or (),
+        meeting,
     )
 
 

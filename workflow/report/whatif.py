@@ -18,7 +18,7 @@ from workflow.design.asking.sources import Predicted
 from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import Answer
 from workflow.language import grammar, titles
-from workflow.language.constants import FIGURES
+from workflow.language.constants import FIGURES_BY
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
@@ -87,9 +87,10 @@ def figures(study: Study) -> list[dict[str, Any]]:
     """Figures of the study's device that its quantities, its factors and the device's numbers tell, as formulas."""
     known = study.device.constants if study.device else {}
     told = {*known, *study.outputs, *study.factors, *_held(study)}
-    formulas = {name: grammar.parse(name) for name in FIGURES}
+    figures = FIGURES_BY[study.meeting]
+    formulas = {name: grammar.parse(name, study.meeting) for name in figures}
     return [
-        {"name": name, "title": titles.title(name), **FIGURES[name].attrs, "tree": _tree(formula, known)}
+        {"name": name, "title": titles.title(name), **figures[name].attrs, "tree": _tree(formula, known)}
         for name, formula in formulas.items()
         if set(formula.names()) <= told
     ]

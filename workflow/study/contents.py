@@ -16,7 +16,7 @@ from solver.body import Kind, kind_of
 from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
-from workflow.language.constants import BORNE, DEVICE
+from workflow.language.constants import BORNE, DEVICE, Meeting
 from workflow.language.factors import FACTORS
 from workflow.study import grouped, layered
 from workflow.study.borne import MADE_OF, Borne, borne
@@ -125,6 +125,11 @@ class Contents(Strict):
         A cross approximation has no factorial to show them over, and contacts with air beside them have none.
         """
         return not (self.crossed or self.kind.air)
+
+    @property
+    def meeting(self) -> Meeting:
+        """How punch and body meet in its cases, which says what figures of a device are."""
+        return "line in air" if self.kind.air else self.kind.contact
 
     @property
     def elastic(self) -> bool:
@@ -326,6 +331,8 @@ class Contents(Strict):
     def model_post_init(self, origin: Any, /) -> None:
         """Take what stands beside the file, before anything is checked: the context of the validation."""
         self._origin = origin or Origin(Path(), {})
+        for target in self.design.values():
+            target.meets(self.meeting)
 
     def chosen(self, target: Target) -> list[Self]:
         """The study for every combination of categories among which a target may choose."""

@@ -4,6 +4,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
+from solver.names import Contact
 from workflow.language.constants import DEVICE
 from workflow.language.given import number
 from workflow.study.types import Number, Strict
@@ -47,10 +48,11 @@ class Amplifier(Strict):
 
 
 class Device(Strict):
-    """What makes figures of a device out of quantities per metre; numbers in SI, or with a unit, as ``10 mm``."""
+    """What makes figures of a device out of quantities; numbers in SI, or with a unit, as ``10 mm``."""
 
-    electrode_length: Annotated[Number | str, _above("electrode_length")] = Field(
-        description="length of the punch along its axis [m]: loads and charges are per metre of it"
+    electrode_length: Annotated[Number | str, _above("electrode_length")] | None = Field(
+        None,
+        description="of the punch along its axis [m]: needed by a line, whose loads are per metre; a point has none",
     )
     drive_voltage: Annotated[Number | str, _above("drive_voltage")] | None = Field(
         None, description="voltage that drives an actuator [V]"
@@ -65,6 +67,13 @@ class Device(Strict):
     loss_frequency: Annotated[Number | str, _above("loss_frequency")] | None = Field(
         None, description="at which the loss tangent was measured [1/s]"
     )
+
+    def check(self, contact: Contact) -> None:
+        """Raise ValueError, in one line, unless lines have a length and points, whose forces are whole, have none."""
+        if contact == "line" and self.electrode_length is None:
+            raise ValueError("electrode_length: missing; must be a number with a unit [m]")
+        if contact == "point" and self.electrode_length is not None:
+            raise ValueError("electrode_length: a point contact has none: its forces and charges are whole")
 
     @property
     def constants(self) -> dict[str, float]:

@@ -42,6 +42,11 @@ class Study(Contents):
         if not (self.factors or self.effects or self.verification or self.measurements):
             raise ValueError("factors: a study needs factors, effects, verification or measurements")
         check_fields(self)
+        if self.device:
+            try:
+                self.device.check(self.kind.contact)
+            except ValueError as error:
+                raise ValueError(f"device: {error}") from None
         check_groups(self)
         check_size(self)
         for name in self.fixed:

@@ -7,10 +7,10 @@ from typing import Annotated, Self
 import numpy as np
 import scipy  # scipy.stats, slow to import, when a distribution is asked for
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field, PrivateAttr, model_validator
 
 from workflow.language import statements, statistics
-from workflow.language.constants import CONSTANTS
+from workflow.language.constants import CONSTANTS, Meeting
 from workflow.language.factors import FACTORS
 from workflow.language.sizes import size
 from workflow.study.types import BY_FACTOR, FactorName, Given, InputName, Interval, Number, Strict
@@ -112,6 +112,13 @@ class Target(Strict):
         False, description="go on although an exact value left the interval that the surrogate gave"
     )
 
+    _meeting: Meeting = PrivateAttr(default="line")
+
+    def meets(self, meeting: Meeting) -> Self:
+        """Itself, read from now on for a study in which punch and body meet so."""
+        self._meeting = meeting
+        return self
+
     @property
     def variables(self) -> dict[str, Variable]:
         """Design variables by name."""
@@ -157,12 +164,13 @@ class Target(Strict):
         """What is wanted, parsed; two or more make a Pareto front."""
         maximise = [self.maximise] if isinstance(self.maximise, str) else self.maximise
         minimise = [self.minimise] if isinstance(self.minimise, str) else self.minimise
-        return [*map(_objective, maximise), *(_objective(text, maximise=False) for text in minimise)]
+        asked = [*((text, True) for text in maximise), *((text, False) for text in minimise)]
+        return [_objective(text, maximise=largest, meeting=self._meeting) for text, largest in asked]
 
     @property
     def limits(self) -> list[statements.Limit]:
         """The limits, parsed, in the study's order."""
-        return [_limit(text) for text in self.subject_to]
+        return [_limit(text, self._meeting) for text in self.subject_to]
 
     @property
     def statistic(self) -> statistics.Statistic:

@@ -110,7 +110,7 @@ def judge(design: Designs) -> Answer:
     corner = _corners(design)
     worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
     beyond = linearity.beyond(question.study, corner)
-    notes = [*(words for words, _ in beyond), *_flags(corner, _radius(design, corner)), *question.notes]
+    notes = [*(words for words, _ in beyond), *_flags(design, corner), *question.notes]
     spreads = spread.over(design, worst)
     out = Answer(
         terms=_terms(design, guessed, exact, worst, spreads),
@@ -244,12 +244,13 @@ def _radius(design: Designs, corner: Mapping[str, Array]) -> Array | None:
     fixed = design.question.study.fixed
     if "radius" not in PROFILES[str(fixed.get("profile", CHOICES["profile"][0]))].needs:
         return None
-    factors = design.factors_of(corner["contact_trailing"])
+    factors = design.factors_of(corner[design.question.study.kind.ends[0]])
     return factors["radius"] if "radius" in factors else np.full((1, 1), float(fixed["radius"]))
 
 
-def _flags(corner: Mapping[str, Array], radius: Array | None) -> list[str]:
+def _flags(design: Designs, corner: Mapping[str, Array]) -> list[str]:
     """Where a design leaves what the theory of the contact holds for."""
-    width = corner["contact_trailing"] + corner["contact_leading"]
+    trailing, leading = design.question.study.kind.ends
+    width, radius = corner[trailing] + corner[leading], _radius(design, corner)
     share = float((width / radius).max()) if radius is not None else 0.0
     return [f"the contact is {share:.2g} of the radius wide: no longer a parabola"] if share > _SLENDER else []

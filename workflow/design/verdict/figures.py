@@ -10,7 +10,7 @@ from workflow.design.asking.designs import Designs
 from workflow.design.verdict.answer import Figure, Overload
 from workflow.design.verdict.term import Scenario
 from workflow.language import grammar
-from workflow.language.constants import CONSTANTS, FIGURES
+from workflow.language.constants import CONSTANTS, FIGURES_BY
 from workflow.language.expressions import Expression
 from workflow.language.factors import FACTORS
 
@@ -32,9 +32,11 @@ def over(design: Designs, corner: Mapping[str, Array]) -> tuple[Figure, ...]:
     corner
         Its quantities, exactly, over the scenarios of the verdict or the search, (1, scenarios) each.
     """
-    if design.question.study.device is None:
+    study = design.question.study
+    if study.device is None:
         return ()
-    found = {name: _figure(design, corner, grammar.parse(name)) for name in FIGURES}
+    known = FIGURES_BY[study.meeting]
+    found = {name: _figure(design, corner, grammar.parse(name, study.meeting)) for name in known}
     return tuple(
         Figure(name, float(values.min()), float(values.max())) for name, values in found.items() if values is not None
     )
@@ -53,7 +55,7 @@ def _figure(design: Designs, corner: Mapping[str, Array], expression: Expression
             except ValueError:
                 return None
         elif name in FACTORS:
-            factors, held = design.factors_of(corner["contact_trailing"]), question.study.held(name)
+            factors, held = design.factors_of(corner[question.study.kind.ends[0]]), question.study.held(name)
             if name not in factors and not isinstance(held, float | int):
                 return None
             known[name] = factors[name] if name in factors else np.full((1, 1), float(held or 0.0))
@@ -83,7 +85,8 @@ def first_limit(design: Designs, worst: Sequence[Scenario]) -> Overload | None:
         for term, case in zip(design.question.terms, worst, strict=True)
         if term.limited and term.sign > 0 and not term.drawn and not term.along
     ]
-    if "load" not in design.question.study.factors or not limits:
+    pressing = design.question.study.kind.loads.force
+    if pressing not in design.question.study.factors or not limits:
         return None
     least, which = MOST_LOAD, ""
     for term, case in limits:
@@ -91,7 +94,7 @@ def first_limit(design: Designs, worst: Sequence[Scenario]) -> Overload | None:
         for _ in range(_REFINED):
             shares = np.geomspace(low, high, _LOADS)
             factors = {name: np.full((1, 1), value) for name, value in case.items()}
-            factors["load"] = case["load"] * shares[:, None]
+            factors[pressing] = case[pressing] * shares[:, None]
             try:
                 known = design.question.known(design.exact, factors, [term.expression])
             except FactorError:  # a load that no case of this kind bears

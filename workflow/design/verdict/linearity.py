@@ -45,12 +45,12 @@ def beyond(study: Study, corner: Mapping[str, Array]) -> list[tuple[str, str]]:
             continue
         known.add(name)
         for quantity in _bounded(name):
-            words, size = _largest(quantity, corner)
+            words, size = _largest(quantity, corner, study.kind.ends)
             if size > found.value:
                 units = BORNE[name].units
                 bears = f"the {titles.title(name)} of {found.of}, {shown(found.value, units, 3)}"
                 lines.append((f"{words} of {shown(size, units, 3)} exceeds {bears}", found.source))
-    words, size = _largest("nominal_field", corner)
+    words, size = _largest("nominal_field", corner, study.kind.ends)
     if known.isdisjoint(_FIELDS) and size > _CERAMIC_FIELD:
         usual = f"{shown(_CERAMIC_FIELD, 'V m-1', 3)}, beyond which ferroelectric ceramics are not linear"
         unknown = "the library has no coercive or breakdown field of the material"
@@ -66,12 +66,13 @@ def _bounded(name: str) -> list[str]:
     return [other[plain(name)]] if plain(name) in other else []
 
 
-def _largest(quantity: str, corner: Mapping[str, Array]) -> tuple[str, float]:
+def _largest(quantity: str, corner: Mapping[str, Array], ends: tuple[str, str]) -> tuple[str, float]:
     """A quantity in words, and its largest value; 0 where there is none, as of an insulating punch's voltage."""
     if quantity in corner:
         return titles.title(quantity), float(corner[quantity].max())
     if quantity == "nominal_field" and "voltage" in corner:  # a half-plane has no thickness
-        width = corner["contact_trailing"] + corner["contact_leading"]
+        trailing, leading = ends
+        width = corner[trailing] + corner[leading]
         return "voltage over the contact's width", float((np.abs(corner["voltage"]) / width).max())
     assert quantity in ALL_QUANTITIES
     return quantity, 0.0

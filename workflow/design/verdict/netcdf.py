@@ -15,6 +15,7 @@ from workflow.design.verdict.answer import Answer, Category, Choice, Constant, F
 from workflow.design.verdict.term import Term
 from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
 from workflow.language import statements
+from workflow.language.constants import FIGURES_BY, Meeting
 
 _LOCAL = ("map_x", "map_y", "slice", "step", "front", "choice", "position", "x", "y")  # what only pictures need
 
@@ -106,6 +107,8 @@ _ROWS: dict[str, type[Any]] = {
 }  # fmt: skip
 
 
+#: The meeting of punch and body that a file does not name.
+_USUAL: Meeting = "line"
 _SCALARS = ("overload", "overload_term")
 #: Variables that are no pictures.
 _OWN = {
@@ -159,7 +162,8 @@ def dataset(answer: Answer) -> xr.Dataset:
         "source": answer.source,
         "signs": [term.statement.sign for term in answer.objectives],
     }
-    return out
+    meeting = answer.terms[0].statement.meeting
+    return out if meeting == _USUAL else out.assign_attrs(meeting=meeting)
 
 
 def _columns(rows: Sequence[Any]) -> list[tuple[str, list[Any]]]:
@@ -220,9 +224,13 @@ def answer_of(data: xr.Dataset) -> Answer:
 def _stated(data: xr.Dataset) -> Iterator[statements.Objective | statements.Limit]:
     """The statements of the terms, read by the grammar of a study."""
     signs = iter(np.atleast_1d(data.attrs["signs"]))
+    meeting = next(one for one in FIGURES_BY if one == data.attrs.get("meeting", _USUAL))
     for text, limit in zip(_list(data, "term"), _list(data, "limit"), strict=True):
         limited = np.isfinite(limit)
-        yield statements.limit(text) if limited else statements.objective(text, maximise=next(signs) > 0)
+        if limited:
+            yield statements.limit(text, meeting)
+        else:
+            yield statements.objective(text, maximise=next(signs) > 0, meeting=meeting)
 
 
 def _tolerated(data: xr.Dataset) -> Tolerated | None:
