@@ -120,8 +120,15 @@ class Kernel:
 
 
 @lru_cache(_KERNELS)
-def kernel(stack: Stack, reach: float) -> Kernel:
+def kernel(stack: Stack, reach: float, *, by_distance: bool = False) -> Kernel:
     """Table of the kernels for distances up to ``reach`` [m], one for every friction, conduction and punch.
+
+    Parameters
+    ----------
+    stack, reach
+        Of which films, and how far.
+    by_distance
+        Give each octave of distances wavenumbers of its own: the same to rounding, sooner where the reach is long.
 
     Raises
     ------
@@ -138,14 +145,19 @@ def kernel(stack: Stack, reach: float) -> Kernel:
         edges.append(1.35 * edges[-1] + width / 2)
     edges[-1] = max(reach, (edges[-2] + edges[-1]) / 2)
     graded = _response(stack) if stack.top.graded else None
-    ends, series = _resolved(stack, width, np.array(edges), graded)
+    ends, series = _resolved(stack, width, np.array(edges), graded, by_distance=by_distance)
     return Kernel(stack, width, ends, series, graded)
 
 
-def _resolved(stack: Stack, width: float, ends: Array, graded: GradedResponse | None) -> tuple[Array, Array]:
+def _resolved(
+    stack: Stack, width: float, ends: Array, graded: GradedResponse | None, *, by_distance: bool
+) -> tuple[Array, Array]:
     """Ends of panels, those whose series have not decayed halved until all have, and the series."""
     least = _TAIL if graded is None else _GRADED_TAIL
-    series = _series(stack, width, ends[:-1], ends[1:], graded)
+    series = np.empty((ends.size - 1, _DEGREE + 1, 19))
+    octave = np.floor(np.log2(ends[1:] / width)) if by_distance else np.zeros(ends.size - 1)
+    for some in (octave == one for one in np.unique(octave)):
+        series[some] = _series(stack, width, ends[:-1][some], ends[1:][some], graded)
     for _ in range(_HALVINGS):
         large = _undecayed(series, least)
         if not np.any(large):

@@ -90,7 +90,9 @@ class AirContact:
         loads[1:][list(self.held)] = 0.0
         start = np.array([np.log(contact.half_width[0]), contact.centre[0], *loads[1:]])
         state = State(self, np.concatenate([start, np.zeros(self.nodes * len(self.fields))]))
-        state = State(self, np.concatenate([start, state.densities_at_its_gap]))
+        if any(self.held):
+            state = State(self, state.unknowns_of_held_potentials)
+        state = State(self, np.concatenate([state.unknowns[: start.size], state.densities_at_its_gap]))
         last = np.inf
         for _ in range(_STEPS):
             step = np.linalg.solve(state.jacobian, state.residual)
@@ -201,6 +203,15 @@ class State:
         matrix[np.diag_indices(n * fields)] += np.tile(self.gap, fields)
         right = (self.of._media[:, None] * potentials / size).ravel()
         return np.asarray(np.linalg.solve(matrix, right))
+
+    @property
+    def unknowns_of_held_potentials(self) -> Array:
+        """Those with the charges that make held potentials zero where neither the contact nor a density changes."""
+        held = [f for f in self.of.fields if self.of.held[f]]
+        rows, columns = [1 + f for f in held], [_EXTENT + f for f in held]
+        found = np.array(self.unknowns)
+        found[columns] -= np.linalg.solve(self.response_rates[np.ix_(rows, columns)], self.response[rows])
+        return found
 
     @cached_property
     def sizes(self) -> Array:

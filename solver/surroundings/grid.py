@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solver.arrays import Array
 
@@ -103,6 +104,13 @@ class Grid:
         share = self._barycentric / np.where(hit, 1.0, distance)
         share = np.where(hit.any(1)[:, None], hit, share)
         return np.asarray(share / share.sum(1)[:, None])
+
+    def interpolations(self, panels: NDArray[np.intp], u: Array) -> Array:
+        """The same for points u (piece, point) of panels (piece,) at once; (piece, point, node)."""
+        low, high = np.array([self.limits(p) for p in range(self.panels)])[panels].T[..., None]
+        distance = ((2 * u - low - high) / (high - low))[..., None] - self._local
+        share = self._barycentric / np.where(distance == 0, 1e-200, distance)  # at a node it alone counts
+        return np.asarray(share / share.sum(-1, keepdims=True))
 
     def theta_of(self, panel: int, u: Array) -> Array:
         """theta at points of a panel."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solver.arrays import Array
 from solver.film import outputs
@@ -21,6 +22,7 @@ from solver.film.table import batches
 from solver.surroundings.grid import Grid, gauss
 
 _RULE = 12  # nodes where a panel of charges and one of the kernel meet: exact for both
+_SHARE, _WEIGHTS = (np.polynomial.legendre.leggauss(_RULE) + np.array([[1.0], [0.0]])) / 2  # of a piece
 _GRADED = 0.12 ** np.arange(8.0)  # of the infinite panel, towards the logarithm at its end
 _REACH = 2e4  # widths of the strip at which kernels are cut: beyond, they are their logarithm
 _NOTHING = 1e-13  # of the compliance: kernels of a stack that is a half-plane
@@ -34,6 +36,9 @@ _HALF = gauss(np.array([*_ENDS, np.pi / 2]), WITHIN)[0]
 ANGLES = np.concatenate([_HALF, np.pi - _HALF])
 _FROM = [outputs.LOAD, outputs.BALANCE, *range(*outputs.DISPLACEMENT.indices(99)),
          *range(*outputs.EDGE_STRESS.indices(99)), *range(*outputs.PRESSURE.indices(999))]  # fmt: skip
+
+#: Pieces of panels: target, panel, start and end of each.
+_Pieces = tuple[NDArray[np.intp], NDArray[np.intp], Array, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +84,7 @@ class Operators:
         if np.max(np.abs(own.coefficients)) < _NOTHING:
             return None
         farthest = 2.2 * self.longest * np.cosh(self.grid.ends[-1])
-        return kernel(stack, float(max(min(farthest, _REACH * own.width), own.reach)))
+        return kernel(stack, float(max(min(farthest, _REACH * own.width), own.reach)), by_distance=True)
 
     def at(self, half_lengths: Array) -> Array:
         """Outputs of every cause and density at half-lengths [m]; (half, row, column)."""
@@ -226,37 +231,56 @@ class _Assembled:
         grid = self.of.grid
         wide = self.of._wide
         assert wide is not None
-        ends = np.cosh(np.array(grid.ends))
         mix = np.concatenate([mixing(0.0, np.eye(3)[1 + f]) for f in self._fields], 1)
-        last = float(np.exp(-grid.ends[-1]))
-        rules = []
-        for at in X:
-            breaks = np.concatenate([at + wide.edges / h, at - wide.edges / h])
-            finite = np.arccosh(np.unique(np.concatenate([ends, breaks[(breaks > 1) & (breaks < ends[-1])]])))
-            beyond = breaks[breaks > ends[-1]]
-            inverse = np.exp(-np.arccosh(beyond))
-            u, w = gauss(finite, _RULE)
-            v, weights = gauss(np.unique(np.concatenate([[0.0], last * _GRADED, inverse])), _RULE)
-            rules.append((u, w, v, weights))
-        sizes = np.array([(u.size, v.size) for u, _, v, _ in rules])
-        theta = np.concatenate([np.concatenate([u, -np.log(v)]) for u, _, v, _ in rules])
-        target = np.repeat(X, sizes.sum(1))
-        values = self.of.far(h * (target - np.cosh(theta)), mix)
-        out = np.zeros((X.size, mix.shape[1], grid.count))
-        start = 0
-        for row, (u, w, v, weights) in enumerate(rules):
-            panel = np.minimum(np.searchsorted(np.array(grid.ends), u, side="right") - 1, grid.panels - 2)
-            own = values[start : start + u.size]
-            bounds = np.searchsorted(panel, np.arange(grid.panels))
-            for p in range(grid.panels - 1):
-                some = slice(bounds[p], bounds[p + 1])
-                charge = w[some] * grid.charge(p, u[some])
-                out[row, :, grid.slice(p)] = (own[some].T * charge) @ grid.interpolation(p, u[some])
-            own = values[start + u.size : start + u.size + v.size]
-            charge = weights * grid.charge(grid.panels - 1, v)
-            out[row, :, grid.slice(grid.panels - 1)] = (own.T * charge) @ grid.interpolation(grid.panels - 1, v)
-            start += u.size + v.size
-        return out
+        finite, infinite = self._pieces(h, X, wide.edges)
+        found = []
+        for (row, panel, start, stop), to_theta in ((finite, np.asarray), (infinite, lambda u: -np.log(u))):
+            u = start[:, None] + (stop - start)[:, None] * _SHARE
+            theta = to_theta(u)
+            values = self.of.far(h * (X[row, None] - np.cosh(theta)), mix)
+            slope = np.sinh(theta) if to_theta is np.asarray else (1 - u**2) / 2
+            weighted = values * ((stop - start)[:, None] * _WEIGHTS * slope)[..., None]
+            own = np.swapaxes(weighted, 1, 2) @ grid.interpolations(panel, u)
+            found.append((row * grid.panels + panel, own))
+        out = np.zeros((X.size * grid.panels, mix.shape[1], grid.count // grid.panels))
+        for place, own in found:  # pieces of a panel follow each other
+            first = np.flatnonzero(np.diff(place, prepend=-1))
+            out[place[first]] = np.add.reduceat(own, first)
+        return np.asarray(np.moveaxis(out.reshape(X.size, grid.panels, mix.shape[1], -1), 1, 2)).reshape(
+            X.size, mix.shape[1], grid.count
+        )
+
+    def _pieces(self, h: float, X: Array, edges: Array) -> tuple[_Pieces, _Pieces]:
+        """Pieces of the finite panels and of the infinite one, on which neither a density nor a kernel has a break.
+
+        Target, panel, start and end in u of each, those of a target's panel side by side.
+
+        Parameters
+        ----------
+        h
+            Half-length [m].
+        X
+            Targets; (target,).
+        edges
+            Ends of the kernels' panels [m].
+        """
+        grid = self.of.grid
+        ends = np.array(grid.ends)
+        far = float(np.cosh(ends[-1]))
+        breaks = X[:, None] + np.concatenate([edges, -edges]) / h
+        inner = np.arccosh(np.clip(breaks, 1.0, far))
+        last = float(np.exp(-ends[-1]))
+        inverse = np.exp(-np.arccosh(np.maximum(breaks, far)))
+        found = []
+        for own, among in ((ends, inner), (np.concatenate([[0.0], last * _GRADED]), inverse)):
+            all_ends = np.sort(np.concatenate([np.tile(own, (X.size, 1)), among], 1), 1)
+            start, stop = all_ends[:, :-1], np.minimum(all_ends[:, 1:], own.max())
+            row, place = np.nonzero(stop > start)
+            start, stop = start[row, place], stop[row, place]
+            finite = own is ends
+            panel = np.searchsorted(ends, (start + stop) / 2) - 1 if finite else np.full(row.size, grid.panels - 1)
+            found.append((row, panel, start, stop))
+        return found[0], found[1]
 
     def _mean(self, number: int, f: int, smooth: Array) -> Array:
         """Displacements of the contact by densities of a field; (3, 2 n)."""

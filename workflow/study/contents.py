@@ -129,8 +129,8 @@ class Contents(Strict):
 
     @property
     def meeting(self) -> Meeting:
-        """How punch and body meet in its cases, which says what figures of a device are."""
-        return "line in air" if self.kind.air else self.kind.contact
+        """How punch and body meet in its cases, which says what figures of a device are; in air where all cases are."""
+        return "line in air" if set(self.surroundings) == {AIR} else self.kind.contact
 
     @property
     def elastic(self) -> bool:

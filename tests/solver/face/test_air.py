@@ -124,3 +124,12 @@ def test_fields_are_refused_and_peaks_are_none() -> None:
     with pytest.raises(solver.FactorError, match="curves: fields of contacts with air beside them are not given"):
         solver.solve_curves(LINE | AIR, ["body"])
     assert "peak_von_mises" not in solver.solve(LINE | AIR, peaks=True)
+
+
+def test_the_charge_of_a_held_potential_is_not_that_of_a_closed_gap() -> None:
+    """Newton's iteration once ended at a gap below zero here, between loads at which it did not."""
+    loads = [1.9e4, 2e4, 2.1e4]
+    case = LINE | AIR | {"radius": 0.02, "thickness": 3e-4, "base": "steel", "punch": "steel", "load": loads}
+    found = solver.solve(case)["charge_sensitivity"].values
+    assert np.all(np.diff(found) < 0)
+    assert found[1] == pytest.approx((found[0] + found[2]) / 2, rel=1e-4)

@@ -32,11 +32,11 @@ def over(design: Designs, corner: Mapping[str, Array]) -> tuple[Figure, ...]:
     corner
         Its quantities, exactly, over the scenarios of the verdict or the search, (1, scenarios) each.
     """
-    study = design.question.study
-    if study.device is None:
+    question = design.question
+    if question.study.device is None:
         return ()
-    known = FIGURES_BY[study.meeting]
-    found = {name: _figure(design, corner, grammar.parse(name, study.meeting)) for name in known}
+    meeting = question.target.objectives[0].meeting  # that of all choices, of which this may be one
+    found = {name: _figure(design, corner, grammar.parse(name, meeting)) for name in FIGURES_BY[meeting]}
     return tuple(
         Figure(name, float(values.min()), float(values.max())) for name, values in found.items() if values is not None
     )
