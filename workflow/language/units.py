@@ -8,6 +8,7 @@ import re
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
+from functools import lru_cache
 from math import isfinite
 from typing import Self
 
@@ -136,6 +137,7 @@ def _power(text: str) -> Fraction:
     return Fraction(top, bottom)
 
 
+@lru_cache(maxsize=1024)  # numbers of a device are asked for at every step of a search
 def in_si(text: str, units: str) -> float:
     """Read a number with its unit, as ``115 GPa`` or ``115GPa``: its value in `units`, which are of the SI.
 
