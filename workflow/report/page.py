@@ -32,6 +32,8 @@ _MEANINGS = {
     "corner": "sharp edge of the punch",
     "electric": "the punch in the electric field",
     "magnetic": "the punch in the magnetic field",
+    "punch": "what the punch is made of",
+    "surroundings": "what is beside the contact",
     "interface_electric": "the film's interface in the electric field",
     "interface_magnetic": "the film's interface in the magnetic field",
 }
@@ -131,7 +133,7 @@ def page(
         content["datum_changes"] = solved["datum"]
         content["designs"] = [tables.design(answer) | told for answer, told in zip(found, exact, strict=True)]
         content["answers"] = [
-            firstscreen.answered(study, *target, answer, told["contact"], told["in_air"])
+            firstscreen.answered(study, *target, answer, told["contact"], told["around"])
             for target, answer, told in zip(study.design.items(), found, exact, strict=True)
         ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
