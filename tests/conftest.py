@@ -54,7 +54,6 @@ FILES = {
     ),
     "quickstart_run": (
         "tests/test_docs.py",
-        "tests/test_documents.py",
         "tests/test_format.py",
         "tests/workflow/report/test_panel.py",
     ),

@@ -173,11 +173,19 @@ class FilmContact:
 
     @cached_property
     def at_fixed_contact(self) -> Array:
-        """d (depth, voltage, magnetic potential) / d (T, J) at a fixed contact, SI; (case, 3, 2)."""
-        first = self._first_charge
-        by_charge = self._read(outputs.DISPLACEMENT)[..., first : first + 2] - self.far[..., 1:]
-        by_charge[:, 0] *= -1
-        return np.asarray(by_charge * self.scale[1:, None] * self.scale[2:])
+        """d (depth, voltage, magnetic potential) / d (T, J) at a fixed width of the contact, SI; (case, 3, 2).
+
+        Charges carry a part of the load, which changes with them, and move the contact where there is friction.
+        """
+        found = self._by_load
+        if self.loading.order != -1:
+            jacobian, right, by_edges = self._edges
+            shift = right[:, 1, 1:] / jacobian[:, 1, 1, None]
+            carried = jacobian[:, 0, 1, None] * shift - right[:, 0, 1:]
+            found = found[..., 1:] - self.far[..., :1] * carried[:, None, :] + by_edges[..., 1:] * shift[:, None, :]
+        else:
+            found = found[..., 1:]
+        return self._si(found, self.scale[2:])
 
     @property
     def _first_charge(self) -> int:
@@ -196,43 +204,60 @@ class FilmContact:
     @cached_property
     def tangents(self) -> Array:
         """d (depth, voltage, magnetic potential) / d (P, T, J) with the moving edges, SI; (case, 3, 3)."""
-        h, causes, order, first = self.half_width, self.causes, self.loading.order, self._first_charge
-        read, rate = self._read(outputs.DISPLACEMENT), self._read(outputs.DISPLACEMENT, rate=True)
-        by_load = np.zeros((h.size, 3, 3))
-        by_load[..., 1:] = read[..., first : first + 2]
-        by_load -= self.far
-        if order == -1:
-            by_load[..., 0] += read[..., -1]
+        if self.loading.order == -1:
+            return self._si(self._by_load, self.scale[1:])
+        jacobian, right, by_edges = self._edges
+        return self._si(self._by_load + by_edges @ np.linalg.solve(jacobian, right), self.scale[1:])
+
+    @cached_property
+    def _by_load(self) -> Array:
+        """d (displacement, potentials) / d (P, T, J) at fixed edges and slope, units of the stack; (case, 3, 3)."""
+        first, read = self._first_charge, self._read(outputs.DISPLACEMENT)
+        found = np.zeros((self.load.size, 3, 3))
+        found[..., 1:] = read[..., first : first + 2]
+        found -= self.far
+        if self.loading.order == -1:
+            found[..., 0] += read[..., -1]
             if self.profile.moment is not None:
                 moments = self._read(slice(outputs.MOMENT, outputs.MOMENT + 1))[:, 0]
-                by_load -= read[..., :1] * (moments[:, [-1, first, first + 1]] / moments[:, :1])[:, None, :]
-            return self._si(by_load)
+                found -= read[..., :1] * (moments[:, [-1, first, first + 1]] / moments[:, :1])[:, None, :]
+        return found
+
+    @cached_property
+    def _edges(self) -> tuple[Array, Array, Array]:
+        """How smooth edges move, with log h and c/h as unknowns.
+
+        Derivatives of load and balance by them, (case, 2, 2), the changes by (P, T, J) that these undo, (case, 2, 3),
+        and the derivatives of (displacement, potentials) by them, (case, 3, 2); units of the stack.
+        """
+        h, causes, first = self.half_width, self.causes, self._first_charge
+        read, rate = self._read(outputs.DISPLACEMENT), self._read(outputs.DISPLACEMENT, rate=True)
         rows = slice(outputs.LOAD, outputs.BALANCE + 1)
         kept, kept_rate = (r[:, :: outputs.BALANCE] for r in (self._read(rows), self._read(rows, rate=True)))
         carried = h[:, None] * _sum(kept[:, :1], causes.values)
-        # rows: load, balance; columns: log h, c/h
         jacobian = np.zeros((h.size, 2, 2))
         jacobian[:, 0, 0] = (carried + h[:, None] * _moved(kept[:, :1], kept_rate[:, :1], causes))[:, 0]
         jacobian[:, 1, 1] = 1.0
         right = np.zeros((h.size, 2, 3))
         right[:, 0, 0] = 1.0
         right[:, 0, 1:] = -kept[:, 0, first : first + 2]
-        if order == 1:
+        if self.loading.order == 1:
             jacobian[:, 0, 1] = h * _sum(kept[:, :1], causes.by_centre)[:, 0]
             jacobian[:, 1, 0] = causes.constant_by_width - _moved(kept[:, 1:], kept_rate[:, 1:], causes)[:, 0]
             jacobian[:, 1, 1] = causes.constant_by_centre - _sum(kept[:, 1:], causes.by_centre)[:, 0]
             right[:, 1, 1:] = kept[:, 1, first : first + 2] / h[:, None]
-        edges = np.linalg.solve(jacobian, right)
         by_edges = np.empty((h.size, 3, 2))
         by_edges[..., 0] = h[:, None] * (_sum(read, causes.values) + _moved(read, rate, causes))
         by_edges[..., 1] = h[:, None] * _sum(read, causes.by_centre)
         by_edges[:, 0, 0] -= self._rise(by_width=True)
         by_edges[:, 0, 1] -= self._rise(by_centre=True)
-        return self._si(by_load + by_edges @ edges)
+        return jacobian, right, by_edges
 
-    def _si(self, tangents: Array) -> Array:
-        tangents[:, 0] *= -1  # depth = g - u_y
-        return np.asarray(tangents * self.scale[1:, None] * self.scale[1:])
+    def _si(self, tangents: Array, loads: Array) -> Array:
+        """Derivatives by some loads in SI, those of the displacement as depth, g - u_y."""
+        found = tangents * self.scale[1:, None] * loads
+        found[:, 0] *= -1
+        return np.asarray(found)
 
     def part(self, case: int) -> "FilmContact":
         """One of the cases."""

@@ -15,6 +15,7 @@ from surrogate.levels.pilot import explore
 from workflow.dataset import factorial
 from workflow.run.joblog import log
 from workflow.study import partition
+from workflow.study.categories import parted
 from workflow.study.grouped import product
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -61,7 +62,7 @@ def choose(study: Study) -> xr.Dataset:
     choice = pilot.choice
     for name, where in choice.kinked.items():
         log.warning("%s is kinked along %s: no tolerance is claimed for it", name, ", ".join(where))
-        if name.partition("[")[0] in study.surrogate.outputs:
+        if parted(name)[0] in study.surrogate.outputs:
             raise InputError(
                 f"surrogate: outputs: {name!r} is kinked along {', '.join(where)} (its Chebyshev coefficients fall "
                 f"like a power): tolerance {tolerance:g} cannot be promised; leave it out or give every factor levels"

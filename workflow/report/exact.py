@@ -9,8 +9,6 @@ from workflow.report import datum_effect, surroundings
 from workflow.study.model import Study
 from workflow.study.target import Target
 
-_CONTACT = ("contact_trailing", "contact_leading")
-
 
 def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
     """All of it, as plain data for a file.
@@ -38,7 +36,7 @@ def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
 def contact(study: Study, answer: Answer) -> dict[str, float]:
     """Both ends of the contact of a design [m], by name of their quantity."""
     found = factorial.exact(study.narrowed(answer.kinds), dict(answer.case), peaks=())
-    return {name: float(found[name]) for name in _CONTACT}
+    return {name: float(found[name]) for name in study.kind.ends}
 
 
 def _of_design(study: Study, target: Target, answer: Answer) -> dict[str, Any]:

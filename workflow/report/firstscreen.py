@@ -6,7 +6,8 @@ from typing import Any
 
 from markupsafe import Markup
 
-from solver.names import CHOICES
+from solver.material.punches import RIGID_PUNCH
+from solver.names import CHOICES, PROFILES
 from workflow.design.told import asides
 from workflow.design.told.words import UNREACHABLE, Verdict, verdict
 from workflow.design.verdict.answer import Answer
@@ -112,18 +113,19 @@ def answered(
 def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.Device:
     """What is drawn of a case, with the ends of its contact [m]."""
     profile = str(case.get("profile", CHOICES["profile"][0]))
-    size = {"flat": "width", "wedge": "slope"}.get(profile, "radius")
+    trailing, leading = study.kind.ends
     return device.Device(
         profile,
         str(case.get("corner", CHOICES["corner"][0])),
-        float(case[size]),
-        contact["contact_trailing"],
-        contact["contact_leading"],
-        float(case["load"]),
+        float(case[PROFILES[profile].needs[-1]]),
+        contact[trailing],
+        contact[leading],
+        float(case[study.kind.loads.force]),
         case.get("electric", CHOICES["electric"][0]) == "conducting",
         study.body[0].at(case)["thickness"] if study.body else float(case["thickness"]) if study.kind.layered else None,
         _below(len(study.body) - 1, _base(case)),
         _grounded(study, case),
+        float(case.get("exponent", 1.0)),
     )
 
 
@@ -145,7 +147,8 @@ def body_in_words(study: Study, case: Case) -> str:
     if study.body:
         layers = [_layer(study, layer.plain(case), first=not k) for k, layer in enumerate(study.body)]
         return " on ".join([*layers, _base(case)])
-    return f"{_layer(study, case)} on {_base(case)}" if study.kind.layered else f"{_layer(study, case)}, a half-plane"
+    below = f" on {_base(case)}" if study.kind.layered else f", a {study.kind.unbounded}"
+    return _layer(study, case) + below
 
 
 def _layer(study: Study, case: Case, *, first: bool = True) -> str:
@@ -169,14 +172,30 @@ def _base(case: Case) -> str:
 
 
 def punch_in_words(case: Case) -> str:
-    """The punch, as ``R = 50 mm``."""
+    """The punch, as ``R = 50 mm``, or of a point ``steel ball, R = 3 mm``."""
     profile = str(case.get("profile", CHOICES["profile"][0]))
+    if PROFILES[profile].contact == "point":
+        return _round(profile, case)
     if profile == "flat":
         return f"flat punch {titles.value('width', float(case['width']), 3)} wide"
     if profile == "wedge":
         return f"wedge of slope {number(float(case['slope']), 3)}"
     radius = f"R = {titles.value('radius', float(case['radius']), 3)}"
     return f"half cylinder, {radius}" if profile == "half_cylinder" else radius
+
+
+def _round(profile: str, case: Case) -> str:
+    """The punch of a point contact, with what it is made of where that deforms."""
+    made = str(case.get("punch", RIGID_PUNCH))
+    made = "" if made == RIGID_PUNCH else f"{made.replace('_', ' ')} "
+    size, slope = PROFILES[profile].needs[-1], number(float(case.get("slope", 0.0)), 3)
+    words = {
+        "sphere": "ball, R = {}",
+        "cone": f"cone of slope {slope}",
+        "disc": "flat disc {} wide",
+        "power": "punch of profile {} r^" + number(float(case.get("exponent", 1.0)), 3),
+    }
+    return made + words[profile].format(titles.value(size, float(case[size]), 3))
 
 
 def good(target: Target, found: Answer, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:

@@ -12,6 +12,7 @@ from workflow.design.told.words import UNREACHABLE, Verdict, unread
 from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, listed
+from workflow.study.categories import parted
 from workflow.study.model import Study
 
 Row = Mapping[str, Any]
@@ -29,7 +30,8 @@ def reached(verdicts: Mapping[str, Verdict]) -> str:
 
 def study(study: Study) -> str:
     """What was varied."""
-    where = f"{len(study.body)} layers" if len(study.body) > 1 else "a film" if study.kind.layered else "a half-plane"
+    body = "a film" if study.kind.layered else f"a {study.kind.unbounded}"
+    where = f"{len(study.body)} layers" if len(study.body) > 1 else body
     if not study.factors:
         varied = listed([titles.title(name) for name in study.effects.vary]) if study.effects else "nothing"
         return f"On {where}, one factor at a time is varied: {varied}."
@@ -39,7 +41,7 @@ def study(study: Study) -> str:
 
 def dataset(study: Study, cases: int, rows: Sequence[Row]) -> str:
     """How many cases, and how far the first quantity of interest goes."""
-    interesting = [name.partition("[")[0] for name in study.of_interest]
+    interesting = [parted(name)[0] for name in study.of_interest]
     row = next((row for name in interesting for row in rows if row["name"] == name), rows[0])
     ends = (shown(row[end], row["units"], 3) for end in ("low", "high"))
     return f"{counted(cases)} exact cases; over them {titles.title(str(row['name']))} goes from {' to '.join(ends)}."
@@ -71,10 +73,10 @@ def sensitivity(indices: xr.Dataset, outputs: Sequence[str]) -> str:
     shares: dict[str, dict[str, dict[str, float]]] = {}  # by factor, quantity and names
     for output in outputs:
         totals = indices["total"].sel(output=output)
-        quantity, _, kind = output.removesuffix("]").partition("[")
+        quantity, kind = parted(output)
         first = str(totals["input"].values[int(totals.values.argmax())])
         shares.setdefault(first, {}).setdefault(quantity, {})[kind] = 100 * float(totals.max())
-    kinds = Counter(output.partition("[")[0] for output in outputs)
+    kinds = Counter(parted(output)[0] for output in outputs)
     parts = []
     for factor, hanging in shares.items():
         names = [_hanging(name, own, whole=len(own) == kinds[name]) for name, own in hanging.items()]

@@ -28,6 +28,18 @@ def output(quantity: str, kinds: Mapping[str, str]) -> str:
     return f"{quantity}[{named(kinds)}]" if kinds else quantity
 
 
+def parted(output: str) -> tuple[str, str]:
+    """The quantity and the names of a combination, of what `output` calls them; no names where there are none.
+
+    Examples
+    --------
+    >>> parted(output("voltage", {"material": "PZT-4", "profile": "wedge"}))
+    ('voltage', 'PZT-4, wedge')
+    """
+    quantity, _, names = output.removesuffix("]").partition("[")
+    return quantity, names
+
+
 def apart(data: xr.Dataset, categories: Mapping[str, Sequence[str]], quantities: Iterable[str]) -> xr.Dataset:
     """Quantities without the categories' dimensions: each of every combination as a variable of its own."""
     parts: dict[str, xr.DataArray] = {}

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from workflow.language.numbers import prefixed
 from workflow.report.figures.style import BLUE, ORANGE, by_ratio, factor_scale, logarithmic, styled
+from workflow.study.categories import parted
 
 _SHOWN = 4
 _BAND = 2  # root-mean-square errors on either side of a main effect
@@ -46,12 +47,12 @@ def main_effects(sensitivity: xr.Dataset, outputs: list[str]) -> Figure:
         len(shown), len(inputs), figsize=(2.15 * len(inputs), 1.75 * len(shown) + 0.3), sharey="row", squeeze=False
     )
     for row, output in zip(axes, shown, strict=True):
-        quantity, bracket, kinds = output.partition("[")
+        quantity, kinds = parted(output)
         own = sensitivity.sel(output=output)
         size, units = prefixed(float(np.abs(own["main_effect"]).max()), own["units"].item())
         for ax, name in zip(row, inputs, strict=True):
             _curve(ax, own.sel(input=name), name, size)
-        lines = [quantity.replace("_", " "), f"{bracket}{kinds}", f"[{units}]" if units else ""]
+        lines = [quantity.replace("_", " "), kinds, f"[{units}]" if units else ""]
         row[0].set_ylabel("\n".join(filter(None, lines)), fontsize=6.5 if kinds else 7.5)
     for ax, name in zip(axes[-1], inputs, strict=True):
         units = factor_scale(name, sensitivity.sel(input=name)["value"].values)[1]

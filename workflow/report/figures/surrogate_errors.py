@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from solver.names import ALL_QUANTITIES
 from workflow.language import numbers
 from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
+from workflow.study.categories import parted
 
 _PARITIES = 12  # panels
 
@@ -23,12 +24,14 @@ def parity(validation: xr.Dataset) -> Figure:
         one = validation.sel(output=name)
         exact, predicted = one["exact"].values, one["predicted"].values
         some = slice(None, None, max(1, exact.size // 400))
-        quantity, bracket, kinds = name.partition("[")
+        quantity, kinds = parted(name)
         size, units = numbers.prefixed(float(np.abs(exact).max()), ALL_QUANTITIES[quantity].units)
         ends = [float(exact.min()) / size, float(exact.max()) / size]
         ax.plot(ends, ends, color=GREY, lw=0.8)
         ax.plot(exact[some] / size, predicted[some] / size, ".", ms=2.5, color=BLUE, rasterized=True)
-        ax.set_title(numbers.label(f"{quantity.replace('_', ' ')} {bracket}{kinds}", units, 24), fontsize=7.5)
+        ax.set_title(
+            numbers.label(" ".join(filter(None, [quantity.replace("_", " "), kinds])), units, 24), fontsize=7.5
+        )
         ax.tick_params(labelsize=6.5)
         ax.text(0.04, 0.88, numbers.number(float(one["max_error"]), 2), transform=ax.transAxes, fontsize=7)
     for ax in list(axes.flat)[len(names) :]:
