@@ -89,7 +89,12 @@ class Kind:
     @property
     def fields(self) -> Mapping[str, Described]:
         """Fields that its surface may have."""
-        return POINT_FIELDS if self.contact == "point" else FIELDS
+        return {} if self.air else POINT_FIELDS if self.contact == "point" else FIELDS
+
+    @property
+    def inside(self) -> bool:
+        """Whether fields inside it are given."""
+        return self.contact == "line" and not self.air
 
     @property
     def slides(self) -> bool:

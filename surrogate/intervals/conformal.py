@@ -118,9 +118,9 @@ class Calibration:
         return {**plain, **guard, "quantile": self.distribution.quantiles}
 
     def state(self) -> dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]:
-        """Return the arrays with their dimensions, for a file."""
+        """Return the arrays with their dimensions, for a file: none that is empty, as the corners of one input."""
         state: dict[str, tuple[tuple[str, ...], NDArray[np.generic]]] = {
-            f"calibration_{name}": (_DIMS[name], array) for name, array in self.arrays().items()
+            f"calibration_{name}": (_DIMS[name], array) for name, array in self.arrays().items() if array.size
         }
         return {**state, "calibration_cases": ((), np.array(self.distribution.cases))}
 
@@ -129,8 +129,9 @@ class Calibration:
         """Return the calibration in a file, None where it has none; ValueError names what is inconsistent."""
         if "calibration_weights" not in stored:
             return None
-        arrays = {name: stored[f"calibration_{name}"].values for name in _DIMS}
         cases, pairs = int(stored["calibration_cases"]), inputs * (inputs - 1) // 2
+        arrays = {name: stored[f"calibration_{name}"].values for name in _DIMS if pairs or name != "corner_guard"}
+        arrays.setdefault("corner_guard", unguarded(inputs, outputs).corners)
         terms = len(arrays["trend"])
         shapes = {
             "weights": (parts, outputs),

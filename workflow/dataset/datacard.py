@@ -45,6 +45,7 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
         "fixed": study.fixed,
         "body": [layer.words() for layer in study.body],
         "datum": datum.length(study),
+        **({"absolute": True} if study.kind.datum == "absolute" else {}),
         "on_datum": sorted(datum.hanging(study) & variables.keys()),
         "bytes": sum(file["bytes"] for file in files),
         "bytes_unpacked": sum(one["count"] * np.dtype(one["type"]).itemsize for one in variables.values()),
@@ -154,6 +155,8 @@ def _stored(groups: Mapping[str, Any]) -> list[str]:
 
 def _datum(card: Mapping[str, Any]) -> str:
     """Which variables hang on the datum, and which datum that is."""
+    if "absolute" in card:
+        return "Datum: none; depths and potentials are absolute"
     names = [name for name in card["variables"] if name in card["on_datum"]]
     which = "a factor" if card["datum"] is None else f"{card['datum']:g} m"
     return (

@@ -19,8 +19,8 @@ from workflow.study.representatives import middles
 
 Array = NDArray[np.float64]
 _GAIN = 0.5  # of the predicted error, from which on a logarithm is worth it
-#: Lengths by which a case is measured, the first that it has.
-_LENGTHS = ("thickness", "radius", "width", "datum")
+#: Lengths by which a case is measured, the first that it has; a cone has its slope, which no length changes.
+_LENGTHS = ("thickness", "radius", "width", "datum", "slope")
 
 
 def grouping(
@@ -48,7 +48,7 @@ def grouping(
             for name in study.outputs
         }
     )
-    added = {name: -power for name, power in scale(study, "contact_trailing").items()}
+    added = {name: -power for name, power in scale(study, study.kind.ends[0]).items()}
     used = any(one.coefficient for one in scalings.values())
     return Grouping(tuple(inputs), groups, scalings, added if used else {}, middles(study))
 
@@ -128,9 +128,10 @@ def scale(study: Study, quantity: str) -> dict[str, float]:
     """
     if QUANTITY_WEIGHTS[quantity] == QUANTITY_WEIGHTS["pressure_exponent"]:
         return {}
-    known = {*study.factors, *study.fixed, *(["thickness"] if study.body else []), "datum"}
+    known = {*study.factors, *study.fixed, *(["thickness"] if study.body else [])}
+    known |= set() if study.kind.datum == "absolute" else {"datum"}
     own = next(name for name in _LENGTHS if name in known)
-    powers = scale_powers(quantity, "load", own)
+    powers = scale_powers(quantity, study.kind.loads.force, own)
     return {name: power for name, power in powers.items() if name in study.factors and power}
 
 

@@ -25,7 +25,9 @@ def changes(study: Study) -> list[dict[str, Any]]:
     With the change per decade of the datum, NaN where that is no constant. Of half-planes for the first name of every
     category, of films for all: whether anything hangs depends on the base.
     """
-    rows = []
+    rows: list[dict[str, Any]] = []
+    if study.kind.datum == "absolute":
+        return rows
     for kinds in study.combinations if study.kind.datum == "by_base" else study.combinations[:1]:
         own = study.narrowed(kinds)
         hangs = hanging(own)
@@ -68,7 +70,7 @@ def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
     """
     limits = [limit for limit in answer.limits if "trailing_tension" in limit.statement.expression.names()]
     own = study.narrowed(answer.kinds)
-    if not limits or own.kind.air:
+    if not limits or not own.kind.inside:
         return None
     solved = factorial.exact(own, dict(limits[0].worst), [_EDGE], peaks=(), regular=True)
     tension = float(solved["trailing_tension"])

@@ -6,6 +6,7 @@ import numpy as np
 from markupsafe import escape
 from numpy.typing import NDArray
 
+from solver.names import CONTACTS, FACTORS, PROFILES
 from workflow.language.numbers import number, shown
 from workflow.report.svg import ACCENT, BAD, BODY, INK, PAPER, PUNCH, SOFT
 
@@ -21,6 +22,9 @@ _DEEP = 62.0  # of the magnified film, at most
 _TIPS = 10.0  # half of the least length that has room for two arrows
 _LINE = 22.0  # height of a line of text
 _POINTS = 97
+_FLAT, _POWERS = ("flat", "disc"), ("cone", "power")
+_ENDLESS = ("wedge", *_POWERS)  # of which a part is drawn
+_SIZES = {"flat": "w = ", "disc": "w = ", "wedge": "slope ", "cone": "slope ", "power": "C = "}
 _BOTH_ENDS = f'stroke="{INK}" stroke-width="1.6" marker-start="url(#tip)" marker-end="url(#tip)"'
 
 
@@ -33,15 +37,17 @@ class Device:
     profile, corner
         Shape of the punch and the side of its sharp edge, as the interface names them.
     size
-        Radius of a circle, width of a flat punch, slope of a wedge.
+        Radius of a circle or ball, width of a flat punch or disc, slope of a wedge or cone, coefficient of a power.
     trailing, leading
-        Extents of the contact.
+        Extents of the contact; of a point both are its radius.
     load
-        Load per length.
+        Load per length, or the force on a point.
     conducts
         Whether the punch is an electrode.
     thickness, base, grounded
-        Of a film: thickness, its base in words, and whether an electrode lies between them; None on a half-plane.
+        Of a film: thickness, its base in words, and whether an electrode lies between them; None on what has no end.
+    exponent
+        Of the profile of a power.
     """
 
     profile: str
@@ -54,6 +60,17 @@ class Device:
     thickness: float | None = None
     base: str = ""
     grounded: bool = False
+    exponent: float = 1.0
+
+    @property
+    def point(self) -> bool:
+        """Whether it is a section through a point contact: round, and at rest."""
+        return PROFILES[self.profile].contact == "point"
+
+    @property
+    def pressed(self) -> str:
+        """The load in words."""
+        return shown(self.load, FACTORS[CONTACTS[PROFILES[self.profile].contact].force].units, 3)
 
     @property
     def contact(self) -> float:
@@ -63,19 +80,22 @@ class Device:
     @property
     def reach(self) -> float:
         """Half the width of the whole punch [m]."""
-        if self.profile == "wedge":
+        if self.profile in _ENDLESS:
             return 2 * self.contact
-        return self.size / 2 if self.profile == "flat" else self.size
+        return self.size / 2 if self.profile in _FLAT else self.size
 
     def heights(self, x: Array) -> Array:
         """Of the punch's face over its lowest point [m]; NaN beside the punch."""
-        if self.profile == "flat":
+        if self.profile in _FLAT:
             return np.where(np.abs(x) <= self.size / 2, 0.0, np.nan)
+        if self.profile in _POWERS:
+            return np.asarray(abs(self.size) * np.abs(x) ** self.exponent)
         if self.profile == "wedge":
             ahead = self._ahead(x)
             return np.where(ahead >= 0, abs(self.size) * ahead, np.nan)
-        ahead = x if self.profile == "cylinder" else self._ahead(x)
-        inside = (np.abs(ahead) <= self.size) & ((self.profile == "cylinder") | (ahead >= 0))
+        whole = self.profile != "half_cylinder"
+        ahead = x if whole else self._ahead(x)
+        inside = (np.abs(ahead) <= self.size) & (whole | (ahead >= 0))
         return np.where(inside, self.size - np.sqrt(np.maximum(self.size**2 - ahead**2, 0.0)), np.nan)
 
     def _ahead(self, x: Array) -> Array:
@@ -163,7 +183,7 @@ def _part(device: Device, ends: tuple[float, float], scale: float) -> list[str]:
 def _edges(device: Device) -> Array:
     """Where a punch has sharp edges [m], just inside."""
     inside = 1 - 1e-9
-    if device.profile == "flat":
+    if device.profile in _FLAT:
         return np.array([-0.5, 0.5]) * device.size * inside
     return np.array([-device.leading, device.trailing, -device.reach, device.reach]) * inside
 
@@ -171,9 +191,14 @@ def _edges(device: Device) -> Array:
 def _loads(device: Device) -> list[str]:
     """Load and direction of sliding, beside the whole punch."""
     middle = sum(_WHOLE) / 2
-    return [
+    pressed = [
         _line(middle, 4, middle, 38, BAD, 1.6, tip=True),
-        _text(middle + 8, 16, shown(device.load, "N m-1", 3), BAD, "start"),
+        _text(middle + 8, 16, device.pressed, BAD, "start"),
+    ]
+    if device.point:
+        return pressed
+    return [
+        *pressed,
         _line(_WHOLE[0] + 56, 28, _WHOLE[0] + 4, 28, BAD, 1.6, tip=True),
         _text(_WHOLE[0] + 4, 18, "slides", BAD, "start"),
     ]
@@ -183,19 +208,20 @@ def _dimensions(device: Device) -> list[str]:
     """Radius or width, contact and thickness with their numbers, and the magnification."""
     middle, near = sum(_WHOLE) / 2, sum(_NEAR) / 2
     half = device.contact * device._near_scale / 2
-    names = {"flat": "w = ", "wedge": "slope "}
-    size = number(device.size, 3) if device.profile == "wedge" else shown(device.size, "m", 3)
+    name = _SIZES.get(device.profile, "R = ")
+    size = number(device.size, 3) if device.profile in _ENDLESS else shown(device.size, "m", 3)
+    extent = f"a = {shown(device.trailing, 'm', 3)}" if device.point else shown(device.contact, "m", 3)
     cornered = device.profile in ("wedge", "half_cylinder")  # and lies on one side of its edge
     aside = (38 if device.corner == "leading" else -38) if cornered else 0
     parts = [
-        _text(middle + aside, _SURFACE - 50, names.get(device.profile, "R = ") + size, INK),
+        _text(middle + aside, _SURFACE - 50, name + size, INK),
         _text(_WHOLE[0], _HEIGHT - 10, "to scale", SOFT, "start"),
         _text(_NEAR[0], _HEIGHT - 10, f"the contact, at {number(device.magnified, 2)} times that scale", SOFT, "start"),
-        *([_span(near - half, near + half, _SURFACE - 16)] if half > _TIPS else []),
-        _text(near, _SURFACE - 24, shown(device.contact, "m", 3), INK),
+        *([_span(near if device.point else near - half, near + half, _SURFACE - 16)] if half > _TIPS else []),
+        _text(near, _SURFACE - 24, extent, INK),
     ]
     if device.thickness is None:
-        return [*parts, _text(_NEAR[0] + 8, _LOW - 10, "half-plane", SOFT, "start")]
+        return [*parts, _text(_NEAR[0] + 8, _LOW - 10, "half-space" if device.point else "half-plane", SOFT, "start")]
     interface = _SURFACE + device.thickness * device._near_scale
     place, below = _NEAR[1] - 14, ", grounded electrode between" if device.grounded else ""
     words = (_SURFACE + interface) / 2 + 5 if interface - _SURFACE > _LINE else interface + _LINE - 4

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from markupsafe import Markup
 
-from solver.names import CHOICES
+from solver.material.punches import RIGID_PUNCH
+from solver.names import CHOICES, PROFILES
 from workflow.design.told import asides
 from workflow.design.told.words import UNREACHABLE, Verdict, verdict
 from workflow.design.verdict.answer import Answer
@@ -13,7 +15,7 @@ from workflow.design.verdict.term import Term
 from workflow.language import titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number
-from workflow.report import device
+from workflow.report import device, surroundings
 from workflow.report.svg import element
 from workflow.study.datum import hanging
 from workflow.study.model import Study
@@ -46,7 +48,7 @@ class Screen:
     beyond
         Where it leaves what the theory holds for; empty where it does not.
     around
-        What air beside the contact would change; empty where nothing is known of it.
+        What is beside the contact, and what other surroundings would change; empty where nothing is known of it.
     verdict
         In words.
     drawing
@@ -73,7 +75,7 @@ class Screen:
 
 
 def answered(
-    study: Study, name: str, target: Target, found: Answer, contact: Mapping[str, float], in_air: Mapping[str, float]
+    study: Study, name: str, target: Target, found: Answer, contact: Mapping[str, float], around: Mapping[str, Any]
 ) -> Screen:
     """The first screen's part on one target.
 
@@ -83,8 +85,8 @@ def answered(
         The study, the target by its name, and the target's answer.
     contact
         Ends of the contact of its design [m], by name.
-    in_air
-        Quantities of it with air beside the contact over those without, by name.
+    around
+        What other surroundings would change, as `workflow.report.surroundings.compared` gives it.
     """
     kinds, varied = found.kinds, found.case
     case: Case = {**study.fixed, **kinds, **varied}
@@ -102,35 +104,28 @@ def answered(
         cost=_unbroken(cost(found)),
         sure=_unbroken(sure(found)),
         beyond=f"Beyond what the theory holds for: {found.flags}." if found.flags else "",
-        around=around(in_air),
+        around=_unbroken(surroundings.told(around)),
         verdict=told,
         drawing=element(drawn, f"device-{name}", f"{name.replace('_', ' ')}, drawn to scale: {body}; {punch}"),
     )
 
 
-def around(in_air: Mapping[str, float]) -> str:
-    """What air beside the contact would change of quantities, from what it multiplies them by."""
-    if not in_air:
-        return ""
-    changed = titles.listed([f"{titles.title(name)} x {number(by, 2)}" for name, by in in_air.items()])
-    return f"No charge is beside the contact (surroundings: insulated); with air there: {changed}."
-
-
 def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.Device:
     """What is drawn of a case, with the ends of its contact [m]."""
     profile = str(case.get("profile", CHOICES["profile"][0]))
-    size = {"flat": "width", "wedge": "slope"}.get(profile, "radius")
+    trailing, leading = study.kind.ends
     return device.Device(
         profile,
         str(case.get("corner", CHOICES["corner"][0])),
-        float(case[size]),
-        contact["contact_trailing"],
-        contact["contact_leading"],
-        float(case["load"]),
+        float(case[PROFILES[profile].needs[-1]]),
+        contact[trailing],
+        contact[leading],
+        float(case[study.kind.loads.force]),
         case.get("electric", CHOICES["electric"][0]) == "conducting",
         study.body[0].at(case)["thickness"] if study.body else float(case["thickness"]) if study.kind.layered else None,
         _below(len(study.body) - 1, _base(case)),
         _grounded(study, case),
+        float(case.get("exponent", 1.0)),
     )
 
 
@@ -152,7 +147,8 @@ def body_in_words(study: Study, case: Case) -> str:
     if study.body:
         layers = [_layer(study, layer.plain(case), first=not k) for k, layer in enumerate(study.body)]
         return " on ".join([*layers, _base(case)])
-    return f"{_layer(study, case)} on {_base(case)}" if study.kind.layered else f"{_layer(study, case)}, a half-plane"
+    below = f" on {_base(case)}" if study.kind.layered else f", a {study.kind.unbounded}"
+    return _layer(study, case) + below
 
 
 def _layer(study: Study, case: Case, *, first: bool = True) -> str:
@@ -176,14 +172,30 @@ def _base(case: Case) -> str:
 
 
 def punch_in_words(case: Case) -> str:
-    """The punch, as ``R = 50 mm``."""
+    """The punch, as ``R = 50 mm``, or of a point ``steel ball, R = 3 mm``."""
     profile = str(case.get("profile", CHOICES["profile"][0]))
+    if PROFILES[profile].contact == "point":
+        return _round(profile, case)
     if profile == "flat":
         return f"flat punch {titles.value('width', float(case['width']), 3)} wide"
     if profile == "wedge":
         return f"wedge of slope {number(float(case['slope']), 3)}"
     radius = f"R = {titles.value('radius', float(case['radius']), 3)}"
     return f"half cylinder, {radius}" if profile == "half_cylinder" else radius
+
+
+def _round(profile: str, case: Case) -> str:
+    """The punch of a point contact, with what it is made of where that deforms."""
+    made = str(case.get("punch", RIGID_PUNCH))
+    made = "" if made == RIGID_PUNCH else f"{made.replace('_', ' ')} "
+    size, slope = PROFILES[profile].needs[-1], number(float(case.get("slope", 0.0)), 3)
+    words = {
+        "sphere": "ball, R = {}",
+        "cone": f"cone of slope {slope}",
+        "disc": "flat disc {} wide",
+        "power": "punch of profile {} r^" + number(float(case.get("exponent", 1.0)), 3),
+    }
+    return made + words[profile].format(titles.value(size, float(case[size]), 3))
 
 
 def good(target: Target, found: Answer, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:

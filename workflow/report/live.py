@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from solver.names import FIELDS
+from solver.names import FACTORS, FIELDS, PROFILES
 from surrogate import GaussianProcess
 from surrogate.use.export import exported
 from workflow.language.titles import title
@@ -11,17 +11,15 @@ from workflow.study.categories import Kinds
 from workflow.study.datum import inner
 from workflow.study.model import Study
 
-#: The contact that a drawing needs.
-_CONTACT = {"contact_trailing", "contact_leading"}
 #: Quantities that give the contact pressure of a circular punch in closed form.
-_PRESSURE = {*_CONTACT, "pressure_exponent", "peak_pressure"}
+_PRESSURE = {"contact_trailing", "contact_leading", "pressure_exponent", "peak_pressure"}
 #: What the means of a surrogate need; the rest is for intervals.
 _OF_MEANS = ("inputs", "axes", "groups", "outputs", "order", "cores", "factors", "offset", "scale", "correction")
 
 
 def drawable(study: Study) -> bool:
     """Whether the panel knows the contact that its drawing shows."""
-    return set(study.outputs) >= _CONTACT
+    return set(study.outputs) >= set(study.kind.ends)
 
 
 def closed_pressure(study: Study, kinds: Kinds) -> bool:
@@ -36,8 +34,8 @@ def body(study: Study, kinds: Kinds) -> dict[str, Any]:
     ``size`` and ``thickness`` are numbers, or names of the factors that give them.
     """
     case = {**study.fixed, **kinds, **inner(study)}
-    drawn = firstscreen.of_case(study, case, dict.fromkeys(_CONTACT, 1.0))
-    size = {"flat": "width", "wedge": "slope"}.get(drawn.profile, "radius")
+    drawn = firstscreen.of_case(study, case, dict.fromkeys(study.kind.ends, 1.0))
+    size, pressing = PROFILES[drawn.profile].needs[-1], study.kind.loads.force
     thickness: float | str | None = drawn.thickness
     if study.body:
         thickness = study.body[0].numbers["thickness"]
@@ -52,6 +50,11 @@ def body(study: Study, kinds: Kinds) -> dict[str, Any]:
         "thickness": thickness,
         "base": drawn.base if below.isdisjoint(study.factors) else "",  # words of what slides would not follow them
         "grounded": drawn.grounded,
+        "exponent": "exponent" if "exponent" in study.factors else drawn.exponent,
+        "point": drawn.point,
+        "pressing": pressing,
+        "units": FACTORS[pressing].units,
+        "ends": study.kind.ends,
     }
 
 

@@ -29,6 +29,8 @@ _MEANINGS = {
     "base": "what a film lies on",
     "composite": "kind of composite",
     "profile": "shape of the punch",
+    "punch": "what the punch is made of",
+    "surroundings": "what is beside the contact",
     "corner": "sharp edge of the punch",
     "electric": "the punch in the electric field",
     "magnetic": "the punch in the magnetic field",
@@ -131,7 +133,7 @@ def page(
         content["datum_changes"] = solved["datum"]
         content["designs"] = [tables.design(answer) | told for answer, told in zip(found, exact, strict=True)]
         content["answers"] = [
-            firstscreen.answered(study, *target, answer, told["contact"], told["in_air"])
+            firstscreen.answered(study, *target, answer, told["contact"], told["around"])
             for target, answer, told in zip(study.design.items(), found, exact, strict=True)
         ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
@@ -174,6 +176,9 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
 def _problem(study: Study) -> Markup:
     """The drawing of a study's bodies: a half-plane, a film, or both where films are shown beside it."""
     effects = study.effects
+    if study.kind.contact == "point":
+        layers = (_layers(study) or ["film"]) if study.kind.layered else []
+        return element(problem.point(layers), "film" if layers else "problem", problem.AT_POINT)
     of_films = study.kind.layered or (effects is not None and "thickness" in effects.baseline)
     beside = effects is not None and bool(effects.film)
     drawings = [] if of_films else [element(problem.draw(), "problem", problem.TITLE)]
@@ -183,11 +188,15 @@ def _problem(study: Study) -> Markup:
 
 def _film(study: Study) -> Markup:
     """The drawing of a film, or of a body's layers while there is room for their names."""
-    names = [str(layer.material or layer.composite) for layer in study.body]
-    if len(names) > _MOST_DRAWN:
-        names = [names[0], f"{len(names) - 2} layers", names[-1]]
+    names = _layers(study)
     title = problem.ON_LAYERS if len(names) > 1 else problem.ON_FILM
     return element(problem.one_film(names or ["film"]), "film", title)
+
+
+def _layers(study: Study) -> list[str]:
+    """Names of a body's layers for which a drawing has room."""
+    names = [str(layer.material or layer.composite) for layer in study.body]
+    return [names[0], f"{len(names) - 2} layers", names[-1]] if len(names) > _MOST_DRAWN else names
 
 
 def _composites(study: Study) -> list[str]:

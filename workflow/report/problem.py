@@ -11,9 +11,11 @@ from workflow.report.svg import ACCENT, BAD, BODY, GOOD, INK, PAPER, PUNCH, SOFT
 TITLE = "A conducting punch slides on a magneto-electro-elastic half-plane"
 ON_FILM = "A conducting punch slides on a film on its base"
 ON_LAYERS = "A conducting punch slides on layers on their base"
+AT_POINT = "A conducting ball is pressed into a body"
 _WIDTH, _HEIGHT, _SURFACE = 760, 430, 250  # the surface y = 0 lies at this height of the picture
 _RADIUS, _LEADING, _TRAILING, _LOW = 150, 300, 440, 380  # contact from x to x; x of the punch's lowest point
 _DATUM = 690
+_CONTACT = 62  # half of a point contact
 _TOP, _MIDDLE, _BOTTOM = 150, 222, 294  # of a film: surface, interface inside, base
 _SECOND = "#f6ecdf"  # the second layer
 
@@ -105,11 +107,18 @@ def draw() -> str:
     return "\n".join(parts) + "\n"
 
 
+def _punch() -> str:
+    """The lower part of a circular punch, whose lowest point is just below the surface of a film."""
+    return (
+        f'<path d="M{_LOW - 138} {_TOP - 92} A {_RADIUS} {_RADIUS} 0 0 0 {_LOW + 138} {_TOP - 92} Z" fill="{PUNCH}" '
+        f'stroke="{INK}" stroke-width="1.6" transform="translate(0 1)"/>'
+    )
+
+
 def _punch_on_film(*inside: int) -> list[str]:
     """The punch, surface and contact, and lines at the heights of interfaces inside the film."""
     return [
-        f'<path d="M{_LOW - 138} {_TOP - 92} A {_RADIUS} {_RADIUS} 0 0 0 {_LOW + 138} {_TOP - 92} Z" fill="{PUNCH}" '
-        f'stroke="{INK}" stroke-width="1.6" transform="translate(0 1)"/>',
+        _punch(),
         *(_line(20, y, _WIDTH - 20, y) for y in (_TOP, *inside)),
         f'<line x1="{_LEADING}" y1="{_TOP}" x2="{_TRAILING}" y2="{_TOP}" stroke="{BAD}" stroke-width="4"/>',
         f'<line x1="20" y1="{_BOTTOM}" x2="{_WIDTH - 20}" y2="{_BOTTOM}" stroke="{ACCENT}" stroke-width="4"/>',
@@ -151,9 +160,14 @@ def _axes_on_film() -> list[str]:
     ]
 
 
+def _edges(layers: int) -> list[int]:
+    """Heights of the edges of layers, from the surface to the base."""
+    return [round(_TOP + (_BOTTOM - _TOP) * number / layers) for number in range(layers + 1)]
+
+
 def one_film(layers: Sequence[str] = ("film",)) -> str:
     """A punch on a film, or layers from the top down, and their base, as SVG."""
-    edges = [round(_TOP + (_BOTTOM - _TOP) * number / len(layers)) for number in range(len(layers) + 1)]
+    edges = _edges(len(layers))
     bands = list(pairwise(edges))
     parts = [
         *_opened(ON_FILM if len(layers) == 1 else ON_LAYERS),
@@ -172,6 +186,51 @@ def one_film(layers: Sequence[str] = ("film",)) -> str:
         "</svg>",
     ]
     return "\n".join(parts) + "\n"
+
+
+def point(layers: Sequence[str] = ()) -> str:
+    """A ball on a film, layers from the top down on their base, or a half-space where there are none, as SVG."""
+    edges = _edges(len(layers)) if layers else []
+    bands, end = list(pairwise(edges)), _LOW + _CONTACT
+    parts = [
+        *_opened(AT_POINT),
+        _band(_TOP, _HEIGHT - 12, BODY),
+        *(_band(*band, (BODY, _SECOND)[number % 2]) for number, band in enumerate(bands)),
+        *(_below(layers, edges) if layers else [_words(_WIDTH - 40, _HEIGHT - 30, "half-space", "end")]),
+        _punch(),
+        _line(20, _TOP, _WIDTH - 20, _TOP),
+        f'<line x1="{_LOW - _CONTACT}" y1="{_TOP}" x2="{end}" y2="{_TOP}" stroke="{BAD}" stroke-width="4"/>',
+        _arrow(_LOW, 12, _LOW, 52, BAD),
+        _text(_LOW + 16, 30, "P", BAD),
+        _text(_LOW + 60, 86, "T, J", ACCENT),
+        _line(_LOW, _TOP - 4, _LOW - 62, _TOP - 66, SOFT),
+        _text(_LOW - 48, _TOP - 28, "R"),
+        _line(_LOW, _TOP, _LOW, _TOP + 30, SOFT, 'stroke-dasharray="3 3"'),
+        _line(end, _TOP, end, _TOP + 30, SOFT),
+        *_span(_LOW, end, _TOP + 26, "a"),
+        *_axes_on_film(),
+        "</svg>",
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def _below(layers: Sequence[str], edges: Sequence[int]) -> list[str]:
+    """Interfaces, names and base of the layers under a ball, between the heights of their edges."""
+    return [
+        _band(_BOTTOM, _HEIGHT - 12, PUNCH),
+        *(_line(20, y, _WIDTH - 20, y) for y in edges[1:-1]),
+        f'<line x1="20" y1="{_BOTTOM}" x2="{_WIDTH - 20}" y2="{_BOTTOM}" stroke="{ACCENT}" stroke-width="4"/>',
+        _arrow(600, _TOP, 600, edges[1], both=True),
+        _words(610, (_TOP + edges[1]) // 2 + 5, "thickness", "start"),
+        *(
+            _words(130, (top + low) // 2 + 6, name, "start")
+            for (top, low), name in zip(pairwise(edges), layers, strict=True)
+        ),
+        _words(130, _BOTTOM + 98, "base: rigid, or a half-space", "start"),
+        *_ground(),
+        _words(624, _BOTTOM + 32, "interface: grounded (\u03c6 = 0, an electrode),", "end"),
+        _words(624, _BOTTOM + 54, "or bonded (\u03c6 and D pass)", "end"),
+    ]
 
 
 def film() -> str:

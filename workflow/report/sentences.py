@@ -30,7 +30,8 @@ def reached(verdicts: Mapping[str, Verdict]) -> str:
 
 def study(study: Study) -> str:
     """What was varied."""
-    where = f"{len(study.body)} layers" if len(study.body) > 1 else "a film" if study.kind.layered else "a half-plane"
+    body = "a film" if study.kind.layered else f"a {study.kind.unbounded}"
+    where = f"{len(study.body)} layers" if len(study.body) > 1 else body
     if not study.factors:
         varied = listed([titles.title(name) for name in study.effects.vary]) if study.effects else "nothing"
         return f"On {where}, one factor at a time is varied: {varied}."

@@ -15,7 +15,7 @@ from solver import Material
 from solver.body import Kind, kind_of
 from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
-from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
+from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, FIELDS
 from workflow.language.constants import BORNE, DEVICE, Meeting
 from workflow.language.factors import FACTORS
 from workflow.study import grouped, layered
@@ -122,9 +122,10 @@ class Contents(Strict):
     def stores_fields(self) -> bool:
         """Whether the data set holds surface fields, and the page draws them.
 
-        A cross approximation has no factorial to show them over, and contacts with air beside them have none.
+        A cross approximation has no factorial to show them over, contacts with air beside them have none, and those of
+        points are left to the solver.
         """
-        return not (self.crossed or self.kind.air)
+        return not self.crossed and self.kind.fields == FIELDS
 
     @property
     def meeting(self) -> Meeting:

@@ -67,7 +67,7 @@ def product(text: str) -> Product:
         if name not in FACTORS:
             raise ValueError(f"groups: {text!r}: {name!r} is no factor; {nearest(name, list(FACTORS))}")
     try:
-        tree = parse(text)
+        tree = parse(text, "point")  # where the name force is no figure of a device, but a factor
         powers = {name: power for name, power in _powers(text, tree).items() if power}
     except ValueError as error:
         raise ValueError(f"groups: {error}") from None

@@ -19,6 +19,7 @@ from workflow.study.location import location
 from workflow.study.messages import first_problem
 from workflow.study.reading import InputError, read_material, read_yaml
 from workflow.study.solvable import (
+    check_contact,
     check_fields,
     check_groups,
     check_size,
@@ -41,12 +42,8 @@ class Study(Contents):
     def _complete(self) -> Self:
         if not (self.factors or self.effects or self.verification or self.measurements):
             raise ValueError("factors: a study needs factors, effects, verification or measurements")
+        check_contact(self)
         check_fields(self)
-        if self.device:
-            try:
-                self.device.check(self.kind.contact)
-            except ValueError as error:
-                raise ValueError(f"device: {error}") from None
         check_groups(self)
         check_size(self)
         for name in self.fixed:

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from solver import solve
-from solver.names import AIR, ALL_QUANTITIES
+from solver.names import AIR, ALL_QUANTITIES, OF_A_GAP, PROFILES
 from solver.similarity import Weight, weight_of
 from workflow.language.factors import FACTORS
 from workflow.study import datum, grouped, representatives
@@ -15,10 +15,24 @@ from workflow.study.contents import Contents
 from workflow.study.sections import MOST_CASES, MOST_CORNERS, MOST_LEARNED, MOST_VALUES
 
 
+def check_contact(study: Contents) -> None:
+    """Whether all cases touch in one way, and the device is one for it."""
+    profiles = study.categories.get("profile", [])
+    if len({PROFILES[name].contact for name in profiles if name in PROFILES}) > 1:
+        raise ValueError(f"categories: profile: {', '.join(profiles)}: lines and points need a study each")
+    if study.device is not None:
+        try:
+            study.device.check(study.kind.contact)
+        except ValueError as error:
+            raise ValueError(f"device: {error}") from None
+
+
 def check_groups(study: Contents) -> None:
     """Whether the groups are axes, and cases with the same groups are similar."""
     if not study.groups:
         return
+    if "power" in (study.fixed.get("profile"), *study.categories.get("profile", [])):
+        raise ValueError("groups: profile: power: its coefficient scales by its exponent; must be another profile")
     for name, axis in study.factors.items():
         if axis.levels is not None:
             raise ValueError(f"factors: {name}: levels: of a study with groups they stand in groups")
@@ -27,7 +41,12 @@ def check_groups(study: Contents) -> None:
     grouped.leads(products, study.factors)
     change = grouped.unlike(products, list(study.factors), standing(study))
     if change:
-        raise ValueError(grouped.refusal(change))
+        also = (
+            "; with air beside the contact the gap counts too: make radius / thickness a group"
+            if study.kind.air
+            else ""
+        )
+        raise ValueError(grouped.refusal(change) + also)
     grouped.check_signs(products, study.factors, standing(study))
     _check_cases(study)
 
@@ -60,6 +79,8 @@ def standing(study: Contents) -> dict[str, Weight]:
         if not isinstance(one, str)
     }
     own = {name: weight_of(name) for name in fixed if name != "datum"} | layers
+    if study.kind.air:  # the gap is as wide as the contact is strongly pressed, and the vacuum's constants stay
+        own[OF_A_GAP] = Weight(0.0, 1.0)
     return {name: weight for name, weight in own.items() if weight != Weight()}
 
 
@@ -149,9 +170,9 @@ def check_fields(study: Contents) -> None:
     for where, given in drawn.items():
         if AIR in np.atleast_1d(given.get("surroundings", "")):
             raise ValueError(f"{where}: surroundings: {AIR!r} has no fields, which effects draw; must be insulated")
-    if not study.kind.air:
+    if study.kind.inside:
         return
-    without = f"cases with surroundings: {AIR!r} have none"
+    without = f"cases with surroundings: {AIR!r} have none" if study.kind.air else "point contacts have none"
     if study.surrogate.fields:
         raise ValueError(f"surrogate: fields: {without}; must be 0")
     if study.dataset.peaks:

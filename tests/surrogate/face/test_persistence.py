@@ -12,7 +12,7 @@ import xarray as xr
 
 from storage.netcdf import read_whole, write_whole
 from storage.sealed import seal
-from surrogate import FormatError, GridGP, ScatterGP, load, save
+from surrogate import FactorialRegressor, FormatError, GridGP, ScatterGP, load, save
 from tests.surrogate import functions
 
 
@@ -43,6 +43,19 @@ def test_a_loaded_model_predicts_the_same_bits(kind: str, tmp_path: Path) -> Non
     again.made_from_ = "some state"
     save(again, tmp_path / "d.nc")
     assert (model.made_from_, load(tmp_path / "d.nc").made_from_) == ("", "some state")
+
+
+def test_a_calibrated_model_of_one_input_survives_its_file(tmp_path: Path) -> None:
+    """It has no corners of two inputs: nothing of length zero stands in a file."""
+    one = FactorialRegressor().fit(np.linspace(0, 1, 9)[:, None], np.exp(np.linspace(0, 1, 9))).model_
+    t = np.random.default_rng(0).uniform(size=300)
+    one.calibrate(xr.Dataset({"y0": ("case", np.exp(t))}, {"x0": ("case", t)}))
+    save(one, tmp_path / "one.nc")
+    again, points = load(tmp_path / "one.nc"), np.linspace(0, 1, 7)[:, None]
+    np.testing.assert_array_equal(again.interval_array(points, 0.9), one.interval_array(points, 0.9))
+    with netCDF4.Dataset(tmp_path / "one.nc") as file:
+        assert "calibration_guard" in file.variables
+        assert all(dimension.size for dimension in file.dimensions.values())
 
 
 @pytest.mark.parametrize("kind", ["matern32", "scatter"])

@@ -10,11 +10,11 @@ import xarray as xr
 from tests.workflow.conftest import Project
 from workflow.design.told.words import verdict
 from workflow.design.verdict import netcdf
+from workflow.language.numbers import shown
 from workflow.report import device, exact, firstscreen, sentences
 from workflow.report.device import Device
 from workflow.report.firstscreen import Case
 from workflow.report.svg import ACCENT, BAD
-from workflow.study.device import Device as Connected
 from workflow.study.layered import BodyLayer
 from workflow.study.model import load
 
@@ -48,6 +48,11 @@ def test_both_parts_of_a_drawing_are_to_scale() -> None:
         (Device("flat", "leading", 4e-3, 2e-3, 2e-3, 1e4), "w = 4 mm"),
         (Device("wedge", "leading", 0.02, 3e-3, 0.0, 1e4), "slope 0.02"),
         (Device("half_cylinder", "trailing", 0.03, 0.0, 2e-3, 1e4, conducts=False), "R = 30 mm"),
+        (Device("sphere", "leading", 0.01, 2e-4, 2e-4, 0.1), "100 mN"),
+        (Device("sphere", "leading", 0.01, 2e-4, 2e-4, 0.1, thickness=1e-4, base="steel"), "a = 200 µm"),
+        (Device("cone", "leading", 0.1, 2e-4, 2e-4, 0.1), "slope 0.1"),
+        (Device("disc", "leading", 4e-4, 2e-4, 2e-4, 0.1), "w = 400 µm"),
+        (Device("power", "leading", 1e9, 2e-4, 2e-4, 0.1, exponent=4.0), "half-space"),
     ],
 )
 def test_every_punch_touches_its_contact(one: Device, words: str) -> None:
@@ -55,7 +60,9 @@ def test_every_punch_touches_its_contact(one: Device, words: str) -> None:
     assert np.all(one.heights(x) <= one.sunk * (1 + 1e-6))
     drawing = device.draw(one, "a punch")
     assert words in drawing
-    assert "half-plane" in drawing
+    below = f"film {shown(one.thickness, 'm', 3)}" if one.thickness else "half-space" if one.point else "half-plane"
+    assert below in drawing
+    assert ("slides" in drawing) != one.point
     assert ("polyline" in drawing) == one.conducts
 
 
@@ -153,18 +160,3 @@ def test_the_strongest_factor_is_that_of_the_widest_span_of_the_table() -> None:
     ]
     told = sentences.strongest(rows)
     assert told.startswith("Tension behind the contact changes most with friction (20 MPa to 150 MPa)")
-
-
-def test_what_air_would_change_is_said_of_a_device() -> None:
-    """Of a half-plane without friction the charge per load is the same: the theorem of docs/theory.md, 10."""
-    bare = load("config/quickstart.yaml").narrowed({"magnetic": "insulating"})
-    study = bare.model_copy(update={"device": Connected.model_validate({"electrode_length": "10 mm"})})
-    case = {"volume_fraction": 0.5, "friction": 0.0, "radius": 0.05, "load": 1e4}
-    found = exact.in_air(study, case)
-    assert found["charge_sensitivity"] == pytest.approx(1.0, rel=1e-9)
-    assert 0.1 < found["voltage"] < 0.99
-    said = firstscreen.around({"voltage": 0.32, "capacitance": 3.7})
-    assert said.endswith("(surroundings: insulated); with air there: voltage x 0.32 and capacitance x 3.7.")
-    assert exact.in_air(bare, case) == {}
-    assert exact.in_air(study.narrowed({"electric": "insulating"}), case) == {}
-    assert firstscreen.around({}) == ""

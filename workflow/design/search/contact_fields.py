@@ -6,12 +6,15 @@ import numpy as np
 import xarray as xr
 
 from solver import MaterialError, solve_interior
+from solver.names import POINT_FIELDS
 from workflow.dataset import factorial
 from workflow.study.model import Study
 from workflow.study.sections import Positions
 
 #: Surface fields shown, by their name in the data set of a design.
-SURFACE = ("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx")
+SURFACE = tuple(
+    dict.fromkeys(("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx", *POINT_FIELDS))
+)
 _POSITIONS = Positions(inside=120, outside=120)
 _X, _Y = np.linspace(-3.0, 3.0, 121), -np.linspace(0.03, 3.0, 61)
 
@@ -23,14 +26,17 @@ def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
     -------
     xarray.Dataset
         ``field_<name>`` over ``position`` for the names of ``SURFACE`` that the case has, ``inside_<name>`` over ``y``,
-        ``x`` for the in-plane and, where the material has c12, von Mises stress. Nothing where air is beside the
-        contact, whose fields are not given.
+        ``x`` for the in-plane and, where the material has c12, von Mises stress. Nothing of what the solver does not
+        give: with air beside the contact, and inside bodies under a point.
     """
-    if study.kind.air:
+    if not study.kind.fields:
         return xr.Dataset()
     factors = {**study.fixed, **case}
     surface = factorial.exact(study, dict(case), _POSITIONS.values(), peaks=())
     parts = {f"field_{name}": surface[name].reset_coords(drop=True) for name in SURFACE if name in surface}
+
+    if not study.kind.inside:
+        return xr.Dataset(parts)
 
     def below(names: list[str]) -> xr.Dataset:
         return study.solved(solve_interior, factors, _X, _Y, fields=names)

@@ -129,11 +129,13 @@ def _contact(answer: Answer) -> Figure:
     fields = answer.pictures
     surface = [name for name in SURFACE if f"field_{name}" in fields]
     inside = [name for name in ("von_mises", "stress_xx") if f"inside_{name}" in fields]
-    figure = plt.figure(figsize=(10.4, 5.2))
+    rows = [1, 1.15][: 2 if inside else 1]
+    figure = plt.figure(figsize=(10.4, 2.42 * sum(rows)))
     # apart, so that a colour bar below makes no gap above
-    above, under = figure.subfigures(2, 1, height_ratios=[1, 1.15], squeeze=False)[:, 0]
+    above, *under = figure.subfigures(len(rows), 1, height_ratios=rows, squeeze=False)[:, 0]
     X = fields["position"].values
-    for name, ax in zip(surface, above.subplots(1, len(surface)), strict=True):
+    along = "(x - c)/h" if inside else "r/a"
+    for name, ax in zip(surface, above.subplots(1, len(surface), squeeze=False).flat, strict=True):
         values = fields[f"field_{name}"].values
         away = (np.abs(np.abs(X) - 1) > NEAR_EDGE) & (np.abs(X) < 3)
         size, words = field_label(fields[f"field_{name}"].rename(name), float(np.abs(values[away]).max()))
@@ -145,13 +147,14 @@ def _contact(answer: Answer) -> Figure:
         ax.set_xlim(-3, 3)
         ax.set_title(words)
         ax.set_ylabel("")
-        ax.set_xlabel("(x - c)/h")
-    for name, ax in zip(inside, under.subplots(1, len(inside), squeeze=False).flat, strict=True):
-        field = fields[f"inside_{name}"].rename(name).transpose("y", "x")
-        size, words = below(under, [ax], [field], "below")
-        attach_map(ax, field["x"].values, field["y"].values, field.values / size, words)
-        ax.set_xlabel("(x - c)/h")
-        ax.set_ylabel("y/h")
+        ax.set_xlabel(along)
+    for part in under:
+        for name, ax in zip(inside, part.subplots(1, len(inside), squeeze=False).flat, strict=True):
+            field = fields[f"inside_{name}"].rename(name).transpose("y", "x")
+            size, words = below(part, [ax], [field], "below")
+            attach_map(ax, field["x"].values, field["y"].values, field.values / size, words)
+            ax.set_xlabel(along)
+            ax.set_ylabel("y/h")
     return figure
 
 

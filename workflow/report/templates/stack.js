@@ -8,23 +8,27 @@ const TINT = {
   body: "color-mix(in srgb, var(--accent) 10%, var(--card))", punch: "color-mix(in srgb, var(--ink) 12%, var(--card))",
 };
 
+const FLAT = ["flat", "disc"], POWERS = ["cone", "power"], ENDLESS = ["wedge", ...POWERS]; // of the last a part is drawn
+const SIZES = { flat: "w = ", disc: "w = ", wedge: "slope ", cone: "slope ", power: "C = " };
+
 // How far from the sharp edge, towards the other.
 const ahead = (device, x) => (device.corner === "leading" ? x + device.leading : device.trailing - x);
 
 // Of the punch's face over its lowest point; NaN beside the punch.
 function faceHeight(device, x) {
   const { profile, size } = device;
-  if (profile === "flat") return Math.abs(x) <= size / 2 ? 0 : NaN;
+  if (FLAT.includes(profile)) return Math.abs(x) <= size / 2 ? 0 : NaN;
+  if (POWERS.includes(profile)) return Math.abs(size) * Math.abs(x) ** device.exponent;
   if (profile === "wedge") return ahead(device, x) >= 0 ? Math.abs(size) * ahead(device, x) : NaN;
-  const along = profile === "cylinder" ? x : ahead(device, x);
-  const inside = Math.abs(along) <= size && (profile === "cylinder" || along >= 0);
+  const whole = profile !== "half_cylinder", along = whole ? x : ahead(device, x);
+  const inside = Math.abs(along) <= size && (whole || along >= 0);
   return inside ? size - Math.sqrt(Math.max(size * size - along * along, 0)) : NaN;
 }
 
 // What the drawing needs beside the numbers of a punch: scales, and how deep its lowest point is.
 function measured(device) {
   const contact = device.trailing + device.leading;
-  const reach = device.profile === "wedge" ? 2 * contact : device.profile === "flat" ? device.size / 2 : device.size;
+  const reach = ENDLESS.includes(device.profile) ? 2 * contact : FLAT.includes(device.profile) ? device.size / 2 : device.size;
   const ends = [-device.leading, device.trailing].map((x) => faceHeight(device, x * (1 - 1e-9))).filter((one) => !Number.isNaN(one));
   const wide = (PICTURE.near[1] - PICTURE.near[0]) / (STEEP.wider * contact);
   return {
@@ -50,7 +54,7 @@ function stackPart(device, size, [left, right], scale) {
     parts.push(`<rect x="${left}" y="${at(interface_)}" width="${width}" height="${at(low - interface_)}" fill="${TINT.punch}"/>`);
     if (device.grounded) parts.push(stroke(left, interface_, right, interface_, TINT.accent, 2.2));
   }
-  const inside = 1 - 1e-9, edges = device.profile === "flat" ? [-0.5, 0.5].map((one) => one * device.size * inside)
+  const inside = 1 - 1e-9, edges = FLAT.includes(device.profile) ? [-0.5, 0.5].map((one) => one * device.size * inside)
     : [-device.leading, device.trailing, -size.reach, size.reach].map((one) => one * inside);
   const even = Array.from({ length: STEEP.points }, (_, k) => middle + (width * ((2 * k) / (STEEP.points - 1) - 1)) / 2 / scale);
   const shown = [...even, ...edges].sort((a, b) => a - b)
@@ -69,19 +73,20 @@ function stackPart(device, size, [left, right], scale) {
 function stackWords(device, size) {
   const { surface, height, low, whole, near } = PICTURE, middle = (whole[0] + whole[1]) / 2, centre = (near[0] + near[1]) / 2;
   const half = (size.contact * size.near) / 2, lone = ["wedge", "half_cylinder"].includes(device.profile);
-  const name = { flat: "w = ", wedge: "slope " }[device.profile] || "R = ";
+  const name = SIZES[device.profile] || "R = ";
+  const extent = device.point ? `a = ${said(device.trailing, "m", 3)}` : said(size.contact, "m", 3);
   const tip = ' marker-end="url(#stack-tip)"', { bad, soft, ink } = TINT;
   const parts = [
-    stroke(middle, 4, middle, 38, bad, 1.6, tip), words(middle + 8, 16, said(device.load, "N m-1", 3), bad, "start"),
-    stroke(whole[0] + 56, 28, whole[0] + 4, 28, bad, 1.6, tip), words(whole[0] + 4, 18, "slides", bad, "start"),
+    stroke(middle, 4, middle, 38, bad, 1.6, tip), words(middle + 8, 16, said(device.load, device.units, 3), bad, "start"),
+    ...(device.point ? [] : [stroke(whole[0] + 56, 28, whole[0] + 4, 28, bad, 1.6, tip), words(whole[0] + 4, 18, "slides", bad, "start")]),
     words(middle + (lone ? (device.corner === "leading" ? 38 : -38) : 0), surface - 50,
-      name + (device.profile === "wedge" ? digits(device.size, 3) : said(device.size, "m", 3))),
+      name + (ENDLESS.includes(device.profile) ? digits(device.size, 3) : said(device.size, "m", 3))),
     words(whole[0], height - 10, "to scale", soft, "start"),
     words(near[0], height - 10, `the contact, at ${digits(size.near / size.whole, 2)} times that scale`, soft, "start"),
-    half > STEEP.tips ? `<path d="M${at(centre - half)} ${surface - 16} H${at(centre + half)}" ${tipped}/>` : "",
-    words(centre, surface - 24, said(size.contact, "m", 3)),
+    half > STEEP.tips ? `<path d="M${at(device.point ? centre : centre - half)} ${surface - 16} H${at(centre + half)}" ${tipped}/>` : "",
+    words(centre, surface - 24, extent),
   ];
-  if (device.thickness === null) return [...parts, words(near[0] + 8, low - 10, "half-plane", soft, "start")];
+  if (device.thickness === null) return [...parts, words(near[0] + 8, low - 10, device.point ? "half-space" : "half-plane", soft, "start")];
   const interface_ = surface + device.thickness * size.near, place = near[1] - 14;
   const between = device.grounded ? `${device.base ? ", " : ""}grounded electrode between` : "";
   return [
@@ -92,7 +97,8 @@ function stackWords(device, size) {
   ];
 }
 
-// The whole picture; `device` as in device.py: profile, corner, size, trailing, leading, load, conducts, thickness, base, grounded.
+// The whole picture; `device` as in device.py: profile, corner, size, trailing, leading, load, conducts, thickness, base, grounded,
+// exponent, point; and the unit of the load.
 function stackPicture(device) {
   const size = measured(device);
   return [
@@ -107,8 +113,9 @@ function stackPicture(device) {
 // The punch of a combination of the categories at values of every name.
 function deviceAt(body, values) {
   const number = (one) => (typeof one === "string" ? values[one] : one);
-  return { ...body, size: number(body.size), thickness: number(body.thickness), load: values.load,
-    trailing: values.contact_trailing, leading: values.contact_leading };
+  const [trailing, leading] = body.ends.map((name) => values[name]);
+  return { ...body, size: number(body.size), exponent: number(body.exponent), thickness: number(body.thickness),
+    load: values[body.pressing], trailing, leading };
 }
 
 function showStack(panel, svg) {

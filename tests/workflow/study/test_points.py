@@ -1,0 +1,119 @@
+"""Studies of point contacts: what they accept, what their cases have, and the one line with which they are refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solver.names import POINT_QUANTITIES
+from workflow.dataset import factorial, similar
+from workflow.language.constants import DEVICE, FIGURES_BY
+from workflow.study.model import Study, load, remade
+from workflow.study.reading import InputError
+
+BALL = """\
+title: A ball on a film
+fixed: {material: PZT-4, profile: sphere, punch: steel, base: steel}
+factors:
+  thickness: {low: 20 um, high: 200 um, scale: log}
+  radius: {low: 5 mm, high: 50 mm, scale: log}
+  force: {low: 10 mN, high: 500 mN, scale: log}
+groups:
+  force * radius / thickness^3: {levels: 4}
+device: {amplifier: {input_capacitance: 10 pF, charge_noise: 1 fC}}
+design:
+  quiet:
+    minimise: smallest_force
+    over: [thickness, radius]
+    at: {force: 0.1}
+    subject_to: [abs(signal_charge) <= 100 pC, force <= 1 N, peak_pressure <= depoling_stress]
+"""
+
+
+def written(folder: Path, text: str = BALL) -> Path:
+    path = folder / "ball.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    return load(written(tmp_path_factory.mktemp("ball")))
+
+
+def test_cases_have_the_quantities_of_points_and_no_datum(study: Study) -> None:
+    assert set(study.quantities) == {*POINT_QUANTITIES, "nominal_field"}
+    assert study.meeting == "point"
+    assert not study.stores_fields
+    assert not study.elastic  # in space an elastic punch has no datum of its own
+    assert study.outputs[0] == "peak_pressure"
+    assert "contact_radius" in study.outputs
+    assert list(study.axes) == ["force_radius_per_thickness3"]
+
+
+def test_figures_of_a_device_are_whole_and_the_force_is_a_factor(study: Study) -> None:
+    quiet = study.design["quiet"]
+    assert quiet.names() == [
+        "charge_noise", "voltage_noise", "contact_capacitance", "input_capacitance", "cable_capacitance",
+        "charge_sensitivity", "force", "peak_pressure",
+    ]  # fmt: skip
+    assert quiet.limits[1].expression.names() == ["force"]
+    again = remade(study)
+    assert again.design["quiet"].names() == quiet.names()
+    for name, figure in FIGURES_BY["point"].items():
+        assert "electrode_length" not in figure.formula, name
+    assert "electrode_length" in DEVICE
+
+
+def test_every_case_follows_from_the_group(study: Study) -> None:
+    """Two cases of one group, solved alone, differ by the powers of force and thickness that the study says."""
+    one = {"thickness": 50e-6, "radius": 10e-3, "force": 0.1}
+    other = one | {"thickness": 100e-6, "radius": 20e-3, "force": 0.4}
+    first, second = (factorial.exact(study, dict(case)) for case in (one, other))
+    for name in study.quantities:
+        powers = similar.scale(study, name)
+        factor = np.prod([(other[key] / one[key]) ** power for key, power in powers.items()])
+        if abs(float(first[name])) > 0:
+            assert float(second[name] / first[name]) == pytest.approx(float(factor), rel=1e-9), name
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        (
+            "{amplifier:",
+            "{electrode_length: 10 mm, amplifier:",
+            "device: electrode_length: a point contact has none: its forces and charges are whole",
+        ),
+        (
+            "profile: sphere",
+            "profile: cylinder",
+            "device: electrode_length: missing; must be a number with a unit [m]",
+        ),
+        ("groups:", "dataset: {peaks: true}\ngroups:", "dataset: peaks: point contacts have none; must be false"),
+        ("groups:", "surrogate: {fields: 8}\ngroups:", "surrogate: fields: point contacts have none; must be 0"),
+        ("force * radius / thickness^3", "force / thickness^2", "groups: radius x"),
+        ("peak_pressure <=", "trailing_tension <= 1 MPa, peak_pressure <=", "'trailing_tension' is not one of"),
+        ("abs(signal_charge) <= 100 pC", "blocked_force <= 1 N", "device: drive_voltage: missing"),
+        ("punch: steel,", "punch: steel, friction: 0.3,", "friction: of point contacts is not solved"),
+        ("punch: steel,", "punch: steel, datum: 1.0,", "datum: the profile sphere has none"),
+        (
+            "groups:",
+            "categories: {profile: [sphere, cylinder]}\ngroups:",
+            "categories: profile: sphere, cylinder: lines and points need a study each",
+        ),
+    ],
+)
+def test_what_a_point_has_not_is_refused_in_one_line(tmp_path: Path, old: str, new: str, told: str) -> None:
+    assert old in BALL
+    with pytest.raises(InputError) as refusal:
+        load(written(tmp_path, BALL.replace(old, new, 1)))
+    assert told in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_groups_of_a_power_are_refused(tmp_path: Path) -> None:
+    power = BALL.replace("profile: sphere", "profile: power, exponent: 4.0, coefficient: 1e9").replace("radius:", "#")
+    power = power.replace("force * radius / thickness^3", "force / thickness^2").replace(", radius]", "]")
+    with pytest.raises(InputError, match="groups: profile: power: its coefficient scales by its exponent"):
+        load(written(tmp_path, power))
