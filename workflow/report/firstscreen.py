@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from markupsafe import Markup
 
@@ -14,7 +15,7 @@ from workflow.design.verdict.term import Term
 from workflow.language import titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number
-from workflow.report import device
+from workflow.report import device, surroundings
 from workflow.report.svg import element
 from workflow.study.datum import hanging
 from workflow.study.model import Study
@@ -47,7 +48,7 @@ class Screen:
     beyond
         Where it leaves what the theory holds for; empty where it does not.
     around
-        What air beside the contact would change; empty where nothing is known of it.
+        What is beside the contact, and what other surroundings would change; empty where nothing is known of it.
     verdict
         In words.
     drawing
@@ -74,7 +75,7 @@ class Screen:
 
 
 def answered(
-    study: Study, name: str, target: Target, found: Answer, contact: Mapping[str, float], in_air: Mapping[str, float]
+    study: Study, name: str, target: Target, found: Answer, contact: Mapping[str, float], around: Mapping[str, Any]
 ) -> Screen:
     """The first screen's part on one target.
 
@@ -84,8 +85,8 @@ def answered(
         The study, the target by its name, and the target's answer.
     contact
         Ends of the contact of its design [m], by name.
-    in_air
-        Quantities of it with air beside the contact over those without, by name.
+    around
+        What other surroundings would change, as `workflow.report.surroundings.compared` gives it.
     """
     kinds, varied = found.kinds, found.case
     case: Case = {**study.fixed, **kinds, **varied}
@@ -103,18 +104,10 @@ def answered(
         cost=_unbroken(cost(found)),
         sure=_unbroken(sure(found)),
         beyond=f"Beyond what the theory holds for: {found.flags}." if found.flags else "",
-        around=around(in_air),
+        around=_unbroken(surroundings.told(around)),
         verdict=told,
         drawing=element(drawn, f"device-{name}", f"{name.replace('_', ' ')}, drawn to scale: {body}; {punch}"),
     )
-
-
-def around(in_air: Mapping[str, float]) -> str:
-    """What air beside the contact would change of quantities, from what it multiplies them by."""
-    if not in_air:
-        return ""
-    changed = titles.listed([f"{titles.title(name)} x {number(by, 2)}" for name, by in in_air.items()])
-    return f"No charge is beside the contact (surroundings: insulated); with air there: {changed}."
 
 
 def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.Device:

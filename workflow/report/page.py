@@ -133,7 +133,7 @@ def page(
         content["datum_changes"] = solved["datum"]
         content["designs"] = [tables.design(answer) | told for answer, told in zip(found, exact, strict=True)]
         content["answers"] = [
-            firstscreen.answered(study, *target, answer, told["contact"], told["in_air"])
+            firstscreen.answered(study, *target, answer, told["contact"], told["around"])
             for target, answer, told in zip(study.design.items(), found, exact, strict=True)
         ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]

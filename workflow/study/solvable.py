@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from solver import solve
-from solver.names import AIR, ALL_QUANTITIES, PROFILES
+from solver.names import AIR, ALL_QUANTITIES, OF_A_GAP, PROFILES
 from solver.similarity import Weight, weight_of
 from workflow.language.factors import FACTORS
 from workflow.study import datum, grouped, representatives
@@ -41,7 +41,12 @@ def check_groups(study: Contents) -> None:
     grouped.leads(products, study.factors)
     change = grouped.unlike(products, list(study.factors), standing(study))
     if change:
-        raise ValueError(grouped.refusal(change))
+        also = (
+            "; with air beside the contact the gap counts too: make radius / thickness a group"
+            if study.kind.air
+            else ""
+        )
+        raise ValueError(grouped.refusal(change) + also)
     grouped.check_signs(products, study.factors, standing(study))
     _check_cases(study)
 
@@ -74,6 +79,8 @@ def standing(study: Contents) -> dict[str, Weight]:
         if not isinstance(one, str)
     }
     own = {name: weight_of(name) for name in fixed if name != "datum"} | layers
+    if study.kind.air:  # the gap is as wide as the contact is strongly pressed, and the vacuum's constants stay
+        own[OF_A_GAP] = Weight(0.0, 1.0)
     return {name: weight for name, weight in own.items() if weight != Weight()}
 
 

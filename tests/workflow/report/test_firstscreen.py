@@ -15,7 +15,6 @@ from workflow.report import device, exact, firstscreen, sentences
 from workflow.report.device import Device
 from workflow.report.firstscreen import Case
 from workflow.report.svg import ACCENT, BAD
-from workflow.study.device import Device as Connected
 from workflow.study.layered import BodyLayer
 from workflow.study.model import load
 
@@ -161,18 +160,3 @@ def test_the_strongest_factor_is_that_of_the_widest_span_of_the_table() -> None:
     ]
     told = sentences.strongest(rows)
     assert told.startswith("Tension behind the contact changes most with friction (20 MPa to 150 MPa)")
-
-
-def test_what_air_would_change_is_said_of_a_device() -> None:
-    """Of a half-plane without friction the charge per load is the same: the theorem of docs/theory.md, 10."""
-    bare = load("config/quickstart.yaml").narrowed({"magnetic": "insulating"})
-    study = bare.model_copy(update={"device": Connected.model_validate({"electrode_length": "10 mm"})})
-    case = {"volume_fraction": 0.5, "friction": 0.0, "radius": 0.05, "load": 1e4}
-    found = exact.in_air(study, case)
-    assert found["charge_sensitivity"] == pytest.approx(1.0, rel=1e-9)
-    assert 0.1 < found["voltage"] < 0.99
-    said = firstscreen.around({"voltage": 0.32, "capacitance": 3.7})
-    assert said.endswith("(surroundings: insulated); with air there: voltage x 0.32 and capacitance x 3.7.")
-    assert exact.in_air(bare, case) == {}
-    assert exact.in_air(study.narrowed({"electric": "insulating"}), case) == {}
-    assert firstscreen.around({}) == ""

@@ -4,8 +4,11 @@ from pathlib import Path
 
 import pytest
 
+from solver import solve
 from solver.body import FILM_IN_AIR, HALF_PLANE_IN_AIR
 from solver.names import GAP_QUANTITIES
+from solver.similarity import QUANTITY_WEIGHTS
+from workflow.language import grammar
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
@@ -80,3 +83,36 @@ def test_what_needs_fields_is_refused(tmp_path: Path, more: str, message: str) -
     with pytest.raises(InputError) as refusal:
         study(AIR + more, tmp_path)
     assert str(refusal.value) == f"{tmp_path / 'study.yaml'}: {message}"
+
+
+GROUPS = """\
+title: A film in air, by groups
+fixed: {material: PZT-4, magnetic: insulating, surroundings: air, base: steel}
+factors:
+  radius: {low: 0.02, high: 0.05, scale: log}
+  load: {low: 5e3, high: 2e4, scale: log}
+  thickness: {low: 2e-4, high: 4e-4, scale: log}
+groups:
+  load * radius / thickness^2: {levels: 3}
+"""
+
+
+def test_groups_tell_how_wide_the_gap_is(tmp_path: Path) -> None:
+    """By size alone cases are similar: that they are as strongly pressed says nothing of the vacuum in the gap."""
+    with pytest.raises(InputError, match=r"is in no group.*make radius / thickness a group"):
+        study(GROUPS, tmp_path)
+    told = study(GROUPS + "  radius / thickness: {levels: 3}\n", tmp_path)
+    assert told.cases == 9
+    one, two = ({"radius": s * 0.02, "load": s * 1e4, "thickness": s * 2e-4} for s in (1.0, 1.7))
+    found = [told.solved(solve, {**told.fixed, **case}) for case in (one, two)]
+    for name in ("voltage", "capacitance_at_load", "gap_field"):
+        by = 1.7 ** QUANTITY_WEIGHTS[name].size
+        assert float(found[1][name]) == pytest.approx(by * float(found[0][name]), rel=1e-6)
+
+
+def test_a_device_in_air_is_read_by_its_capacitance_at_the_load(alone: Study, both: Study) -> None:
+    assert alone.meeting == "line in air"
+    assert both.meeting == "line"
+    names = grammar.parse("circuit_capacitance", alone.meeting).names()
+    assert "capacitance_at_load" in names
+    assert "capacitance" not in names
