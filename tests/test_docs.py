@@ -21,6 +21,8 @@ import solver
 import surrogate
 from docs import picture, rooms, tutorial
 from tests.workflow.conftest import Project
+from workflow.design.told import words
+from workflow.design.verdict import netcdf
 from workflow.run.provenance import ROOT
 from workflow.study.model import load
 
@@ -72,6 +74,12 @@ def test_every_command_runs(page: str, text: str, project: Project) -> None:
         else:
             assert command[0] in ("meecontact", "snakemake")
             project.run(*command)
+
+
+def test_the_first_run_ends_with_designs_that_can_be_built(quickstart_run: Project) -> None:
+    for name in ("sensor", "actuator"):
+        answer = netcdf.read(quickstart_run.folder / f"results/quickstart/design/{name}.nc")
+        assert words.verdict(answer).kind == words.RECOMMENDED
 
 
 @pytest.mark.parametrize(("page", "text"), [*blocks("python")], ids=lambda part: part if part.endswith(".md") else "")

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from solver import solve_interior
 from solver.names import ALL_PEAKS
 from surrogate import CurveGP, GaussianProcess
 from workflow.dataset import factorial
@@ -14,6 +15,7 @@ from workflow.study.categories import Kinds, output
 from workflow.study.model import Study
 
 Array = NDArray[np.float64]
+_DEPTHS = np.linspace(-2.0, 0.0, 17)  # in half-widths, where the field below the contact is judged
 #: Factors by name over (points, scenarios); an axis that does not change a factor has length one.
 Factors = dict[str, Array]
 
@@ -56,6 +58,16 @@ class Exact:
         whole = {"point": 1, "scenario": 1} | dict(solved.sizes)
         arrays = {name: solved[name].expand_dims([dim for dim in whole if dim not in solved.dims]) for name in names}
         return {name: array.transpose("point", "scenario").values for name, array in arrays.items()}
+
+    def field_below(self, factors: Factors) -> float:
+        """Largest electric field below the middle of the contact, two half-widths deep, over all cases [V/m].
+
+        Below its edges, where a conducting punch ends, the field has no bound.
+        """
+        axes = {name: _labelled(values) for name, values in factors.items()}
+        parts = ("electric_field_x", "electric_field_y")
+        found = self._study.solved(solve_interior, {**self._study.fixed, **axes}, [0.0], _DEPTHS, fields=parts)
+        return float(np.hypot(*(found[part].values for part in parts)).max())
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
         """Not given: the question differentiates by difference quotients."""

@@ -109,7 +109,7 @@ def judge(design: Designs) -> Answer:
     exact, _ = exactly(design, terms)
     corner = _corners(design)
     worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
-    beyond = linearity.beyond(question.study, corner)
+    beyond = linearity.beyond(question.study, corner, _field_below(design, corner))
     notes = [*(words for words, _ in beyond), *_flags(design, corner), *question.notes]
     spreads = spread.over(design, worst)
     out = Answer(
@@ -183,6 +183,14 @@ def _corners(design: Designs) -> dict[str, Array]:
         names = [name for name in design.exact.quantities if (name in design.question.study.costly) == costly]
         out |= design.exact.values(design.factors(sets[False]), names) if names else {}
     return out
+
+
+def _field_below(design: Designs, corner: Mapping[str, Array]) -> float | None:
+    """Largest field below the middle of the contact, over the same corners; None where others tell it."""
+    kind = design.question.study.kind
+    if "voltage" not in corner or "nominal_field" in corner or kind.contact == "point" or kind.air:
+        return None
+    return design.exact.field_below(design.factors(design.question.judged[False]))
 
 
 def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[str, float]:

@@ -26,7 +26,7 @@ def bound(study: Study, limit: Limit) -> tuple[str, str]:
     return f"{titles.title(limit.borne)} of {found.of}", found.source
 
 
-def beyond(study: Study, corner: Mapping[str, Array]) -> list[tuple[str, str]]:
+def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None) -> list[tuple[str, str]]:
     """What of a design is beyond what its materials bear: each in words with its figure, and the source of that.
 
     Parameters
@@ -35,6 +35,8 @@ def beyond(study: Study, corner: Mapping[str, Array]) -> list[tuple[str, str]]:
         With its categories held.
     corner
         Quantities of the design, exactly, over the cases that it must stand, (designs, scenarios) each.
+    below
+        The largest field below the middle of the contact [V/m], of a body without a thickness whose inside is solved.
     """
     lines: list[tuple[str, str]] = []
     known = set()
@@ -45,12 +47,12 @@ def beyond(study: Study, corner: Mapping[str, Array]) -> list[tuple[str, str]]:
             continue
         known.add(name)
         for quantity in _bounded(name):
-            words, size = _largest(quantity, corner, study.kind.ends)
+            words, size = _largest(quantity, corner, study.kind.ends, below)
             if size > found.value:
                 units = BORNE[name].units
                 bears = f"the {titles.title(name)} of {found.of}, {shown(found.value, units, 3)}"
                 lines.append((f"{words} of {shown(size, units, 3)} exceeds {bears}", found.source))
-    words, size = _largest("nominal_field", corner, study.kind.ends)
+    words, size = _largest("nominal_field", corner, study.kind.ends, below)
     if known.isdisjoint(_FIELDS) and size > _CERAMIC_FIELD:
         usual = f"{shown(_CERAMIC_FIELD, 'V m-1', 3)}, beyond which ferroelectric ceramics are not linear"
         unknown = "the library has no coercive or breakdown field of the material"
@@ -66,11 +68,15 @@ def _bounded(name: str) -> list[str]:
     return [other[plain(name)]] if plain(name) in other else []
 
 
-def _largest(quantity: str, corner: Mapping[str, Array], ends: tuple[str, str]) -> tuple[str, float]:
+def _largest(
+    quantity: str, corner: Mapping[str, Array], ends: tuple[str, str], below: float | None
+) -> tuple[str, float]:
     """A quantity in words, and its largest value; 0 where there is none, as of an insulating punch's voltage."""
     if quantity in corner:
         return titles.title(quantity), float(corner[quantity].max())
-    if quantity == "nominal_field" and "voltage" in corner:  # a half-plane has no thickness
+    if quantity == "nominal_field" and below is not None:
+        return "electric field below the middle of the contact", below
+    if quantity == "nominal_field" and "voltage" in corner:  # no thickness, and no fields inside
         trailing, leading = ends
         width = corner[trailing] + corner[leading]
         return "voltage over the contact's width", float((np.abs(corner["voltage"]) / width).max())
