@@ -1,5 +1,7 @@
 """Numbers of docs/limits.md: ``python docs/limits.py`` prints them."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 import solver
@@ -33,6 +35,35 @@ def numbers() -> dict[str, float]:
     }
 
 
+#: Designs of ``config/film_sensor.yaml``, rounded, in the case that decides.
+DESIGNS: dict[str, dict[str, float]] = {
+    "charge": {"thickness": 1.155e-4, "radius": 0.19, "load": 5e3},
+    "voltage": {"thickness": 1e-3, "radius": 0.0795, "load": 5e3},
+    "quiet": {"thickness": 1e-3, "radius": 0.18, "load": 1e4},
+}
+_REAL = {"surroundings": "air", "punch": "steel"}
+_LENGTH, _BESIDE = 0.01, 110e-12  # of the electrode [m]; capacitance of cable and amplifier [F]
+
+
+def surroundings(name: str, case: Mapping[str, float]) -> str:
+    """The row of a design: what it is insulated under a rigid punch, and in air under one of steel."""
+    film = {"volume_fraction": 0.95, "friction": 0.3, "base": "rigid", **case}
+    cells = []
+    for own in ({}, _REAL):
+        found = solver.solve({**film, **own})
+        per_force = abs(float(found["charge_sensitivity"]))
+        capacitance = _LENGTH * float(found["capacitance_at_load" if own else "capacitance"])
+        volts = per_force * case["load"] * _LENGTH / (capacitance + _BESIDE)
+        noise = np.hypot(1e-15, 20e-6 * (capacitance + _BESIDE))
+        width = float(found["contact_trailing"] + found["contact_leading"])
+        numbers = (per_force * 1e12, capacitance * 1e12, volts, noise / per_force * 1e6, width * 1e6)
+        cells.append([f"{number:.3g}" for number in numbers])
+    pairs = (", ".join(pair) for pair in zip(*cells, strict=True))
+    return f"| {name} | {' | '.join(pairs)} |"
+
+
 if __name__ == "__main__":
+    for name, case in DESIGNS.items():
+        print(surroundings(name, case))
     for name, value in numbers().items():
         print(f"{name:44s} {value:.3g}")
