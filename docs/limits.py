@@ -1,10 +1,15 @@
 """Numbers of docs/limits.md: ``python docs/limits.py`` prints them."""
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
 import solver
+from workflow.language import grammar
+from workflow.language.constants import Meeting
+from workflow.study.device import Device
+from workflow.study.reading import read_yaml
 
 CASE = {"volume_fraction": 0.5, "radius": 0.05, "load": 1e5, "friction": 0.3}
 
@@ -42,23 +47,29 @@ DESIGNS: dict[str, dict[str, float]] = {
     "quiet": {"thickness": 1e-3, "radius": 0.18, "load": 1e4},
 }
 _REAL = {"surroundings": "air", "punch": "steel"}
-_LENGTH, _BESIDE = 0.01, 110e-12  # of the electrode [m]; capacitance of cable and amplifier [F]
+_TOLD = {
+    "charge_sensitivity": 1e12,
+    "circuit_capacitance - input_capacitance - cable_capacitance": 1e12,
+    "signal_voltage": 1.0,
+    "smallest_force": 1e6,
+    "contact_trailing + contact_leading": 1e6,
+}
 
 
 def surroundings(name: str, case: Mapping[str, float]) -> str:
     """The row of a design: what it is insulated under a rigid punch, and in air under one of steel."""
     film = {"volume_fraction": 0.95, "friction": 0.3, "base": "rigid", **case}
-    cells = []
-    for own in ({}, _REAL):
+    device = Device.model_validate(read_yaml(Path(__file__).parents[1] / "config/film_sensor.yaml")["device"])
+    kinds: tuple[tuple[dict[str, str], Meeting], ...] = (({}, "line"), (_REAL, "line in air"))
+    rows = []
+    for own, meeting in kinds:
         found = solver.solve({**film, **own})
-        per_force = abs(float(found["charge_sensitivity"]))
-        capacitance = _LENGTH * float(found["capacitance_at_load" if own else "capacitance"])
-        volts = per_force * case["load"] * _LENGTH / (capacitance + _BESIDE)
-        noise = np.hypot(1e-15, 20e-6 * (capacitance + _BESIDE))
-        width = float(found["contact_trailing"] + found["contact_leading"])
-        numbers = (per_force * 1e12, capacitance * 1e12, volts, noise / per_force * 1e6, width * 1e6)
-        cells.append([f"{number:.3g}" for number in numbers])
-    pairs = (", ".join(pair) for pair in zip(*cells, strict=True))
+        known = {str(one): np.abs(values.values) for one, values in found.data_vars.items()}
+        known |= {one: np.asarray(value) for one, value in {**device.constants, **case}.items()}
+
+        told = [float(grammar.parse(text, meeting).evaluate(known)) * scale for text, scale in _TOLD.items()]
+        rows.append([f"{number:.3g}" for number in told])
+    pairs = (", ".join(pair) for pair in zip(*rows, strict=True))
     return f"| {name} | {' | '.join(pairs)} |"
 
 

@@ -109,8 +109,8 @@ class Circuit:
     def noise(self, contact: float, temperature: float) -> float:
         """Charge at the input that is the noise, root mean square [C].
 
-        The amplifier's, as the figure ``smallest_force`` of a device has it, and k T C of the capacitance that a
-        resistance discharges: of the feedback, or of all of it.
+        The amplifier's, as the figure ``smallest_force`` of a device without heat has it, and k T C of the capacitance
+        that a resistance discharges: of the feedback, or of all of it.
 
         Parameters
         ----------
@@ -127,7 +127,7 @@ class Circuit:
     def _figure(self, name: str, contact: float, **known: float) -> float:
         """A figure of a device with a contact of some capacitance [F]."""
         numbers = {"charge_noise": 0.0, "voltage_noise": 0.0, "cable_capacitance": 0.0, **self.numbers, **known}
-        numbers |= {"capacitance": contact, "electrode_length": 1.0}
+        numbers |= {"capacitance": contact, "electrode_length": 1.0, "thermal_energy": 0.0}
         expression = grammar.parse(name)
         return float(expression.evaluate({one: np.array(numbers[one]) for one in expression.names()}))
 

@@ -8,6 +8,7 @@ import re
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
+from functools import lru_cache
 from math import isfinite
 from typing import Self
 
@@ -15,22 +16,23 @@ _PREFIXES = {
     "": 1.0, "f": 1e-15, "p": 1e-12, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "c": 1e-2,
     "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12,
 }  # fmt: skip
-_ALONE = {"%": (1e-2, (0, 0, 0, 0)), "1": (1.0, (0, 0, 0, 0))}  # no prefix
-_SYMBOLS: dict[str, tuple[float, tuple[int, int, int, int]]] = {  # exponents of m, kg, s, A
-    "m": (1.0, (1, 0, 0, 0)),
-    "g": (1e-3, (0, 1, 0, 0)),
-    "s": (1.0, (0, 0, 1, 0)),
-    "A": (1.0, (0, 0, 0, 1)),
-    "N": (1.0, (1, 1, -2, 0)),
-    "Pa": (1.0, (-1, 1, -2, 0)),
-    "J": (1.0, (2, 1, -2, 0)),
-    "C": (1.0, (0, 0, 1, 1)),
-    "V": (1.0, (2, 1, -3, -1)),
-    "F": (1.0, (-2, -1, 4, 2)),
-    "T": (1.0, (0, 1, -2, -1)),
-    "Wb": (1.0, (2, 1, -2, -1)),
-    "H": (1.0, (2, 1, -2, -2)),
-    "Ohm": (1.0, (2, 1, -3, -2)),
+_ALONE = {"%": (1e-2, (0, 0, 0, 0, 0)), "1": (1.0, (0, 0, 0, 0, 0))}  # no prefix
+_SYMBOLS: dict[str, tuple[float, tuple[int, int, int, int, int]]] = {  # exponents of m, kg, s, A, K
+    "m": (1.0, (1, 0, 0, 0, 0)),
+    "g": (1e-3, (0, 1, 0, 0, 0)),
+    "s": (1.0, (0, 0, 1, 0, 0)),
+    "A": (1.0, (0, 0, 0, 1, 0)),
+    "K": (1.0, (0, 0, 0, 0, 1)),
+    "N": (1.0, (1, 1, -2, 0, 0)),
+    "Pa": (1.0, (-1, 1, -2, 0, 0)),
+    "J": (1.0, (2, 1, -2, 0, 0)),
+    "C": (1.0, (0, 0, 1, 1, 0)),
+    "V": (1.0, (2, 1, -3, -1, 0)),
+    "F": (1.0, (-2, -1, 4, 2, 0)),
+    "T": (1.0, (0, 1, -2, -1, 0)),
+    "Wb": (1.0, (2, 1, -2, -1, 0)),
+    "H": (1.0, (2, 1, -2, -2, 0)),
+    "Ohm": (1.0, (2, 1, -3, -2, 0)),
 }
 _PART = re.compile(r"(?P<over>/)?\s*(?P<symbol>%|1|[A-Za-zµμ]+)\^?(?P<power>[-+]?[0-9]+(?:/[0-9]+)?)?")
 _QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)(?![0-9._eE])\s*(\S.*)")
@@ -40,7 +42,7 @@ _LARGEST_POWER, _LONGEST = 9, 100  # an exponent, also of its denominator; chara
 
 @dataclass(frozen=True)
 class Unit:
-    """A scale on SI and the exponents of metre, kilogram, second and ampere.
+    """A scale on SI and the exponents of metre, kilogram, second, ampere and kelvin.
 
     ``symbols`` are those that it was made of, with their exponents: what a reader knows it by.
     """
@@ -52,7 +54,7 @@ class Unit:
     @classmethod
     def none(cls) -> Self:
         """The unit of a pure number."""
-        return cls(1.0, (Fraction(0),) * 4)
+        return cls(1.0, (Fraction(0),) * 5)
 
     def __mul__(self, other: "Unit") -> "Unit":
         powers = dict(self.symbols)
@@ -90,7 +92,7 @@ def _alone(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], ...] 
     for symbol, (_, own) in _SYMBOLS.items():
         if symbol != "g" and exponents == tuple(map(Fraction, own)):
             return ((symbol, Fraction(1)),)
-    powers = tuple((name, power) for name, power in zip(("m", "kg", "s", "A"), exponents, strict=True) if power)
+    powers = tuple((name, power) for name, power in zip(("m", "kg", "s", "A", "K"), exponents, strict=True) if power)
     return powers if len(powers) < 2 else None
 
 
@@ -136,6 +138,7 @@ def _power(text: str) -> Fraction:
     return Fraction(top, bottom)
 
 
+@lru_cache(maxsize=1024)  # numbers of a device are asked for at every step of a search
 def in_si(text: str, units: str) -> float:
     """Read a number with its unit, as ``115 GPa`` or ``115GPa``: its value in `units`, which are of the SI.
 

@@ -112,14 +112,24 @@ def _named(path: Path) -> tuple[frozenset[Path], frozenset[Path]]:
 
 def _used(text: str) -> Iterator[Path]:
     """Files of the rooms that a module's import statements lead to."""
-    for node in ast.walk(ast.parse(text)):
+    for node in _imports(text):
         if isinstance(node, ast.Import):
             yield from (file for alias in node.names if (file := _file(alias.name)))
-        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
+        elif node.module and node.level == 0:
             for alias in node.names:
                 file = _file(f"{node.module}.{alias.name}") or _definition(node.module, alias.name)
                 if file:
                     yield file
+
+
+def _imports(text: str) -> Iterator[ast.Import | ast.ImportFrom]:
+    """Import statements of a module, functions' own too; expressions, most of it, hold none and are not visited."""
+    blocks: list[ast.AST] = [ast.parse(text)]
+    for node in blocks:
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            yield node
+        for part in ("body", "orelse", "handlers", "finalbody", "cases"):
+            blocks += getattr(node, part, ())
 
 
 @cache
@@ -144,7 +154,5 @@ def _definition(module: str, name: str) -> Path | None:
 @cache
 def _gathered(file: Path) -> dict[str, str]:
     """Names that a module imports from others, for good or for type checkers, and from where."""
-    imports = [
-        node for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))) if isinstance(node, ast.ImportFrom)
-    ]
+    imports = [node for node in _imports(file.read_text(encoding="utf-8")) if isinstance(node, ast.ImportFrom)]
     return {alias.name: node.module for node in imports for alias in node.names if node.module}

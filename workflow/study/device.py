@@ -3,6 +3,7 @@
 from typing import Annotated
 
 from pydantic import AfterValidator, Field
+from scipy.constants import Boltzmann
 
 from solver.names import Contact
 from workflow.language.constants import DEVICE
@@ -58,6 +59,9 @@ class Device(Strict):
         None, description="voltage that drives an actuator [V]"
     )
     amplifier: Amplifier | None = Field(None, description="what reads a sensor")
+    temperature: Annotated[Number | str, _above("temperature")] = Field(
+        293.15, description="of the circuit [K], whose heat is noise: the charge squared is k T times the capacitance"
+    )
     resistivity: Annotated[Number | str, _above("resistivity")] | None = Field(
         None, description="of the film [Ohm m], through which charge leaks; infinite by default"
     )
@@ -79,4 +83,5 @@ class Device(Strict):
     def constants(self) -> dict[str, float]:
         """Every number that is given, by its name in designs, in SI."""
         given = {**dict(self), **dict(self.amplifier or {})}
-        return {name: number(name, given[name]) for name in DEVICE if given.get(name) is not None}
+        found = {name: number(name, given[name]) for name in DEVICE if given.get(name) is not None}
+        return found | {"thermal_energy": Boltzmann * found["temperature"]}

@@ -234,7 +234,7 @@ def test_query_gives_the_exact_answer_beside_its_own(
         assert float(row[f"{name}_exact"]) == pytest.approx(float(exact[name]), rel=1e-13)
     assert main.main(["query", path, "--at", at, "--exact", "small"]) == 0
     assert f"exact {float(exact['peak_pressure']) / 1e6:.10g} MPa" in capsys.readouterr().out
-    assert "the study's factors are" in complaint(capsys, "query", path, "--at", at, "--exact", "parametric")
+    assert "the study's factors are" in complaint(capsys, "query", path, "--at", at, "--exact", "quickstart")
     other = write(tmp_path / "another.yaml", SMALL.replace("fibrous", "laminate"))
     line = complaint(capsys, "query", path, "--at", at, "--exact", other)
     assert f"--exact: {other}: the surrogate was made from another study, or another state of it" in line

@@ -9,6 +9,8 @@ import solver
 from workflow.device.circuit import Circuit, permittivity
 from workflow.device.contact import Contact
 from workflow.device.signal import History, read
+from workflow.language import grammar
+from workflow.study.device import Device
 
 BALL: dict[str, Any] = {"profile": "sphere", "material": "BaTiO3", "radius": 5e-3}
 FILM = BALL | {"thickness": 1e-4, "base": "rigid"}
@@ -120,6 +122,13 @@ def test_noise_is_that_of_amplifier_and_temperature() -> None:
     numbers = {"input_capacitance": 9e-11, "charge_noise": 1e-15, "voltage_noise": 2e-5}
     thermal = 1.380649e-23 * 300 * 1e-10
     assert Circuit.of(numbers).noise(1e-11, 300.0) ** 2 == pytest.approx(1e-30 + (2e-5 * 1e-10) ** 2 + thermal)
+    figure = grammar.parse("smallest_force")
+    device = Device.model_validate(
+        {"electrode_length": "1 m", "temperature": "300 K", "amplifier": {**numbers, "charge_noise": "1 fC"}}
+    )
+    known = device.constants | {"capacitance": 1e-11, "charge_sensitivity": -1.0}
+    found = figure.evaluate({name: np.array(known[name]) for name in figure.names()})
+    assert float(found) == pytest.approx(Circuit.of(numbers).noise(1e-11, 300.0))
     charge = Circuit.of({"input_capacitance": 9e-11, "feedback_capacitance": 4e-10})
     assert charge.noise(1e-11, 300.0) ** 2 == pytest.approx(4 * thermal)
 
