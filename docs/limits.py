@@ -1,8 +1,15 @@
 """Numbers of docs/limits.md: ``python docs/limits.py`` prints them."""
 
+from collections.abc import Mapping
+from pathlib import Path
+
 import numpy as np
 
 import solver
+from workflow.language import grammar
+from workflow.language.constants import Meeting
+from workflow.study.device import Device
+from workflow.study.reading import read_yaml
 
 CASE = {"volume_fraction": 0.5, "radius": 0.05, "load": 1e5, "friction": 0.3}
 
@@ -33,6 +40,41 @@ def numbers() -> dict[str, float]:
     }
 
 
+#: Designs of ``config/film_sensor.yaml``, rounded, in the case that decides.
+DESIGNS: dict[str, dict[str, float]] = {
+    "charge": {"thickness": 1.155e-4, "radius": 0.19, "load": 5e3},
+    "voltage": {"thickness": 1e-3, "radius": 0.0795, "load": 5e3},
+    "quiet": {"thickness": 1e-3, "radius": 0.18, "load": 1e4},
+}
+_REAL = {"surroundings": "air", "punch": "steel"}
+_TOLD = {
+    "charge_sensitivity": 1e12,
+    "circuit_capacitance - input_capacitance - cable_capacitance": 1e12,
+    "signal_voltage": 1.0,
+    "smallest_force": 1e6,
+    "contact_trailing + contact_leading": 1e6,
+}
+
+
+def surroundings(name: str, case: Mapping[str, float]) -> str:
+    """The row of a design: what it is insulated under a rigid punch, and in air under one of steel."""
+    film = {"volume_fraction": 0.95, "friction": 0.3, "base": "rigid", **case}
+    device = Device.model_validate(read_yaml(Path(__file__).parents[1] / "config/film_sensor.yaml")["device"])
+    kinds: tuple[tuple[dict[str, str], Meeting], ...] = (({}, "line"), (_REAL, "line in air"))
+    rows = []
+    for own, meeting in kinds:
+        found = solver.solve({**film, **own})
+        known = {str(one): np.abs(values.values) for one, values in found.data_vars.items()}
+        known |= {one: np.asarray(value) for one, value in {**device.constants, **case}.items()}
+
+        told = [float(grammar.parse(text, meeting).evaluate(known)) * scale for text, scale in _TOLD.items()]
+        rows.append([f"{number:.3g}" for number in told])
+    pairs = (", ".join(pair) for pair in zip(*rows, strict=True))
+    return f"| {name} | {' | '.join(pairs)} |"
+
+
 if __name__ == "__main__":
+    for name, case in DESIGNS.items():
+        print(surroundings(name, case))
     for name, value in numbers().items():
         print(f"{name:44s} {value:.3g}")

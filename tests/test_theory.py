@@ -140,6 +140,11 @@ def test_what_the_model_leaves_out_is_measured(name: str, numbers: dict[str, flo
     assert numbers["free of the datum within"] < 1e-5
 
 
+@pytest.mark.parametrize("name", limits.DESIGNS)
+def test_what_air_and_steel_make_of_a_sensor_is_measured(name: str) -> None:
+    assert limits.surroundings(name, limits.DESIGNS[name]) in (ROOT / "docs/limits.md").read_text(encoding="utf-8")
+
+
 SAID_OF_FILMS = {
     "thick film, rigid": "-3.6e-3 on a rigid base",
     "thick film, bonded": "-1.4e-3 on steel to which the film is electrically bonded",

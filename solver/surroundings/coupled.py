@@ -20,6 +20,7 @@ _STEPS = 40
 _CLOSE = 1e-11
 _STALLED = 1e-7  # steps below it that no longer shrink are rounding
 _MOST = 0.3  # of log h and c/h in a step
+_LEAST = 2e-3  # of the way that potentials are taken at a time
 _FIELDS = ("voltage", "magnetic potential")
 _EXTENT = 2  # unknowns before the charges: log h, c/h
 
@@ -41,13 +42,16 @@ class AirContact:
     permittivity
         Relative permittivity and permeability of what fills the gap times the vacuum's, SI; (2,).
     held
-        Whether the potential of each field is zero in place of the given charge.
+        Whether the potential of each field is held in place of the given charge.
+    potentials
+        What they are held at.
     """
 
     table: AirTable
     contact: FilmContact
     permittivity: Array
     held: tuple[bool, bool] = (False, False)
+    potentials: tuple[float, float] = (0.0, 0.0)
 
     # -- what is given -------------------------------------------------------------------------------------------------
     @property
@@ -85,26 +89,55 @@ class AirContact:
         GapError
             The punch would touch the surface beside the contact, or no solution is found.
         """
+        found = self._sought(self._start)
+        if any(self.held) and not (found and found.open):
+            found = self._followed or found
+        if found is None:
+            raise GapError("surroundings: no contact with air beside it is found for this load and these charges")
+        found.require_gap()
+        return found
+
+    @property
+    def _start(self) -> Array:
+        """Unknowns of the contact without air, with the densities that its potentials make at its gap."""
         contact = self.contact
-        loads = np.array(contact.loading.loads[0])
-        loads[1:][list(self.held)] = 0.0
-        start = np.array([np.log(contact.half_width[0]), contact.centre[0], *loads[1:]])
+        start = np.array([np.log(contact.half_width[0]), contact.centre[0], *contact.loading.loads[0, 1:]])
+        start[_EXTENT:][list(self.held)] = 0.0
         state = State(self, np.concatenate([start, np.zeros(self.nodes * len(self.fields))]))
         if any(self.held):
             state = State(self, state.unknowns_of_held_potentials)
-        state = State(self, np.concatenate([state.unknowns[: start.size], state.densities_at_its_gap]))
-        last = np.inf
+        return np.concatenate([state.unknowns[: start.size], state.densities_at_its_gap])
+
+    def _sought(self, unknowns: Array) -> "State | None":
+        """What Newton's iteration comes to, its gap open or not; None where it comes to nothing."""
+        state, last = State(self, unknowns), np.inf
         for _ in range(_STEPS):
             step = np.linalg.solve(state.jacobian, state.residual)
             step /= max(1.0, float(np.max(np.abs(step[:_EXTENT]))) / _MOST)
             size = float(np.max(np.abs(step) / state.sizes))
             state = State(self, state.unknowns - step)
             if size < _CLOSE or (size < _STALLED and size > last / 2):
-                state.require_gap()
                 return state
             last = size
-        state.require_gap()
-        raise GapError("surroundings: no contact with air beside it is found for this load and these charges")
+        return None
+
+    @property
+    def _followed(self) -> "State | None":
+        """The solution from that of given charges on, its potentials taken to zero in steps that keep the gap open.
+
+        From afar Newton's iteration may come to a solution whose gap is closed, which is none.
+        """
+        state = replace(self, held=(False, False)).state
+        free, done, step = state.response[1:], 0.0, 0.5
+        while done < 1 and step > _LEAST:
+            share = min(done + step, 1.0)
+            kept = ((1 - share) * free).tolist()
+            found = replace(self, potentials=(kept[0], kept[1]))._sought(state.unknowns)
+            if found and found.open:
+                state, done, step = found, share, 2 * step
+            else:
+                step /= 2
+        return state if done == 1 else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,7 +266,7 @@ class State:
 
     def _closing(self, f: int) -> float:
         if f in self.of.fields and self.of.held[f]:
-            return float(self.response[1 + f])
+            return float(self.response[1 + f] - self.of.potentials[f])
         return float(self.loads[1 + f] - self.of.contact.loading.loads[0, 1 + f])
 
     @property
@@ -266,6 +299,11 @@ class State:
             matrix[rows] = law / self._reference[:, None]
         return matrix
 
+    @property
+    def open(self) -> bool:
+        """Whether the gap is open all along."""
+        return bool(np.all(self.gap > 0))
+
     def require_gap(self) -> None:
         """Refuse a gap that closes.
 
@@ -274,7 +312,7 @@ class State:
         GapError
             With the place.
         """
-        if not np.all(self.gap > 0):
+        if not self.open:
             of = self.of.table.operators
             X = np.concatenate([of.grid.distance, -of.grid.distance])[: of.beside]
             worst = int(np.argmin(self.gap / self._reference))
