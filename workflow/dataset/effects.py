@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from solver import solve, solve_interior
-from solver.names import FACTORS, FIELDS, OF_A_FILM
+from solver.names import FACTORS, FIELDS, OF_A_FILM, POINT_FIELDS
 from workflow.study.model import Study
 from workflow.study.sections import Effects
 
@@ -36,7 +36,8 @@ def effect(study: Study, factor: str) -> xr.Dataset:
         return solve(case, positions, materials=study.own_materials, phases=study.phases)
 
     out = _beside_half_plane(study.effects, factor, study.effects.case(factor), solved)
-    return out.assign_attrs(title=f"effect of {factor}", fields=" ".join(FIELDS))
+    fields = [name for name in FIELDS | POINT_FIELDS if name in out]
+    return out.assign_attrs(title=f"effect of {factor}", fields=" ".join(fields))
 
 
 def interior(study: Study, factor: str) -> xr.Dataset:

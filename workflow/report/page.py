@@ -116,7 +116,7 @@ def page(
         "scripts": [_script(name) for name in _SCRIPTS],
         "effects": list(study.effects.vary) if study.effects else [],
         "effects_table": tables.effects(study, folder) if study.effects else [],
-        "changed": tables.CHANGED,
+        "changed": tables.CHANGED[study.kind.contact],
         "verification": tables.verification(folder) if study.verification else None,
         "measurements": tables.measurements(folder) if study.measurements else [],
     }

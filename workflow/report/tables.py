@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from solver.names import ALL_QUANTITIES
+from solver.names import ALL_QUANTITIES, Contact
 from storage.netcdf import read_whole
 from workflow.dataset.slabs import CARD
 from workflow.design.told import asides
@@ -17,7 +17,10 @@ from workflow.study.model import Study
 from workflow.study.sections import CHECK_GROUPS
 
 #: Quantities that the summary of a parametric study tells.
-CHANGED = ("peak_pressure", "trailing_tension", "depth", "voltage")
+CHANGED: dict[Contact, tuple[str, ...]] = {
+    "line": ("peak_pressure", "trailing_tension", "depth", "voltage"),
+    "point": ("contact_radius", "peak_pressure", "depth", "voltage", "charge_sensitivity"),
+}
 _JUDGED = ("coverage", "worst_decile_coverage", "worst_corner_coverage", "pit_distance", "crps")
 _INTERVALS = (*_JUDGED, *(f"raw_{key}" for key in _JUDGED), "raw_max_error")
 
@@ -145,7 +148,8 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
         data = read_whole(folder / "fields" / f"effect_{factor}.nc")
         named = isinstance(values[0], str)
         said = [value if isinstance(value, str) else titles.value(factor, value, 3) for value in values]
-        known = [name for name in CHANGED if name in data and factor in data[name].dims]  # not every punch has all
+        told = CHANGED[study.kind.contact]
+        known = [name for name in told if name in data and factor in data[name].dims]  # not every punch has all
         own = {name: data[name].isel({factor: slice(len(values))}) for name in known}
         spans = {name: (float(one.min()), float(one.max())) for name, one in own.items() if one.notnull().all()}
         over = ", ".join(said) if named else f"{said[0]} to {said[-1]}"

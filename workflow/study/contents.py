@@ -107,10 +107,11 @@ class Contents(Strict):
     @property
     def kind(self) -> Kind:
         """The kind of body of its cases: what they can be asked for, and what that costs; in air where any case is."""
-        usual = self.fixed.get("profile", CHOICES["profile"][0])
+        given = self.fixed if self.factors or self.effects is None else {**self.effects.baseline, **self.fixed}
+        usual = given.get("profile", CHOICES["profile"][0])
         profile = self.categories["profile"][0] if "profile" in self.categories else usual
         around = AIR if AIR in self.surroundings else self.surroundings[0]
-        return kind_of({*self.factors, *self.fixed, *([BODY] if self.body else [])}, profile, around)
+        return kind_of({*self.factors, *given, *([BODY] if self.body else [])}, profile, around)
 
     @property
     def surroundings(self) -> list[str]:

@@ -5,9 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver.names import POINT_QUANTITIES
-from workflow.dataset import factorial, similar
+from solver.body import HALF_SPACE
+from solver.names import POINT_FIELDS, POINT_QUANTITIES
+from workflow.dataset import effects, factorial, similar
 from workflow.language.constants import DEVICE, FIGURES_BY
+from workflow.report.figures import field_panels
 from workflow.study.model import Study, load, remade
 from workflow.study.reading import InputError
 
@@ -117,3 +119,39 @@ def test_groups_of_a_power_are_refused(tmp_path: Path) -> None:
     power = power.replace("force * radius / thickness^3", "force / thickness^2").replace(", radius]", "]")
     with pytest.raises(InputError, match="groups: profile: power: its coefficient scales by its exponent"):
         load(written(tmp_path, power))
+
+
+EFFECTS = """\
+title: Points
+effects:
+  baseline: {material: BaTiO3, profile: sphere, radius: 5 mm, slope: 0.01, width: 200 um, force: 1.0}
+  vary: {profile: [sphere, cone, disc], force: [0.5, 1.0]}
+  positions: {inside: 8, outside: 4}
+"""
+
+
+def test_effects_of_points_have_their_fields_over_the_distance_from_the_middle(tmp_path: Path) -> None:
+    study = load(written(tmp_path, EFFECTS))
+    assert study.kind is HALF_SPACE
+    of_force, of_profile = (effects.effect(study, name) for name in ("force", "profile"))
+    assert of_force.attrs["fields"].split() == list(POINT_FIELDS)
+    assert of_force["position"].attrs["long_name"].startswith("surface position r/a")
+    middle = np.abs(of_force["position"].values) < 0.2
+    assert (of_force["contact_pressure"].diff("force").values[..., middle] > 0).all()
+    assert "peak_pressure" not in of_profile  # infinite under a cone and at the rim of a disc
+    drawn = field_panels.effect(of_force)
+    shown = [ax.get_xlabel() for ax in drawn.axes if ax.get_visible()]
+    assert len(shown) == len(POINT_FIELDS)
+    assert "r/a" in shown
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ("  interior: {}\n", "effects: interior: is not drawn of a point"),
+        ("  film: {thickness: 1e-4, base: steel}\n", "effects: film: is not drawn of a point; a film stands in the"),
+    ],
+)
+def test_effects_of_points_have_nothing_inside_and_no_half_plane_beside(tmp_path: Path, more: str, told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        load(written(tmp_path, EFFECTS + more))

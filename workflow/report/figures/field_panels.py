@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
+from solver.names import POINT_FIELDS
 from workflow.dataset.effects import HALF_PLANE
 from workflow.language import numbers
 from workflow.report.figures.contours import below
@@ -24,6 +25,9 @@ SHOWN = (
     "electric_displacement_x",
     "magnetic_induction_x",
 )
+#: Those that are 0 beside the contact.
+_INSIDE = (*SHOWN[:3], "electric_displacement", "magnetic_induction")
+_ACROSS = 3
 
 
 @styled
@@ -90,11 +94,15 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
     # the half-plane beside films
     styles = ["--" if text == HALF_PLANE else "-" for text in texts]
     colours[[style == "--" for style in styles]] = to_rgba(INK)
-    figure, axes = plt.subplots(2, 3, figsize=(10.5, 5.6))
+    names = SHOWN if SHOWN[1] in data else [name for name in POINT_FIELDS if name in data]
+    rows = -(-len(names) // _ACROSS)
+    figure, axes = plt.subplots(rows, _ACROSS, figsize=(10.5, 2.8 * rows), squeeze=False)
     X = data["position"].values
-    for ax, name in zip(axes.flat, SHOWN, strict=True):
+    for ax in axes.flat[len(names) :]:
+        ax.set_visible(False)
+    for ax, name in zip(axes.flat, names, strict=False):
         curves = data[name].transpose(varied, "position").values
-        inside_only = name in ("contact_pressure", "electric_displacement_y", "magnetic_induction_y")
+        inside_only = name in _INSIDE
         shown = np.abs(X) < 1 if inside_only else np.abs(X) < np.inf
         away = shown & (np.abs(np.abs(X) - 1) > NEAR_EDGE)
         size, label = field_label(data[name], float(np.abs(curves[:, away]).max()))
@@ -118,8 +126,8 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
             ax.axvline(edge, color=GREY, lw=0.7, ls=":")
         if not inside_only:
             ax.set_xlim(-3, 3)
-    for ax in axes[1]:
-        ax.set_xlabel("X = (x - c)/h   (trailing edge at X = 1)")
+    for ax in axes[-1]:
+        ax.set_xlabel("X = (x - c)/h   (trailing edge at X = 1)" if names is SHOWN else "r/a")
     handles = axes[0, 0].get_legend_handles_labels()
     figure.legend(*handles, loc="outside right upper", title=varied.replace("_", " "))
     return figure

@@ -15,7 +15,7 @@ function startEffects(root) {
       if (!axes[k]) return;
       const { x, y, curves } = axes[k], own = curves.filter(({ label }) => values.includes(label));
       const sorted = [...own.filter(({ label }) => label !== value), ...own.filter(({ label }) => label === value)];
-      drawChart(svg, { title: y.label, x: { ...x, label: "(x − c)/h" }, y, curves: sorted.map((one) => ({ ...one, faint: one.label !== value })) });
+      drawChart(svg, { title: y.label, x: { ...x, label: x.label === "r/a" ? x.label : "(x − c)/h" }, y, curves: sorted.map((one) => ({ ...one, faint: one.label !== value })) });
       svg.setAttribute("aria-label", `${y.label} at ${value}`);
     });
   }
