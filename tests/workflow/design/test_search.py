@@ -17,6 +17,9 @@ from workflow.learning import training
 from workflow.study.model import Study, load
 from workflow.study.target import Target
 
+#: Tension that BaTiO3 bears [Pa].
+STRENGTH = 35e6
+
 
 @pytest.fixture(scope="module")
 def quickstart() -> Study:
@@ -32,13 +35,15 @@ def model(quickstart: Study) -> GaussianProcess:
 def dense() -> xr.Dataset:
     """Exact cases all over the box at the rated load: 40,000 designs, half a million cases."""
     over = {"volume_fraction": np.linspace(0.05, 0.95, 200), "radius": np.geomspace(5e-3, 0.2, 200)}
-    return solve({**over, "friction": np.linspace(0.1, 0.4, 13), "load": 1e4})
+    return solve({**over, "friction": np.linspace(0.1, 0.4, 13), "load": 5e3})
 
 
 def best_of(dense: xr.Dataset, quantity: str) -> tuple[float, float]:
     """Best worst-case |quantity| of the designs that keep the limits, and its composition, by brute force."""
     worst = abs(dense[quantity]).min("friction")
-    allowed = (dense["trailing_tension"].max("friction") <= 50e6) & (dense["peak_pressure"].max("friction") <= 500e6)
+    allowed = dense["trailing_tension"].max("friction") <= STRENGTH
+    if quantity == "stroke_per_volt":  # of the actuator, which is read by its magnetic potential
+        allowed &= abs(dense["magnetic_sensitivity"]).min("friction") >= 30e-6
     best = worst.where(allowed)
     where = best.argmax(...)
     return float(best.max()), float(best["volume_fraction"][where["volume_fraction"]])
@@ -52,7 +57,7 @@ def test_designs_have_no_regret_and_break_no_limit(
         best, fraction = best_of(dense, quantity)
         objective = answer.term(f"abs({quantity})").exact
         assert objective >= best * (1 - 1e-9)  # 40,000 designs, and none is better
-        assert objective <= best * 1.01
+        assert objective <= best * 1.03  # the grid's step in composition takes up to 2.5 % of the actuator's
         assert all(limit.margin >= 0 for limit in answer.limits)
         assert answer.variable("volume_fraction").value == pytest.approx(fraction, abs=0.01)
         predicted, exact = zip(*((term.predicted, term.exact) for term in answer.terms), strict=True)
@@ -62,13 +67,13 @@ def test_designs_have_no_regret_and_break_no_limit(
 def test_the_sensor_is_interior_in_composition_and_bound_in_radius(quickstart: Study, model: GaussianProcess) -> None:
     design = Design.of(quickstart, "sensor", model)
     answer = design.answer
-    assert design.verdict.kind == "beyond linear theory; otherwise recommended"
-    assert design.exact["trailing_tension <= 50 MPa"] == pytest.approx(50e6, rel=1e-9)
+    assert design.verdict.kind == "recommended"
+    assert design.exact["trailing_tension <= tensile_strength"] == pytest.approx(STRENGTH, rel=1e-9)
     rows = table(design._repr_html_())
     assert ["volume_fraction", f"{design.factors['volume_fraction']:.5g}", "variable"] in rows
-    assert ["trailing_tension <= 50 MPa", "50 MPa", "50 MPa"] in rows
+    assert ["trailing_tension <= tensile_strength", "35 MPa", "35 MPa"] in rows
     assert 0.1 < answer.variable("volume_fraction").value < 0.9
-    assert answer.term("trailing_tension <= 50 MPa").margin < 1e-6
+    assert answer.term("trailing_tension <= tensile_strength").margin < 1e-6
 
 
 def test_the_front_has_the_hypervolume_of_a_dense_exact_one(
@@ -76,7 +81,7 @@ def test_the_front_has_the_hypervolume_of_a_dense_exact_one(
 ) -> None:
     target = Target(
         maximise="abs(voltage_sensitivity)", minimise="trailing_tension", over=["volume_fraction", "radius"],
-        at={"load": 1e4, "charge": 0.0}, worst_case={"friction": [0.1, 0.4]},
+        at={"load": 5e3, "charge": 0.0}, worst_case={"friction": [0.1, 0.4]},
         subject_to=["trailing_tension <= 120 MPa"],
     )  # fmt: skip
     answer = targets.answer(quickstart, "front", target, model)

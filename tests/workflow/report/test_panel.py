@@ -115,7 +115,7 @@ def agree(study: Study, name: str, model: surrogate.GaussianProcess, judged: lis
         for one in limits:
             value, room = found[one["limit"]]
             if one["verdict"] != "not judged at one point":
-                assert float(one["value"]) == pytest.approx(value, rel=1e-9)
+                assert float(one["value"]) == pytest.approx(value, rel=1e-8)  # sums of larger terms
                 assert float(one["room"]) == pytest.approx(room, rel=1e-6, abs=2e-12 * abs(bounds[one["limit"]]))
 
 
@@ -150,16 +150,15 @@ def test_the_map_is_the_goal_over_the_scenarios_and_a_click_moves_the_sliders(
     friction = scenarios.corners(target, scenarios.SEARCHED).values["friction"]
     t = -1 + (2 * np.arange(CELLS) + 1) / CELLS
     fraction, radius = (model.box[name].from_unit(t) for name in ("volume_fraction", "radius"))
-    point = {"volume_fraction": fraction, "radius": radius[::-1], "friction": friction, "load": 1e4, "charge": 0.0}
+    point = {"volume_fraction": fraction, "radius": radius[::-1], "friction": friction, "load": 5e3, "charge": 0.0}
     found = model.predict(point, return_std=False).transpose(
         "radius", "volume_fraction", "friction"
     )  # rows from the top
-    names = ("voltage_sensitivity", "trailing_tension", "peak_pressure")
-    goal, tension, peak = (found[name].values for name in names)
+    goal, tension = (found[name].values for name in ("voltage_sensitivity", "trailing_tension"))
     worst = np.abs(goal).min(axis=-1)
     low, high = (shown(float(one), "V m N-1", 3) for one in (worst.min(), worst.max()))
     assert seen["scale"] == f"voltage per load at worst over friction 0.1 to 0.4: {low} (dark) to {high} (bright)"
-    pale = (tension.max(axis=-1) > 50e6) | (peak.max(axis=-1) > 500e6)
+    pale = tension.max(axis=-1) > 35e6  # what BaTiO3 bears
     assert 0 < pale.sum() < pale.size
     assert seen["pale"] == pale.ravel().tolist()
     for name in ("volume_fraction", "radius"):
@@ -168,7 +167,7 @@ def test_the_map_is_the_goal_over_the_scenarios_and_a_click_moves_the_sliders(
         name: seen["start"][name] for name in ("friction", "load")
     }
     assert seen["tip"].startswith("voltage per load at worst over friction")
-    assert len(seen["verdicts"]) == 2
+    assert len(seen["verdicts"]) == 1
 
 
 @needs_browser
@@ -227,7 +226,7 @@ def test_a_link_and_a_file_hold_the_point(seen: dict[str, Any], model: surrogate
     restored = seen["restored"]
     assert restored["volume_fraction"] == pytest.approx(0.3, rel=1e-12)
     assert restored["radius"] == pytest.approx(0.01, rel=1e-12)
-    assert restored["load"] == pytest.approx(1e4)  # no number: the design's own
+    assert restored["load"] == pytest.approx(5e3)  # no number: the design's own
     assert restored["pressed"] == "actuator"
 
 
