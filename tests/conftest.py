@@ -23,12 +23,15 @@ from xdist.scheduler import LoadScopeScheduling
 from tests import layers
 from tests.closing import closing
 from tests.workflow.conftest import Project, compiled, copy
+from workflow.study import model
 
 __all__ = ["compiled", "copy"]
 
 # an example takes as long as a busy machine needs
 settings.register_profile("patient", deadline=None)
 settings.load_profile("patient")
+# nor does it say that a study's check takes long, where a test asks for one line
+model.SILENCE = 3600.0
 
 #: Files that look at a run of a pipeline, by the session fixture that makes it.
 FILES = {
