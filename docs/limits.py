@@ -53,6 +53,7 @@ _TOLD = {
     "signal_voltage": 1.0,
     "smallest_force": 1e6,
     "contact_trailing + contact_leading": 1e6,
+    "depth": 1e9,
 }
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from solver import find, solve
+from solver import find, solve, solve_interior
 from workflow.dataset import factorial
 from workflow.design.search import targets
 from workflow.design.told import words
@@ -128,7 +128,7 @@ def test_a_worst_case_at_a_kink_is_that_of_both_its_sides(ask: Ask) -> None:
 
 
 def test_what_the_material_bears_is_a_limit_and_its_linear_range_is_told(ask: Ask) -> None:
-    """BaTiO3 alone, a volume fraction of 1, has these figures in the library; the field is the voltage's of its own."""
+    """BaTiO3 alone, a volume fraction of 1, has these figures in the library; the field is that below the contact."""
     target = {"maximise": "abs(voltage_sensitivity)", "over": ["radius"], "at": {"load": 1e4}}
     fixed, factors = {"volume_fraction": 1.0, "composite": "fibrous"}, {"radius": RADIUS, "load": LOAD}
     answer = ask(factors, fixed, **target, subject_to=["trailing_tension <= 120 % of tensile_strength"])
@@ -146,7 +146,8 @@ def test_what_the_material_bears_is_a_limit_and_its_linear_range_is_told(ask: As
         "radius": answer.variable("radius").value,
     }
     exact = solve(case)
-    field = abs(exact["voltage"]) / (exact["contact_trailing"] + exact["contact_leading"])
+    inside = solve_interior(case, [0.0], np.linspace(-2.0, 0.0, 201))
+    field = np.hypot(inside["electric_field_x"], inside["electric_field_y"]).max()
     assert bool(field > 0.3e6) == ("coercive field of BaTiO3" in told.beyond)
     assert bool(exact["trailing_tension"] > 35e6) == ("tensile strength of BaTiO3" in told.beyond)
 
