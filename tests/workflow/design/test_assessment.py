@@ -81,6 +81,15 @@ def test_a_contact_too_wide_for_its_parabola_is_told_of_a_fixed_radius_too(
         assert f"the contact is {width / profile['radius']:.2g} of the radius wide" in flags
 
 
+@pytest.mark.parametrize(("load", "told"), [(30.0, True), (3e4, False)])
+def test_a_depth_below_what_most_surfaces_are_rough_is_told(ask: Ask, load: float, told: bool) -> None:
+    target = {"maximise": "abs(voltage_sensitivity)", "over": ["volume_fraction"]}
+    answer = ask({"volume_fraction": FRACTION}, {"radius": 0.1, "load": load}, **target)
+    depth = exact_ranges(answer)["depth"][1]
+    assert (depth < 1e-7) == told
+    assert ("both surfaces must be smoother than most are" in answer.flags) == told
+
+
 SQUARE = {"volume_fraction": FRACTION, "radius": RADIUS}
 
 

@@ -21,7 +21,7 @@ from workflow.design.verdict.term import Scenario
 from workflow.design.verdict.term import Term as JudgedTerm
 from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import written
+from workflow.language.numbers import shown, written
 from workflow.language.statements import Limit, Objective
 from workflow.study.model import Study
 
@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
 _SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
+_WIDE, _SMOOTH = 1e-5, 1e-7  # m: a contact that is not a tip's, and the depth below which roughness decides it
 _PILOT = 512
 
 
@@ -261,4 +262,7 @@ def _flags(design: Designs, corner: Mapping[str, Array]) -> list[str]:
     trailing, leading = design.question.study.kind.ends
     width, radius = corner[trailing] + corner[leading], _radius(design, corner)
     share = float((width / radius).max()) if radius is not None else 0.0
-    return [f"the contact is {share:.2g} of the radius wide: no longer a parabola"] if share > _SLENDER else []
+    told = [f"the contact is {share:.2g} of the radius wide: no longer a parabola"] if share > _SLENDER else []
+    if "depth" in corner and width.max() > _WIDE and (depth := float(corner["depth"].max())) < _SMOOTH:
+        told.append(f"depth of {shown(depth, 'm', 3)}: both surfaces must be smoother than most are")
+    return told
