@@ -41,32 +41,36 @@ def numbers() -> dict[str, float]:
 
 
 #: Designs of ``config/film_sensor.yaml``, rounded, in the case that decides.
-DESIGNS: dict[str, dict[str, float]] = {
-    "charge": {"thickness": 1.155e-4, "radius": 0.19, "load": 5e3},
-    "voltage": {"thickness": 1e-3, "radius": 0.0795, "load": 5e3},
-    "quiet": {"thickness": 1e-3, "radius": 0.18, "load": 1e4},
+DESIGNS: dict[str, dict[str, float | str]] = {
+    "charge": {"volume_fraction": 0.83, "thickness": 1.86e-4, "radius": 0.19, "load": 5e3, "base": "steel"},
+    "voltage": {"volume_fraction": 0.833, "thickness": 3.29e-4, "radius": 0.0984, "load": 5e3, "base": "steel"},
+    "quiet": {"volume_fraction": 0.836, "thickness": 2.11e-4, "radius": 0.1145, "load": 1e4, "base": "silicon"},
 }
-_REAL = {"surroundings": "air", "punch": "steel"}
+_GROUNDED = {"interface_electric": "grounded", "interface_magnetic": "grounded", "punch": "steel"}
 _TOLD = {
     "charge_sensitivity": 1e12,
     "circuit_capacitance - input_capacitance - cable_capacitance": 1e12,
     "signal_voltage": 1.0,
     "smallest_force": 1e6,
     "contact_trailing + contact_leading": 1e6,
-    "depth": 1e9,
+    "contact_trailing * contact_leading / (2 * radius)": 1e9,
 }
 
 
-def surroundings(name: str, case: Mapping[str, float]) -> str:
-    """The row of a design: what it is insulated under a rigid punch, and in air under one of steel."""
-    film = {"volume_fraction": 0.95, "friction": 0.3, "base": "rigid", **case}
+def surroundings(name: str, case: Mapping[str, float | str]) -> str:
+    """The row of a design: what it is insulated, and in air."""
+    film = {"friction": 0.3, **_GROUNDED, **case}
     device = Device.model_validate(read_yaml(Path(__file__).parents[1] / "config/film_sensor.yaml")["device"])
-    kinds: tuple[tuple[dict[str, str], Meeting], ...] = (({}, "line"), (_REAL, "line in air"))
+    kinds: tuple[tuple[dict[str, str], Meeting], ...] = (
+        ({}, "line"),
+        ({"surroundings": "air"}, "line in air"),
+    )
     rows = []
     for own, meeting in kinds:
         found = solver.solve({**film, **own})
         known = {str(one): np.abs(values.values) for one, values in found.data_vars.items()}
-        known |= {one: np.asarray(value) for one, value in {**device.constants, **case}.items()}
+        numbers = {one: value for one, value in case.items() if not isinstance(value, str)}
+        known |= {one: np.asarray(value) for one, value in {**device.constants, **numbers}.items()}
 
         told = [float(grammar.parse(text, meeting).evaluate(known)) * scale for text, scale in _TOLD.items()]
         rows.append([f"{number:.3g}" for number in told])
