@@ -24,7 +24,8 @@ def numbers() -> dict[str, float]:
     width, pressure = conducts["contact_trailing"] + conducts["contact_leading"], conducts["peak_pressure"]
     elastic = solver.solve({**CASE, "punch": ["rigid", "steel"]})
     under_steel = (elastic["contact_trailing"] + elastic["contact_leading"]).values
-    found = {
+    on_copper = {f"charge per load of PZT-4 {kind} on copper": _on_copper(kind) for kind in ("grounded", "bonded")}
+    found = on_copper | {
         f"volts per load, datum {d:g} m": abs(v) for d, v in zip(data, at["voltage_sensitivity"].values, strict=True)
     }
     return found | {
@@ -38,6 +39,14 @@ def numbers() -> dict[str, float]:
         "largest pressure": float(at["peak_pressure"].max()),
         "tension behind the trailing edge": float(at["trailing_tension"].max()),
     }
+
+
+def _on_copper(electric: str) -> float:
+    """Charge per load of a film on 20 um of copper on silicon, its lower face grounded by the copper or bonded to it."""
+    film = solver.Layer(solver.find("PZT-4"), 2e-4, electric=electric)
+    copper = solver.Layer(solver.find("copper"), 2e-5, electric="grounded")
+    body = solver.Stack([film, copper], solver.find("silicon"))
+    return abs(float(solver.solve({"body": body, "radius": 0.05, "load": 2e4})["charge_sensitivity"]))
 
 
 #: Designs of ``config/film_sensor.yaml``, rounded, in the case that decides.
