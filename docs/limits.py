@@ -42,7 +42,7 @@ def numbers() -> dict[str, float]:
 
 
 def _on_copper(electric: str) -> float:
-    """Charge per load of a film on 20 um of copper on silicon, its lower face grounded by the copper or bonded to it."""
+    """Charge per load of a film on 20 um of copper on silicon, its lower face grounded or bonded."""
     film = solver.Layer(solver.find("PZT-4"), 2e-4, electric=electric)
     copper = solver.Layer(solver.find("copper"), 2e-5, electric="grounded")
     body = solver.Stack([film, copper], solver.find("silicon"))
