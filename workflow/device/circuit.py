@@ -127,7 +127,7 @@ class Circuit:
     def _figure(self, name: str, contact: float, **known: float) -> float:
         """A figure of a device with a contact of some capacitance [F]."""
         numbers = {"charge_noise": 0.0, "voltage_noise": 0.0, "cable_capacitance": 0.0, **self.numbers, **known}
-        numbers |= {"capacitance": contact, "electrode_length": 1.0, "thermal_energy": 0.0}
+        numbers |= {"capacitance": contact, "electrode_length": 1.0, "thermal_energy": 0.0, "feedback_heat": 0.0}
         expression = grammar.parse(name)
         return float(expression.evaluate({one: np.array(numbers[one]) for one in expression.names()}))
 

@@ -24,7 +24,8 @@ DEVICE: dict[str, Described] = {
     "feedback_resistance": Described("Ohm", "resistance beside the feedback capacitance"),
     "open_loop_gain": Described("1", "gain of a charge amplifier without its feedback"),
     "temperature": Described("K", "temperature of the circuit"),
-    "thermal_energy": Described("J", "Boltzmann's constant times the temperature of the circuit"),
+    "thermal_energy": Described("J", "Boltzmann's constant times the temperature; 0 of a charge amplifier"),
+    "feedback_heat": Described("C", "noise of a charge amplifier's feedback by its heat; 0 of other amplifiers"),
     "resistivity": Described("Ohm m", "electric resistivity of the film"),
     "loss_tangent": Described("1", "dielectric loss tangent of the film at loss_frequency"),
     "loss_frequency": Described("s-1", "frequency at which the loss tangent was measured"),
@@ -41,7 +42,7 @@ def _figures(pressing: str, capacitance: str, blocked: str, *, per_metre: bool) 
     """Figures of a device on a contact, from the names of what presses, of its capacitance and of its blocked force."""
     whole = " * electrode_length" if per_metre else ""
     circuit = f"({capacitance}{whole} + input_capacitance + cable_capacitance)"
-    noise = f"sqrt(charge_noise^2 + (voltage_noise * {circuit})^2 + thermal_energy * {circuit})"
+    noise = f"sqrt(charge_noise^2 + (voltage_noise * {circuit})^2 + thermal_energy * {circuit} + feedback_heat^2)"
     force = [("force", "N", "load on the whole punch", f"{pressing}{whole}")] if per_metre else []
     told = (
         *force,

@@ -60,7 +60,8 @@ class Device(Strict):
     )
     amplifier: Amplifier | None = Field(None, description="what reads a sensor")
     temperature: Annotated[Number | str, _above("temperature")] = Field(
-        293.15, description="of the circuit [K], whose heat is noise: the charge squared is k T times the capacitance"
+        293.15,
+        description="of the circuit [K], whose heat is noise: a charge whose square is k T times the capacitance",
     )
     resistivity: Annotated[Number | str, _above("resistivity")] | None = Field(
         None, description="of the film [Ohm m], through which charge leaks; infinite by default"
@@ -84,4 +85,6 @@ class Device(Strict):
         """Every number that is given, by its name in designs, in SI."""
         given = {**dict(self), **dict(self.amplifier or {})}
         found = {name: number(name, given[name]) for name in DEVICE if given.get(name) is not None}
-        return found | {"thermal_energy": Boltzmann * found["temperature"]}
+        energy, feedback = Boltzmann * found["temperature"], found.get("feedback_capacitance", 0.0)
+        # what a resistance discharges: all of a circuit, or a charge amplifier's feedback alone
+        return found | {"thermal_energy": 0.0 if feedback else energy, "feedback_heat": (energy * feedback) ** 0.5}

@@ -131,6 +131,11 @@ def test_noise_is_that_of_amplifier_and_temperature() -> None:
     assert float(found) == pytest.approx(Circuit.of(numbers).noise(1e-11, 300.0))
     charge = Circuit.of({"input_capacitance": 9e-11, "feedback_capacitance": 4e-10})
     assert charge.noise(1e-11, 300.0) ** 2 == pytest.approx(4 * thermal)
+    amplifier = {"input_capacitance": 9e-11, "feedback_capacitance": 4e-10, "charge_noise": 0.0}
+    device = Device.model_validate({"electrode_length": "1 m", "temperature": "300 K", "amplifier": amplifier})
+    known = device.constants | {"capacitance": 1e-11, "charge_sensitivity": -1.0}
+    found = figure.evaluate({name: np.array(known[name]) for name in figure.names()})
+    assert float(found) == pytest.approx(charge.noise(1e-11, 300.0))
 
 
 @pytest.mark.parametrize(

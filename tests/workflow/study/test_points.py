@@ -57,7 +57,7 @@ def test_figures_of_a_device_are_whole_and_the_force_is_a_factor(study: Study) -
     quiet = study.design["quiet"]
     assert quiet.names() == [
         "charge_noise", "voltage_noise", "contact_capacitance", "input_capacitance", "cable_capacitance",
-        "thermal_energy", "charge_sensitivity", "force", "peak_pressure",
+        "thermal_energy", "feedback_heat", "charge_sensitivity", "force", "peak_pressure",
     ]  # fmt: skip
     assert quiet.limits[1].expression.names() == ["force"]
     again = remade(study)
