@@ -51,5 +51,7 @@ def test_the_optimum_in_thickness_comes_out_by_itself(tmp_path: Path, fraction: 
     figures = {one.figure: one.figure_low for one in voltage.figures}
     assert figures["force"] == pytest.approx(100.0)
     assert abs(figures["signal_voltage"]) == pytest.approx(voltage.terms[0].exact, rel=1e-9)
-    assert figures["smallest_force"] * abs(figures["signal_charge"]) / figures["force"] == pytest.approx(1e-15)
+    noise = figures["smallest_force"] * abs(figures["signal_charge"]) / figures["force"]
+    heat = 1.380649e-23 * 293.15 * abs(figures["signal_charge"] / figures["signal_voltage"])
+    assert noise == pytest.approx(np.sqrt(1e-30 + heat), rel=1e-6, abs=0)
     assert "time constant" in words.verdict(voltage).device

@@ -121,21 +121,23 @@ def test_a_film_leaks_by_its_resistivity_or_its_loss() -> None:
 def test_noise_is_that_of_amplifier_and_temperature() -> None:
     numbers = {"input_capacitance": 9e-11, "charge_noise": 1e-15, "voltage_noise": 2e-5}
     thermal = 1.380649e-23 * 300 * 1e-10
-    assert Circuit.of(numbers).noise(1e-11, 300.0) ** 2 == pytest.approx(1e-30 + (2e-5 * 1e-10) ** 2 + thermal)
+    assert Circuit.of(numbers).noise(1e-11, 300.0) ** 2 == pytest.approx(
+        1e-30 + (2e-5 * 1e-10) ** 2 + thermal, rel=1e-12, abs=0
+    )
     figure = grammar.parse("smallest_force")
     device = Device.model_validate(
         {"electrode_length": "1 m", "temperature": "300 K", "amplifier": {**numbers, "charge_noise": "1 fC"}}
     )
     known = device.constants | {"capacitance": 1e-11, "charge_sensitivity": -1.0}
     found = figure.evaluate({name: np.array(known[name]) for name in figure.names()})
-    assert float(found) == pytest.approx(Circuit.of(numbers).noise(1e-11, 300.0))
+    assert float(found) == pytest.approx(Circuit.of(numbers).noise(1e-11, 300.0), rel=1e-12, abs=0)
     charge = Circuit.of({"input_capacitance": 9e-11, "feedback_capacitance": 4e-10})
-    assert charge.noise(1e-11, 300.0) ** 2 == pytest.approx(4 * thermal)
+    assert charge.noise(1e-11, 300.0) ** 2 == pytest.approx(4 * thermal, rel=1e-12, abs=0)
     amplifier = {"input_capacitance": 9e-11, "feedback_capacitance": 4e-10, "charge_noise": 0.0}
     device = Device.model_validate({"electrode_length": "1 m", "temperature": "300 K", "amplifier": amplifier})
     known = device.constants | {"capacitance": 1e-11, "charge_sensitivity": -1.0}
     found = figure.evaluate({name: np.array(known[name]) for name in figure.names()})
-    assert float(found) == pytest.approx(charge.noise(1e-11, 300.0))
+    assert float(found) == pytest.approx(charge.noise(1e-11, 300.0), rel=1e-12, abs=0)
 
 
 @pytest.mark.parametrize(
