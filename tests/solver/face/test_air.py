@@ -116,7 +116,7 @@ def test_the_table_of_films_with_air_is_the_solver_s() -> None:
 )
 def test_refused_in_one_line(changed: dict[str, Any], message: str) -> None:
     case = LINE | changed
-    for name in {"flat": ["radius"], "sphere": ["load"], **dict.fromkeys(("disc", "cone"), ["radius", "load"])}.get(
+    for name in {"flat": ["radius"], "sphere": ["load"], "disc": ["radius", "load"], "cone": ["radius", "load"]}.get(
         changed.get("profile", ""), []
     ):
         del case[name]
