@@ -21,6 +21,7 @@ from solver.names import (
     LIMITS,
     PEAKS,
     POINT_FIELDS,
+    POINT_GAP_QUANTITIES,
     POINT_QUANTITIES,
     PROFILES,
     QUANTITIES,
@@ -71,7 +72,9 @@ def test_the_table_of_a_film_s_quantities_is_the_code_s() -> None:
 
 
 def test_the_table_of_quantities_with_air_is_the_code_s() -> None:
-    assert rows("of a contact with air") == {name: [one.units, one.long_name] for name, one in GAP_QUANTITIES.items()}
+    assert rows("of a contact with air") == {
+        name: [one.units, one.long_name] for name, one in (GAP_QUANTITIES | POINT_GAP_QUANTITIES).items()
+    }
 
 
 def test_the_table_of_a_point_s_quantities_is_the_code_s() -> None:
