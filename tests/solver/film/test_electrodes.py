@@ -100,7 +100,7 @@ def test_strips_below_a_roller_collect_the_jump_of_the_field_inside() -> None:
 
 def test_a_patch_s_charge_is_reciprocal_to_what_its_voltage_moves() -> None:
     """u_y of the surface per phi of an electrode, by matrix exponentials of each layer, is the charge per sigma_yy."""
-    k = np.array([2e3, 1e4, 3e4])
+    k = np.array([1e3, 3e3, 1e4])
     rows = Electrode(ACTIVE, 2).rows(k)[:, 0]
     for wave, row in zip(k, rows, strict=True):
         assert ACTIVE.base_medium is not None
@@ -114,7 +114,7 @@ def test_a_patch_s_charge_is_reciprocal_to_what_its_voltage_moves() -> None:
         driven = np.eye(7)[5]  # of electrode 2: k phi in these units
         moved = columns[1] @ np.linalg.solve(system, driven)
         assert abs(moved) > 1e-6
-        assert moved == pytest.approx(row[1], rel=1e-9)
+        assert moved == pytest.approx(row[1], rel=1e-8)
 
 
 def test_discs_strips_and_neighbours_below_a_ball() -> None:
