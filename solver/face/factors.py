@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import is_finite, shown
+from solver.face.electrodes import check_electrodes
 from solver.face.filmfactors import check_elasticity, check_films, check_gaps
 from solver.face.refusal import FactorError
 from solver.film.stack import Stack
@@ -72,6 +73,7 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
     check_films(arrays)
     check_elasticity(arrays, "punch")
     check_gaps(arrays)
+    check_electrodes(arrays)
     return arrays
 
 

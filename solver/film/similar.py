@@ -15,6 +15,7 @@ import numpy as np
 from solver.arrays import Array, BoolArray
 from solver.film.causes import Loading
 from solver.film.contact import FilmContact
+from solver.film.electroded import met
 from solver.film.press import LengthsError, load_at_nodes
 from solver.film.table import LEAST, MOST, RangeError, Table, told
 from solver.film.windows import FIRST, LAST, Indices, Kind, number_of, rough_window, window
@@ -164,7 +165,7 @@ class Films:
     def _guess(self) -> Array:
         """Half-length over thickness that the closed form of the film's half-plane has; less where it is thin."""
         kind = self.kind
-        top = kind.stack().media[0].halfplane
+        top = met(kind.stack())
         sliding = Sliding(top, np.array(kind.friction), np.array(kind.conducts), kind.elastic)
         try:
             half = Contact(sliding, self.profile, self.load, self.charges).half_width

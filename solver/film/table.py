@@ -16,6 +16,7 @@ from solver.arrays import Array
 from solver.film import outputs
 from solver.film.assembly import Assembly
 from solver.film.basis import Basis
+from solver.film.electroded import met
 from solver.film.kernel import kernel
 from solver.film.stack import Stack
 from solver.film.system import System
@@ -208,7 +209,7 @@ def table(
     if not LEAST <= least < most <= MOST:
         raise RangeError(f"contact: range {least:g} to {most:g} of hc/h1 is not within {LEAST:g} to {MOST:g}")
     top = stack.top.thickness
-    sliding = Sliding(stack.media[0].halfplane, np.array(friction), np.array(conducts), punch)
+    sliding = Sliding(met(stack), np.array(friction), np.array(conducts), punch)
     system = System(kernel(stack, 2 * most * top), sliding, smooth, degree, accuracy)
     count = nodes or 10 + int(np.ceil(_PER_DECADE * np.log10(most / least)))
     return Table(system, least * top, most * top, count)
