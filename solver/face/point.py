@@ -7,7 +7,8 @@ import numpy as np
 
 from solver.arrays import Array, column
 from solver.face.cases import Cases
-from solver.face.filmbodies import films_of
+from solver.face.electrodes import electroded, reading_of
+from solver.face.filmbodies import films_of, refuse_charge
 from solver.face.materials import material_of
 from solver.face.punches import punch_of
 from solver.face.refusal import FactorError
@@ -17,6 +18,7 @@ from solver.halfplane.pressing import ContactError
 from solver.halfplane.surface import HalfPlane
 from solver.names import POINT_SINGULAR
 from solver.point.body import Film, HalfSpace, Stretch
+from solver.point.electrodes import electrode_quantities
 from solver.point.halfspace import conducted
 from solver.point.pressed import Pressed
 from solver.point.profile import DISC, Shape
@@ -171,15 +173,20 @@ class OnPointFilm(OnPoints):
 
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
         bodies, conducts, compliance = films_of(self.cases), self.cases.conducts, punch_of(self.cases).compliance
-        columns = [self.flat(column) for column in (*bodies.columns, conducts[..., 0], conducts[..., 1], compliance)]
+        punches = conducts[..., 0], conducts[..., 1], compliance, electroded(self.cases)
+        columns = [self.flat(column) for column in (*bodies.columns, *punches)]
         kinds, which = np.unique(np.stack(columns, -1), axis=0, return_inverse=True)
-        thickness, found = self.flat(bodies.thickness), []
-        for number, (*row, electric, magnetic, punch) in enumerate(kinds.tolist()):
-            film, held = Kind(*bodies.film(row), 0.0, (True, True), (True, True), 1), (bool(electric), bool(magnetic))
+        thickness, reading, found = self.flat(bodies.thickness), reading_of(self.cases), []
+        for number, (*row, electric, magnetic, punch, covered) in enumerate(kinds.tolist()):
+            film = Kind(*bodies.film(row), 0.0, (True, True), (True, True), 1, electroded=bool(covered))
+            if metal := film.electroded or film.stack().conductors[0]:
+                refuse_charge(self.cases)
+            held = bool(electric) and not metal, bool(magnetic)
             for own, shape, coefficient in self._by_exponent(np.flatnonzero(which.ravel() == number)):
                 kind = PointKind(film, held, shape, punch)
                 body = Film(kind, thickness[own])
-                found.append((own, Pressed(body, kind.scale, coefficient, *self._loads(own), np.array(held))))
+                read = None if reading is None else reading.part(own)
+                found.append((own, Pressed(body, kind.scale, coefficient, *self._loads(own), np.array(held), read)))
         return found
 
 
@@ -188,6 +195,8 @@ def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Arr
     body = pressed.body
     if isinstance(body, Film) and "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)
+    if isinstance(body, Film) and pressed.reading is not None:
+        out |= electrode_quantities(pressed.charged, body, pressed.reading)
     return out
 
 
