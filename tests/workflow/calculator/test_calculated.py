@@ -150,7 +150,11 @@ def test_films_are_the_solver_s(name: str, shape: dict[str, Any]) -> None:
     found = calculated([{"kind": "point", "given": of | {"film": one, "thickness": 2e-6}} for one, _, of in asked])
     solved = solver.solve(
         {**case, **films.FILMS[name], "thickness": 2e-6, "punch": list(films.PUNCHES), "force": forces}
-    ).drop_vars(["nominal_field", "magnetic_edge_intensity"])
+    )
+    flux = [str(one) for one in solved if "magnetic" in str(one) or "ampere" in str(one)]
+    solved = solved.drop_vars(
+        ["nominal_field", "flux_sensitivity", "contact_permeance", *flux]
+    )  # which hang on the base
     for (table, force, _), answer in zip(asked, found, strict=True):
         own = solved.sel(punch=table["punch"], force=force)
         assert {name: off for name, off in compared(answer, own) if not off < 2e-6} == {}
