@@ -17,7 +17,7 @@ from solver.film.causes import Loading
 from solver.film.contact import FilmContact
 from solver.film.electroded import met
 from solver.film.press import LengthsError, load_at_nodes
-from solver.film.table import LEAST, MOST, RangeError, Table
+from solver.film.table import LEAST, MOST, RangeError, Table, told
 from solver.film.windows import FIRST, LAST, Indices, Kind, number_of, rough_window, window
 from solver.halfplane.contact import Contact
 from solver.halfplane.pressing import ContactError
@@ -123,7 +123,7 @@ class Films:
             if np.any((number < FIRST) | (number > LAST)):
                 raise RangeError(
                     f"contact: {'narrower' if np.any(number < FIRST) else 'wider'} than the resolved range, "
-                    f"{LEAST:g} to {MOST:g} of half-length over thickness"
+                    f"{LEAST:g} to {MOST:g} of half-length over thickness ({told(self.thickness)})"
                 )
         raise LengthsError("contact: no contact of one length carries the load (charges too large for it)")
 

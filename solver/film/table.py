@@ -36,6 +36,18 @@ class RangeError(ContactError):
     """A contact narrower or wider than the range of half-lengths that is resolved."""
 
 
+def told(thickness: Array) -> str:
+    """Thicknesses in the words of a message: one that has lost its unit shows.
+
+    Examples
+    --------
+    >>> told(np.array([20.0, 200.0])), told(np.array(1e-6))
+    ('thickness 20 to 200 m', 'thickness 1e-06 m')
+    """
+    least, most = float(np.min(thickness)), float(np.max(thickness))
+    return f"thickness {least:g}{'' if least == most else f' to {most:g}'} m"
+
+
 @dataclass(frozen=True, eq=False)
 class Table:
     """Outputs over a range of half-lengths.
