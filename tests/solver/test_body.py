@@ -35,7 +35,8 @@ CASES = {
     },
     HALF_SPACE.name: {"material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5},
     POINT_FILM.name: {
-        "material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "thickness": 5e-4, "base": "steel", **READ,
+        "material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "thickness": 5e-4, "base": "steel",
+        **READ,
     },
 }  # fmt: skip
 CASES |= {
