@@ -24,6 +24,7 @@ from solver.names import (
     PEAKS,
     POINT_FIELDS,
     POINT_QUANTITIES,
+    POINT_SLIDING,
     PROFILES,
     QUANTITIES,
     TABLED,
@@ -94,11 +95,11 @@ class Kind:
     @property
     def inside(self) -> bool:
         """Whether fields inside it are given."""
-        return self.contact == "line" and not self.air
+        return not self.air
 
     @property
     def slides(self) -> bool:
-        """Whether its punch slides."""
+        """Whether its punch slides whatever its factors say; one on a point slides where it has friction."""
         return self.contact == "line"
 
     @property
@@ -149,13 +150,13 @@ FILM_IN_AIR = replace(
     method=FILM.method + _IN_AIR,
 )
 
-HALF_SPACE = Kind("half-space", "point", "absolute", POINT_QUANTITIES, {}, ())
+HALF_SPACE = Kind("half-space", "point", "absolute", POINT_QUANTITIES | POINT_SLIDING, PEAKS, ())
 POINT_FILM = Kind(
     "film under a point",
     "point",
     "absolute",
-    POINT_QUANTITIES | {"nominal_field": FILM_QUANTITIES["nominal_field"]},
-    {},
+    POINT_QUANTITIES | POINT_SLIDING | {"nominal_field": FILM_QUANTITIES["nominal_field"]},
+    FILM_PEAKS,
     (),
     layered=True,
     factors=OF_A_FILM,

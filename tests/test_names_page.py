@@ -22,6 +22,7 @@ from solver.names import (
     PEAKS,
     POINT_FIELDS,
     POINT_QUANTITIES,
+    POINT_SLIDING,
     PROFILES,
     QUANTITIES,
 )
@@ -80,6 +81,8 @@ def test_the_table_of_a_point_s_quantities_is_the_code_s() -> None:
 
 
 def test_the_table_of_a_point_s_fields_is_the_code_s() -> None:
+    sliding = {name: [one.units, one.long_name] for name, one in POINT_SLIDING.items()}
+    assert rows("of a sliding point") == sliding
     assert rows("field of a point") == {name: [one.units, one.long_name] for name, one in POINT_FIELDS.items()}
 
 
