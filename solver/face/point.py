@@ -43,7 +43,7 @@ STRESSES = LINEAR[:4]
 DERIVED = {"von_mises": von_mises, "principal_tension": principal_tension}
 
 
-class _OnPoints:
+class OnPoints:
     """What half-spaces and films under points have in common: their punches, and how outputs are put together."""
 
     #: A rigid base has no fields inside.
@@ -63,9 +63,9 @@ class _OnPoints:
     @np.errstate(all="ignore")  # what is not finite is named in the outputs
     def quantities(self) -> dict[str, Array]:
         """Those of ``solver.names.POINT_QUANTITIES`` that every case has; (...)."""
-        return self._put_together(self._quantities)
+        return self.put_together(self._quantities)
 
-    def _quantities(self, places: Indices, pressed: Pressed) -> dict[str, Array]:
+    def _quantities(self, pressed: Pressed, places: Indices) -> dict[str, Array]:
         out = quantities(pressed)
         if pressed.friction is not None:
             warn_of_order(pressed)
@@ -81,8 +81,8 @@ class _OnPoints:
         """Those of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and every case has; (...)."""
         if (lacks := self._lacks_c12) is not None:
             raise MaterialError(f"{lacks}: c12: missing; largest stresses under a point need it [Pa]")
-        return self._put_together(
-            lambda places, pressed: peaks(pressed, self._inside(places, pressed), asked), self._apart()
+        return self.put_together(
+            lambda pressed, places: peaks(pressed, self._inside(places, pressed), asked), self._apart()
         )
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
@@ -92,7 +92,7 @@ class _OnPoints:
     @np.errstate(all="ignore")
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
         """Fields of ``solver.names.POINT_FIELDS`` at r/a that every case has, as those of a line; (..., position)."""
-        found = self._put_together(lambda _, pressed: surface_fields(pressed, positions))
+        found = self.put_together(lambda pressed, _: surface_fields(pressed, positions))
         if np.any(self._friction):
             inside = np.abs(positions) < 1
             names = [name for name in SURFACE if self._lacks_c12 is None or SURFACE[name] not in POINT_NEED_C12]
@@ -117,7 +117,7 @@ class _OnPoints:
         needed += STRESSES if any(name in DERIVED for name in names) else ()
         linear = tuple(dict.fromkeys(needed))
 
-        def found(places: Indices, pressed: Pressed) -> dict[str, Array]:
+        def found(pressed: Pressed, places: Indices) -> dict[str, Array]:
             tractions = Rubbed(pressed.charged).tractions
             whole = self._inside(places, pressed).fields(tractions, x, y, linear)
             values = {name: whole[:, number] for number, name in enumerate(linear)}
@@ -125,7 +125,7 @@ class _OnPoints:
                 values[name] = DERIVED[name](*(values[stress] for stress in STRESSES))
             return {name: values[name] for name in names}
 
-        return self._put_together(found, self._apart())
+        return self.put_together(found, self._apart())
 
     @property
     def _lacks_c12(self) -> str | None:
@@ -140,13 +140,14 @@ class _OnPoints:
         """The body of cases of one body."""
         raise NotImplementedError
 
-    def _put_together(
+    def put_together(
         self,
-        output: Callable[[Indices, Pressed], dict[str, Array]],
+        output: Callable[[Pressed, Indices], dict[str, Array]],
         parts: Sequence[tuple[Indices, Pressed]] | None = None,
     ) -> dict[str, Array]:
+        """Outputs of every part and its places among the cases, in one; (...)."""
         try:
-            found = [(places, output(places, pressed)) for places, pressed in parts or self._parts]
+            found = [(places, output(pressed, places)) for places, pressed in parts or self._parts]
         except ContactError as error:
             raise FactorError(str(error)) from None
         out: dict[str, Array] = {}
@@ -161,9 +162,9 @@ class _OnPoints:
     def _by_exponent(self, places: Indices) -> list[tuple[Indices, Shape, Array]]:
         """Cases by the exponent of their profile, with its coefficient, or the radius of a disc."""
         exponent, coefficient = self._profile()
-        exponents = self._flat(exponent)[places]
+        exponents = self.flat(exponent)[places]
         return [
-            (own := places[exponents == e], Shape(e), self._flat(coefficient)[own])
+            (own := places[exponents == e], Shape(e), self.flat(coefficient)[own])
             for e in np.unique(exponents).tolist()
         ]
 
@@ -182,18 +183,19 @@ class _OnPoints:
 
     @property
     def _friction(self) -> Array:
-        return self._flat(self.cases.number("friction"))
+        return self.flat(self.cases.number("friction"))
 
-    def _flat(self, values: Any) -> Array:
+    def flat(self, values: Any) -> Array:
+        """Values of all cases in a row; (case,)."""
         return np.asarray(np.broadcast_to(values, self.shape).ravel(), dtype=np.float64)
 
     def _loads(self, places: Indices) -> tuple[Array, Array]:
         """P (case,) and T, J (case, 2)."""
-        charges = np.stack([self._flat(self.cases.charges[..., field])[places] for field in (0, 1)], -1)
-        return self._flat(self.cases.force)[places], charges
+        charges = np.stack([self.flat(self.cases.charges[..., field])[places] for field in (0, 1)], -1)
+        return self.flat(self.cases.force)[places], charges
 
 
-class OnHalfSpace(_OnPoints):
+class OnHalfSpace(OnPoints):
     """Points on half-spaces.
 
     Raises
@@ -231,7 +233,7 @@ class OnHalfSpace(_OnPoints):
     @cached_property
     def _constants(self) -> list[Array]:
         """Those of the materials, infinite where unknown; (case,) each."""
-        return [self._flat(np.nan_to_num(getattr(self._half.material, key), nan=np.inf)) for key in UNITS]
+        return [self.flat(np.nan_to_num(getattr(self._half.material, key), nan=np.inf)) for key in UNITS]
 
     @cached_property
     def _compliances(self) -> tuple[Array, Array, Array]:
@@ -263,7 +265,7 @@ class OnHalfSpace(_OnPoints):
     @cached_property
     def _rims(self) -> Rim:
         rim = Rim.of(self._half)
-        flat = (self._flat(value) for value in (rim.stiffness, rim.shear, rim.tangential, rim.transverse))
+        flat = (self.flat(value) for value in (rim.stiffness, rim.shear, rim.tangential, rim.transverse))
         return Rim(np.broadcast_to(rim.coupling, (*self.shape, 3)).reshape(-1, 3), *flat)
 
     def _rim(self, places: Indices) -> Rim | None:
@@ -284,7 +286,7 @@ class OnHalfSpace(_OnPoints):
         return whole(material_from(tuple(None if np.isinf(value) else value for value in own), "half-space"))
 
 
-class OnPointFilm(_OnPoints):
+class OnPointFilm(OnPoints):
     """Points on films, all cases of one film and conduction from the same tables.
 
     Raises
@@ -295,14 +297,14 @@ class OnPointFilm(_OnPoints):
 
     def quantities(self) -> dict[str, Array]:
         """Those of a half-space, and the nominal field."""
-        return self._put_together(lambda places, pressed: self._quantities(places, pressed) | _nominal(pressed))
+        return self.put_together(lambda pressed, places: with_nominal_field(self._quantities(pressed, places), pressed))
 
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
         bodies, conducts, elastic = self._bodies, self.cases.conducts, punch_of(self.cases)
         own_columns = (conducts[..., 0], conducts[..., 1], elastic.compliance, elastic.coupling)
-        columns = [self._flat(column) for column in (*bodies.columns, *own_columns)]
+        columns = [self.flat(column) for column in (*bodies.columns, *own_columns)]
         kinds, which = np.unique(np.stack(columns, -1), axis=0, return_inverse=True)
-        thickness, found = self._flat(bodies.thickness), []
+        thickness, found = self.flat(bodies.thickness), []
         for number, (*row, electric, magnetic, punch, coupling) in enumerate(kinds.tolist()):
             film, held = Kind(*bodies.film(row), 0.0, (True, True), (True, True), 1), (bool(electric), bool(magnetic))
             for own, shape, coefficient in self._by_exponent(np.flatnonzero(which.ravel() == number)):
@@ -342,9 +344,9 @@ def _stack(pressed: Pressed) -> Stack:
     return pressed.body.kind.film.stack()
 
 
-def _nominal(pressed: Pressed) -> dict[str, Array]:
-    """The field away from the edges of films under punches that conduct."""
-    if not (isinstance(pressed.body, Film) and np.all(pressed.conducts[..., 0])):
-        return {}
-    voltage = pressed.charged.displacement[:, 1]
-    return {"nominal_field": np.abs(voltage) / (pressed.body.thickness * pressed.body.kind.film.above_ground)}
+def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Array]:
+    """Quantities of a body, and the nominal field where it is a film."""
+    body = pressed.body
+    if isinstance(body, Film) and "voltage" in out:
+        out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)
+    return out

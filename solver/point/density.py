@@ -1,4 +1,4 @@
-"""What a contact's tractions are in Fourier space: densities over 0 <= b <= 1, as of a line contact (points, 6).
+"""What a contact's tractions are in Fourier space: densities over 0 <= b <= 1, as of a line contact (points, 7).
 
 A traction ``strength / x`` has the density of its strength, whatever b; that of the half-space's pressure is
 ``rise (1 - b^e)``, and P_2n(x) / (abs(P_2n(0)) x) has (-1)^n P_2n(b).

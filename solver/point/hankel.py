@@ -1,4 +1,4 @@
-"""Hankel integrals of half-spaces in closed form below a density, up to the surface (points, 6).
+"""Hankel integrals of half-spaces in closed form below a density, up to the surface (points, 7).
 
 What a contact's tractions are in Fourier space is a density on 0 <= b <= 1, lengths over a, as of a line contact:
 

@@ -1,4 +1,4 @@
-"""Fields inside a half-space or a stack under point contacts, in the plane of symmetry (points, 6).
+"""Fields inside a half-space or a stack under point contacts, in the plane of symmetry (points, 7).
 
 Near the surface the half-space's part is closed (:mod:`solver.point.hankel`); what the layers below reflect, and
 everything deeper, decays and is integrated over the wavenumbers k with Bessel functions.

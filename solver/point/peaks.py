@@ -1,4 +1,4 @@
-"""Largest stresses inside half-spaces, films and bases under points, in the plane of symmetry (points, 6).
+"""Largest stresses inside half-spaces, films and bases under points, in the plane of symmetry (points, 7).
 
 The nets, the measures and the search are those of the plane; a case is solved on its nets, no table lies between.
 """

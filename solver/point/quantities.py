@@ -13,7 +13,8 @@ from solver.point.sliding import Rim, Rubbed
 
 _INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
 _ENDS = tuple((f"{name}_trailing", f"{name}_leading") for name in _INTENSITIES)
-_RESPONSES = (
+#: Of each field: potential, per force, charge per force at zero potential, stroke, blocked force, store.
+RESPONSES = (
     (
         "voltage", "voltage_per_force", "charge_sensitivity", "stroke_per_volt", "blocked_force_per_volt",
         "contact_capacitance",
@@ -46,7 +47,7 @@ def quantities(pressed: Pressed) -> dict[str, Array]:
     for field in (0, 1):
         if np.all(pressed.conducts[..., field]):
             out[_INTENSITIES[field]] = contact.intensities[:, 1 + field]
-            out |= dict(zip(_RESPONSES[field], _responses(pressed, contact, tangent, field), strict=True))
+            out |= dict(zip(RESPONSES[field], _responses(pressed, contact, tangent, field), strict=True))
     return out
 
 

@@ -1,4 +1,4 @@
-"""What fields in the plane of symmetry take of the waves below a point contact, by Bessel function (points, 6).
+"""What fields in the plane of symmetry take of the waves below a point contact, by Bessel function (points, 7).
 
 A surface wave in the direction A has the sagittal fields of the plane problem, in the frame of A. Summed over A,
 scalars take J_0 and what points along x takes J_1; the stresses in the surface turn with A and take J_0 and J_2. The

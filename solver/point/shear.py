@@ -1,4 +1,4 @@
-"""Shear waves along their crests in a stack, which carry no field: friction makes them (points, 7).
+"""Shear waves along their crests in a stack, which carry no field: friction makes them (points, 8).
 
 u(y) and tau = sigma(crest, y) of a wave obey c44 u'' = c66 k^2 u; downwards it decays as exp(-g k z), g^2 = c66 / c44,
 with k u = tau / sqrt(c44 c66). Interfaces are bonded, whatever they are to the fields.

@@ -1,4 +1,4 @@
-"""Sliding along x to first order in friction (points, 7).
+"""Sliding along x to first order in friction (points, 8).
 
 The contact stays a circle and moves by c; sigma, D and B get a part t_1(r) cos(angle), t_1 the sine transform of psi:
 
