@@ -9,7 +9,8 @@ import numpy as np
 
 from solver.arrays import Array, column
 from solver.face.cases import Cases
-from solver.face.filmbodies import Bodies, films_of
+from solver.face.electrodes import electroded, reading_of
+from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.materials import material_of
 from solver.face.punches import punch_of
 from solver.face.refusal import FactorError
@@ -24,6 +25,7 @@ from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS, MaterialError
 from solver.names import INTERIOR, POINT_NEED_C12, POINT_SINGULAR
 from solver.point.body import Film, HalfSpace, Stretch
+from solver.point.electrodes import electrode_quantities
 from solver.point.halfspace import conducted
 from solver.point.inside import Inside, whole
 from solver.point.peaks import peaks
@@ -255,7 +257,7 @@ class OnHalfSpace(OnPoints):
         conducts = np.broadcast_to(self.cases.conducts, (*self.shape, 2)).reshape(-1, 2)
         friction = Friction(self._friction[own], k[own]) if "friction" in self.cases.values else None
         body = HalfSpace(N[own], shape, self._stretch(own))
-        return Pressed(body, units[own], coefficient, *self._loads(own), conducts[own], friction)
+        return Pressed(body, units[own], coefficient, *self._loads(own), conducts[own], friction=friction)
 
     @property
     def _lacks_c12(self) -> str | None:
@@ -283,7 +285,8 @@ class OnHalfSpace(OnPoints):
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         own = [float(values[places[0]]) for values in self._constants]
-        return whole(material_from(tuple(None if np.isinf(value) else value for value in own), "half-space"))
+        dielectric = 0.0  # the last of the constants: a half-space of metal, too, is one
+        return whole(material_from((*(None if np.isinf(value) else value for value in own), dielectric), "half-space"))
 
 
 class OnPointFilm(OnPoints):
@@ -301,21 +304,36 @@ class OnPointFilm(OnPoints):
 
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
         bodies, conducts, elastic = self._bodies, self.cases.conducts, punch_of(self.cases)
-        own_columns = (conducts[..., 0], conducts[..., 1], elastic.compliance, elastic.coupling)
-        columns = [self.flat(column) for column in (*bodies.columns, *own_columns)]
+        punches = conducts[..., 0], conducts[..., 1], elastic.compliance, elastic.coupling, electroded(self.cases)
+        columns = [self.flat(column) for column in (*bodies.columns, *punches)]
         kinds, which = np.unique(np.stack(columns, -1), axis=0, return_inverse=True)
-        thickness, found = self.flat(bodies.thickness), []
-        for number, (*row, electric, magnetic, punch, coupling) in enumerate(kinds.tolist()):
-            film, held = Kind(*bodies.film(row), 0.0, (True, True), (True, True), 1), (bool(electric), bool(magnetic))
+        thickness, reading, found = self.flat(bodies.thickness), reading_of(self.cases), []
+        for number, (*row, electric, magnetic, punch, coupling, covered) in enumerate(kinds.tolist()):
+            film = Kind(*bodies.film(row), 0.0, (True, True), (True, True), 1, electroded=bool(covered))
+            if metal := film.electroded or film.stack().conductors[0]:
+                refuse_charge(self.cases)
+            held = bool(electric) and not metal, bool(magnetic)
             for own, shape, coefficient in self._by_exponent(np.flatnonzero(which.ravel() == number)):
                 kind = PointKind(film, held, shape, punch)
                 body = Film(kind, thickness[own])
-                friction = self._rubbing(kind, own, coupling) if "friction" in self.cases.values else None
+                read = None if reading is None else reading.part(own)
+                friction = self._rubbing(kind, own, coupling)
                 loads = self._loads(own)
-                found.append((own, Pressed(body, kind.scale, coefficient, *loads, np.array(held), friction)))
+                found.append((own, Pressed(body, kind.scale, coefficient, *loads, np.array(held), read, friction)))
         return found
 
-    def _rubbing(self, kind: PointKind, own: Indices, punch: float) -> Friction:
+    def _refuse_electroded(self, what: str) -> None:
+        if any(pressed.body.kind.film.electroded for _, pressed in self._parts if isinstance(pressed.body, Film)):
+            raise FactorError(f"electrode: 'top': {what} under it are not given; ask for quantities alone")
+
+    def _rubbing(self, kind: PointKind, own: Indices, punch: float) -> Friction | None:
+        """What slides; None where nothing is said of it, and on an electrode, where nothing may."""
+        if "friction" not in self.cases.values:
+            return None
+        if kind.film.electroded:
+            if np.any(self._friction[own]):
+                raise FactorError("friction: of a point contact on an electrode is not solved; must be 0")
+            return None
         stack = kind.film.stack()
         k = -stack.media[0].compliance[0, 1:]
         coupling = contact_coupling(k, stack.scale, np.array(punch), np.array(kind.conducts))
@@ -335,6 +353,7 @@ class OnPointFilm(OnPoints):
         return Rim.of(next(_stack(one).media[0].halfplane for own, one in self._parts if own is places))
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
+        self._refuse_electroded("fields")
         return Inside(_stack(pressed))
 
 
@@ -349,4 +368,6 @@ def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Arr
     body = pressed.body
     if isinstance(body, Film) and "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)
+    if isinstance(body, Film) and pressed.reading is not None:
+        out |= electrode_quantities(pressed.charged, body, pressed.reading)
     return out

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array, BoolArray
+from solver.film.electrodes import Reading
 from solver.halfplane.pressing import ContactError
 from solver.point.body import Film, HalfSpace, Loading
 from solver.point.contact import State
@@ -50,6 +51,8 @@ class Pressed:
         T [C] and J [Wb]; (case, 2).
     conducts
         Whether the punch conducts (electric, magnetic); (case, 2) or (2,).
+    reading
+        The electrode that is read; None: none.
     friction
         None where it is not asked for.
 
@@ -65,6 +68,7 @@ class Pressed:
     force: Array
     charges: Array
     conducts: BoolArray
+    reading: Reading | None = None
     friction: Friction | None = None
 
     def __post_init__(self) -> None:

@@ -32,9 +32,9 @@ CASES = {
     FILM_IN_AIR.name: {
         "material": "PZT-4", "radius": 0.05, "load": 1e5, "surroundings": "air", "thickness": 5e-4, "base": "steel",
     },
-    HALF_SPACE.name: {"material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "friction": 0.2},
+    HALF_SPACE.name: {"material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "friction": 0.0},
     POINT_FILM.name: {
-        "material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "friction": 0.2,
+        "material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "friction": 0.0,
         "thickness": 5e-4, "base": "steel",
     },
 }  # fmt: skip
