@@ -1,8 +1,8 @@
 """A sliding sphere on a grid of the surface: unilateral contact to every order of friction, by FFT and an active set.
 
 Uniform tractions on square cells move the surface by Boussinesq's potential of a square, in closed form, and friction
-by the integral of x/r^2 over it; what layers add is smooth and taken at the middles. Friction follows the pressure and the
-contact the gap: nothing is assumed of its shape, and nothing is of first order.
+by the integral of x/r^2 over it; what layers add is smooth and taken at the middles. Friction follows the pressure, the
+contact follows the gap: nothing is assumed of its shape, and nothing is of first order.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
 
 Array = NDArray[np.float64]
-_ACTIVE = 20  # solutions at most
+_ACTIVE = 40  # solutions at most
 _PLACES = 400  # of the spline of what layers add
 
 
@@ -134,20 +134,22 @@ class SlidingSphere:
         x, y = self.places
         profile = (x**2 + y**2) / (2 * self.radius)
         level = np.stack([(profile - self.depth) / self._units[0], np.zeros_like(x)])
-        before = inside = profile < self.depth / 2
+        inside = profile < self.depth / 2
+        seen = {inside.tobytes()}
         t = np.zeros((2, self.cells, self.cells))
         for _ in range(_ACTIVE):
             t = self._under(inside, level, t)
             gap = level[0] - self._moved(t)[0]
             now = np.where(inside, t[0] < 0, gap < 0)
-            if np.array_equal(now, inside) or np.array_equal(now, before):  # cells of the rim may touch by turns
+            if now.tobytes() in seen:  # the same, or one of those in which cells of the rim touch by turns
                 area = self._size**2
                 load, charge = (t / self._units[:, None, None] * area).reshape(2, *x.shape)
                 return {
                     "force": -float(load.sum()), "charge": -float(charge.sum()),
                     "force_moment": -float((x * load).sum()), "charge_moment": -float((x * charge).sum()),
                 }  # fmt: skip
-            before, inside = inside, now
+            inside = now
+            seen.add(inside.tobytes())
         raise RuntimeError("the contact of the grid is not found")
 
     def _under(self, inside: NDArray[np.bool_], level: Array, start: Array) -> Array:
