@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 import solver
-from solver.material.constants import Material
 from verification.oracles.sliding_point import SlidingSphere
 
 _ANGLES = 24  # nodes of the moments, in the angle whose sine is r/a
@@ -44,9 +43,9 @@ def difference(case: dict[str, Any], friction: float, cells: int) -> Difference:
     grounded = case | {"total_charge": float(solver.solve(case)["charge_sensitivity"]) * case["force"]}
     at_rest = solver.solve(grounded)
     a, depth = float(at_rest["contact_radius"]), float(at_rest["depth"])
-    body: Material | solver.Stack = solver.find(case["material"])
-    if "thickness" in case:
-        body = solver.Stack([solver.Layer(body, case["thickness"])], case["base"])
+    top = solver.find(case["material"])
+    layered = "thickness" in case
+    body = solver.Stack([solver.Layer(top, case["thickness"])], case["base"]) if layered else top
     slid, still = (
         SlidingSphere(body, case["radius"], depth, eta, _BEYOND * a, cells).solved() for eta in (friction, 0.0)
     )
