@@ -49,7 +49,8 @@ def quantities(films: Films) -> dict[str, Array]:
         ("leading", "leading_compression", -1.0, smooth[1]),
     ):
         if is_smooth:
-            out[stress] = gather(_at(FilmContact.edge_stress, edge))
+            if not films.kind.electroded:
+                out[stress] = gather(_at(FilmContact.edge_stress, edge))
             intensity = np.sqrt(h)[:, None] * gather(_at(FilmContact.edge_intensity, edge))
             out[f"electric_edge_intensity_{name}"] = intensity[:, 0]
             out[f"magnetic_edge_intensity_{name}"] = intensity[:, 1]

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array, BoolArray
+from solver.film.electrodes import Reading
 from solver.point.body import Film, HalfSpace, Loading
 from solver.point.contact import State
 from solver.point.pressure import SAMPLES, added_forms, climbed, halfspace_form, halfspace_peak
@@ -30,6 +31,8 @@ class Pressed:
         T [C] and J [Wb]; (case, 2).
     conducts
         Whether the punch conducts (electric, magnetic); (case, 2) or (2,).
+    reading
+        The electrode that is read; None: none.
     """
 
     body: HalfSpace | Film
@@ -38,6 +41,7 @@ class Pressed:
     force: Array
     charges: Array
     conducts: BoolArray
+    reading: Reading | None = None
 
     @property
     def units(self) -> Array:

@@ -5,7 +5,19 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.body import FILM, FILM_IN_AIR, HALF_PLANE, HALF_PLANE_IN_AIR, HALF_SPACE, KINDS, POINT_FILM, Kind, kind_of
+from solver.body import (
+    FILM,
+    FILM_IN_AIR,
+    HALF_PLANE,
+    HALF_PLANE_IN_AIR,
+    HALF_SPACE,
+    HALF_SPACE_IN_AIR,
+    KINDS,
+    POINT_FILM,
+    POINT_FILM_IN_AIR,
+    Kind,
+    kind_of,
+)
 from solver.curves import FOLLOWS, REGIONS
 from solver.face.bodies import body_of
 from solver.face.cases import Cases
@@ -13,9 +25,10 @@ from solver.face.factors import checked
 from solver.face.filmfactors import kinds_of
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, CONTACTS, FACTORS, PROFILES
 
+READ = {"collector": 1, "patch_size": 1e-4, "patch_pitch": 2e-4}
 CASES = {
     HALF_PLANE.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5},
-    FILM.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5, "thickness": 5e-4, "base": "steel"},
+    FILM.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5, "thickness": 5e-4, "base": "steel", **READ},
     HALF_PLANE_IN_AIR.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5, "surroundings": "air"},
     FILM_IN_AIR.name: {
         "material": "PZT-4", "radius": 0.05, "load": 1e5, "surroundings": "air", "thickness": 5e-4, "base": "steel",
@@ -23,8 +36,14 @@ CASES = {
     HALF_SPACE.name: {"material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5},
     POINT_FILM.name: {
         "material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "thickness": 5e-4, "base": "steel",
+        **READ,
     },
 }  # fmt: skip
+CASES |= {
+    HALF_SPACE_IN_AIR.name: CASES[HALF_SPACE.name] | {"surroundings": "air"},
+    POINT_FILM_IN_AIR.name: {name: one for name, one in CASES[POINT_FILM.name].items() if name not in READ}
+    | {"surroundings": "air"},
+}
 
 
 @pytest.mark.parametrize("profile", PROFILES)

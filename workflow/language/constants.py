@@ -34,8 +34,8 @@ DEVICE: dict[str, Described] = {
 #: Every name of a constant.
 CONSTANTS: dict[str, Described] = {**BORNE, **DEVICE}
 
-#: How punch and body meet, as far as figures of a device differ by it: a line without or with air, or a point.
-Meeting = Literal["line", "line in air", "point"]
+#: How punch and body meet, as far as figures of a device differ by it: a line or a point, without or with air.
+Meeting = Literal["line", "line in air", "point", "point in air"]
 
 
 def _figures(pressing: str, capacitance: str, blocked: str, *, per_metre: bool) -> dict[str, Described]:
@@ -62,6 +62,12 @@ def _figures(pressing: str, capacitance: str, blocked: str, *, per_metre: bool) 
             "load over the smallest detectable one",
             f"{pressing}{whole} * abs(charge_sensitivity) / {noise}",
         ),
+        (
+            "position_resolution",
+            "m",
+            "distance that the noise hides of a place between two patches, from the difference of their charges",
+            f"sqrt(2) * charge_noise / (abs(patch_charge_gradient) * {pressing}{whole})",
+        ),
         ("drive_field", "V m-1", "driving voltage over the thickness", "abs(drive_voltage) / thickness"),
         ("stroke", "m", "stroke of the driving voltage at fixed load", "stroke_per_volt * drive_voltage"),
         (
@@ -80,6 +86,7 @@ FIGURES_BY: dict[Meeting, dict[str, Described]] = {
     "line": _figures("load", "capacitance", "blocked_load_per_volt", per_metre=True),
     "line in air": _figures("load", "capacitance_at_load", "blocked_load_per_volt", per_metre=True),
     "point": _figures("force", "contact_capacitance", "blocked_force_per_volt", per_metre=False),
+    "point in air": _figures("force", "contact_capacitance_at_force", "blocked_force_per_volt", per_metre=False),
 }
 
 #: Every one by name; unit and meaning are those of any meeting.

@@ -124,7 +124,7 @@ def page(
         content["dataset"] = tables.dataset(folder, hangs)
         content["surface"] = tables.surface(folder / "surface_validation.nc") if study.surrogate.fields else None
         content["levels"] = tables.levels(Path(levels[0])) if levels else None
-        content["validation"] = tables.validation(folder)
+        content["validation"] = tables.validation(folder, study)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = by_quantity(study, times)
         found = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]

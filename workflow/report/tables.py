@@ -4,8 +4,12 @@ import json
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
+
 from solver.names import ALL_QUANTITIES, Contact
 from storage.netcdf import read_whole
+from surrogate.use.validation import ideal
+from workflow.dataset import factorial
 from workflow.dataset.slabs import CARD
 from workflow.design.told import asides
 from workflow.design.verdict.answer import Answer
@@ -92,8 +96,13 @@ def levels(path: Path) -> dict[str, Any]:
     return {"rows": rows, "predicted": float(errors.max()), **data.attrs}
 
 
-def validation(folder: Path) -> dict[str, Any]:
-    """Errors and intervals of every quantity on fresh cases."""
+def _ideal(data: xr.Dataset, study: Study) -> dict[str, Any]:
+    box = {one.name: one for one in factorial.inputs(study)}
+    return ideal(box, {name: data[name] for name in box}, data.sizes["output"])
+
+
+def validation(folder: Path, study: Study) -> dict[str, Any]:
+    """Errors and intervals of every quantity on fresh cases, and what ideal intervals would show on these."""
     data = read_whole(folder / "validation.nc")
     tolerance = float(data.attrs["tolerance"])
     rows: list[dict[str, Any]] = [
@@ -131,6 +140,7 @@ def validation(folder: Path) -> dict[str, Any]:
         "kinked": kinked,
         "rows": rows,
         "levels": levels,
+        "ideal": _ideal(data, study),
         "tolerance": tolerance,
         "logarithms": str(data.attrs.get("logarithms", "")).split("; ") if "logarithms" in data.attrs else [],
         "worst": worst,
