@@ -22,7 +22,9 @@ from solver.names import (
     LIMITS,
     PEAKS,
     POINT_FIELDS,
+    POINT_GAP_QUANTITIES,
     POINT_QUANTITIES,
+    POINT_SLIDING,
     PROFILES,
     QUANTITIES,
 )
@@ -72,7 +74,13 @@ def test_the_table_of_a_film_s_quantities_is_the_code_s() -> None:
 
 
 def test_the_table_of_quantities_with_air_is_the_code_s() -> None:
-    assert rows("of a contact with air") == {name: [one.units, one.long_name] for name, one in GAP_QUANTITIES.items()}
+    own = {name: [one.units, one.long_name] for name, one in GAP_QUANTITIES.items()}
+    of_points = {
+        name: [one.units, f"{one.long_name}, of a point"]
+        for name, one in POINT_GAP_QUANTITIES.items()
+        if name not in GAP_QUANTITIES
+    }
+    assert rows("of a contact with air") == own | of_points
 
 
 def test_the_table_of_an_electrode_s_quantities_is_the_code_s() -> None:
@@ -85,6 +93,8 @@ def test_the_table_of_a_point_s_quantities_is_the_code_s() -> None:
 
 
 def test_the_table_of_a_point_s_fields_is_the_code_s() -> None:
+    sliding = {name: [one.units, one.long_name] for name, one in POINT_SLIDING.items()}
+    assert rows("of a sliding point") == sliding
     assert rows("field of a point") == {name: [one.units, one.long_name] for name, one in POINT_FIELDS.items()}
 
 

@@ -101,8 +101,10 @@ class Electrode:
             A distance that is not resolved.
         """
         if reach > _FARTHEST * self.width:
+            farthest = _FARTHEST * self.width / self.stack.top.thickness
             raise StackError(
-                f"patch: reaches {reach:g} m from the contact, farther than is resolved, {_FARTHEST * self.width:g} m"
+                "patch_size: the patch reaches farther from the contact than is resolved, "
+                f"{farthest:.3g} thicknesses of the top layer"
             )
         k, weights = wavenumbers(self.stack, reach, self.width)
         return k, weights, self.rows(k)

@@ -168,7 +168,10 @@ REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
         BALL | READ | {"patch_size": 1e-3, "patch_pitch": 9e-4},
         "patch_pitch: 0.0009 is less than patch_size: a patch would touch its neighbour",
     ),
-    "too large": (BALL | READ | {"patch_size": 1.0}, "patch: reaches .* farther than is resolved"),
+    "too large": (
+        BALL | READ | {"patch_size": 1.0},
+        "patch_size: the patch reaches farther from the contact than is resolved, ",
+    ),
     "a patch of none": (
         {"material": "BaTiO3", **BALL, "thickness": 1e-4, "base": "rigid", "patch_size": 1e-3},
         "collector: missing; patch_size needs it",
