@@ -293,6 +293,9 @@ EVERY_INTERIOR = {**INTERIOR, **INTERIOR_ON_REQUEST}
 #: Fields inside the body that need c12.
 NEED_C12 = ("stress_zz", "von_mises", "principal_tension")
 
+#: The same of point contacts, whose surface turns with the direction.
+POINT_NEED_C12 = ("stress_xx", *NEED_C12)
+
 #: Quantities, one number per case.
 QUANTITIES: dict[str, Described] = {
     "contact_trailing": Described("m", "trailing extent a of the contact"),
@@ -395,6 +398,17 @@ POINT_QUANTITIES: dict[str, Described] = {
     "contact_permeance": Described("Wb A-1", "d magnetic charge / d magnetic potential at a fixed contact"),
     "contact_stiffness": Described("N m-1", "d force / d depth at held potentials"),
     "contact_stiffness_open": Described("N m-1", "d force / d depth at fixed charges"),
+}
+
+#: What a point contact has beside these where friction is given, to the first order of it.
+POINT_SLIDING: dict[str, Described] = {
+    "contact_offset": FILM_QUANTITIES["contact_offset"],
+    **{
+        f"{name}_edge_intensity_{end}": QUANTITIES[f"{name}_edge_intensity_{end}"]
+        for name in ("electric", "magnetic")
+        for end in ("trailing", "leading")
+    },
+    "trailing_tension": QUANTITIES["trailing_tension"],
 }
 
 #: Quantities that a point contact has where a gap beside it carries charge, in place of edge intensities.

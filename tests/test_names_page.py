@@ -24,6 +24,7 @@ from solver.names import (
     POINT_FIELDS,
     POINT_GAP_QUANTITIES,
     POINT_QUANTITIES,
+    POINT_SLIDING,
     PROFILES,
     QUANTITIES,
 )
@@ -92,6 +93,8 @@ def test_the_table_of_a_point_s_quantities_is_the_code_s() -> None:
 
 
 def test_the_table_of_a_point_s_fields_is_the_code_s() -> None:
+    sliding = {name: [one.units, one.long_name] for name, one in POINT_SLIDING.items()}
+    assert rows("of a sliding point") == sliding
     assert rows("field of a point") == {name: [one.units, one.long_name] for name, one in POINT_FIELDS.items()}
 
 

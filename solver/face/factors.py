@@ -136,8 +136,6 @@ def _check_contacts(arrays: Mapping[str, xr.DataArray], contacts: set[Contact], 
         for name in OF_A_LINE:
             if name in arrays:
                 raise FactorError(f"{name}: the profile {profiles} has none; only contacts along a line have it")
-        if "friction" in arrays and np.any(arrays["friction"].values):
-            raise FactorError("friction: of point contacts is not solved; must be 0")
 
 
 def _check_charges(arrays: Mapping[str, xr.DataArray]) -> None:

@@ -9,7 +9,8 @@ from solver.arrays import Array
 from solver.film.contact import FilmContact
 from solver.film.crest import peak_pressure
 from solver.film.curves import region_curves
-from solver.film.peaks import DEPTH, PeakTable
+from solver.film.net import DEPTH
+from solver.film.peaks import PeakTable
 from solver.film.similar import Films
 from solver.film.stack import StackError
 from solver.film.table import RangeError

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from solver.arrays import Array
 from solver.film.grading import Graded
-from solver.film.peaks import DEPTH, PeakTable
+from solver.film.net import DEPTH
+from solver.film.peaks import PeakTable
 from solver.film.powerlaw import Constants, constants_of, material_from
 from solver.film.speed import critical_speed
 from solver.film.stack import RIGID, Layer, Stack
