@@ -19,7 +19,7 @@ from solver.surroundings.grid import gauss
 from solver.surroundings.rings import Rings
 from solver.surroundings.spread import Spread
 
-_FIRST, _MORE = 14, 9.0  # of S below a narrow contact, and of its root in wide ones
+_FIRST, _MORE = 14, 6.0  # of S below a narrow contact, and what wide ones add
 _FARTHEST = 19.0  # theta beyond which S is nothing
 _RULE = 8  # nodes between two breaks of a rule
 _APART = 4.0  # growth of the distances from the target at which rules break
@@ -230,7 +230,7 @@ class _Below:
     @classmethod
     def of(cls, reach: float) -> "_Below":
         """As many as layers that vary over 1/reach of the radius ask for."""
-        count = _FIRST + int(_MORE * np.sqrt(reach) + 2 * reach)
+        count = _FIRST + int(_MORE * (np.sqrt(reach) + reach))
         x, w = np.polynomial.legendre.leggauss(2 * count)
         return cls(x[count:], w[count:])
 

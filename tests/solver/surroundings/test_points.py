@@ -7,8 +7,16 @@ import numpy as np
 import pytest
 
 import solver
+from solver.film.kernel import strip
+from solver.film.windows import number_of
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
 from solver.names import POINT_GAP_QUANTITIES
+from solver.point.profile import Shape
+from solver.point.table import PointKind, window
+from solver.surroundings.ringoperators import RingOperators
+from solver.surroundings.rings import rings
+from solver.surroundings.spread import spread
+from tests.solver.point.points import film
 from verification.cases import constants
 from verification.oracles.fem_film import Layer
 from verification.oracles.fem_point import PointContact
@@ -114,3 +122,14 @@ def test_air_changes_what_theory_says_it_changes() -> None:
     assert air["gap_field"] * VACUUM_PERMITTIVITY <= air["peak_displacement"] * (1 + 1e-12)
     oil = answer(FILM | {"gap_permittivity": 2.2})
     assert oil["contact_capacitance"] > air["contact_capacitance"] > bare["contact_capacitance"]
+
+
+@pytest.mark.parametrize("ratio", [0.3, 40.0])
+def test_loads_are_those_of_the_galerkin_tables(ratio: float) -> None:
+    """Two discretisations, one in distances and Gauss's nodes, one in wavenumbers and Legendre functions."""
+    kind = PointKind(film(BTO), (True, False), Shape(2.0))
+    stack = kind.film.stack()
+    own = RingOperators(rings(), (0,), kind.compliance, kind.shape, spread(stack), strip(stack))
+    found = own.at(ratio)[own.rows.loads, : own.rows.causes]
+    read = kind.stiffness(window(kind, int(number_of(np.array([ratio]))[0])).read(np.log([ratio]))).loads[0]
+    np.testing.assert_allclose(found, read[np.ix_([0, 1], [0, 1, 3])], rtol=1e-10)
