@@ -45,7 +45,7 @@ FACTOR_WEIGHTS: dict[str, Weight] = {
 _CHANGING: dict[Weight, tuple[str, ...]] = {
     _LENGTH: ("contact_trailing", "contact_leading", "contact_offset", "peak_von_mises_depth",
         "contact_radius", "blocked_force_per_volt", "blocked_force_per_ampere", "contact_capacitance",
-        "contact_permeance", "contact_stiffness", "contact_stiffness_open",
+        "contact_capacitance_at_force", "contact_permeance", "contact_stiffness", "contact_stiffness_open",
     ),
     _FORCE: ("depth", "voltage", "magnetic_potential"),
     _INTENSITY: tuple(name for name in ALL_QUANTITIES if "_edge_intensity" in name),

@@ -8,6 +8,7 @@ import numpy as np
 import solver
 from verification.oracles.sliding_point import SlidingSphere
 
+TOLERANCE = 3e-3  # the grid of 128 x 128: half of it on 256 x 256
 _ANGLES = 24  # nodes of the moments, in the angle whose sine is r/a
 _BEYOND = 1.25  # half the side of the grid's square over the contact radius
 MATERIAL = "BaTiO3"

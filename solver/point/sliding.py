@@ -412,7 +412,7 @@ def warn_of_order(pressed: Pressed) -> None:
     if eta > _MOST_FRICTION or angle > _MOST_ANGLE:
         warnings.warn(
             f"friction: {eta:g} with the angle {angle:.2g} is solved to its first order: expect relative errors of "
-            f"{angle**2:.0e} of force and depth, {angle:.0e} of stresses and what friction adds",
+            f"{angle**2:.0e}, of what friction adds {angle:.0e}",
             FirstOrderWarning,
             stacklevel=2,
         )
