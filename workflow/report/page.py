@@ -17,9 +17,11 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, title
 from workflow.learning.timing import by_quantity
-from workflow.report import firstscreen, problem, sentences, tables, whatif
+from workflow.report import firstscreen, problem, ranked, sentences, tables, whatif
+from workflow.report.figures import tornado
 from workflow.report.figures.design_kinds import kinds
 from workflow.report.svg import element, inlined
+from workflow.study import coupling
 from workflow.study.datum import hanging, length
 from workflow.study.model import Study
 
@@ -116,17 +118,20 @@ def page(
         "scripts": [_script(name) for name in _SCRIPTS],
         "effects": list(study.effects.vary) if study.effects else [],
         "effects_table": tables.effects(study, folder) if study.effects else [],
-        "changed": tables.CHANGED[study.kind.contact],
+        "spans": None,
+        "sobol": [],
         "verification": tables.verification(folder) if study.verification else None,
         "measurements": tables.measurements(folder) if study.measurements else [],
     }
     if study.factors:
-        content["dataset"] = tables.dataset(folder, hangs)
+        told = coupling.told(study)
+        content["dataset"] = tables.dataset(folder, hangs, coupling.quantities(study))
         content["surface"] = tables.surface(folder / "surface_validation.nc") if study.surrogate.fields else None
         content["levels"] = tables.levels(Path(levels[0])) if levels else None
-        content["validation"] = tables.validation(folder)
+        content["sobol"] = tables.sobol(folder, coupling.outputs(study))
+        content["validation"] = tables.validation(folder, coupling.outputs(study))
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
-        content["times"] = by_quantity(study, times)
+        content["times"] = [row for row in by_quantity(study, times) if row["name"] in told]
         found = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
         solved = json.loads((folder / "solved.json").read_text(encoding="utf-8"))
         exact = [solved["designs"][target] for target in study.design]
@@ -141,6 +146,9 @@ def page(
         fields = load(folder / "surface.nc") if study.surrogate.fields else None
         content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, found, hangs, fields)
         content["whatif_json"] = whatif.as_json(content["whatif"])
+    if study.effects:
+        drawn = tornado.draw(ranked.spans(content["effects_table"]))
+        content["spans"] = element(drawn, "spans", "what each factor changes, the strongest first", 1.6)
     content["says"] = _says(study, folder, content)
     return environment.get_template("report.html.j2").render(content)
 
@@ -153,18 +161,18 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
         says |= {
             "dataset": sentences.dataset(study, content["dataset"]["cases"], content["dataset"]["rows"]),
             "surrogate": sentences.surrogate(validation["worst"], validation["tolerance"]),
-            "sensitivity": sentences.sensitivity(indices, study.aims),
+            "sensitivity": sentences.sensitivity(ranked.sensitivities(indices, study.aims)),
             "time": sentences.time(content["timing"]),
         }
     if content["surface"]:
         says["surface"] = sentences.surface(content["surface"])
     if content["answers"]:
-        reached = sentences.reached({one.name: one.verdict for one in content["answers"]})
+        reached = sentences.reached({one.title: one.verdict for one in content["answers"]})
         says |= {"reached": reached, "design": reached}
     if content["readouts"]:
         says["readout"] = sentences.readout(content["readouts"])
     if study.effects:
-        says["effects"] = sentences.strongest(content["effects_table"])
+        says["effects"] = sentences.strongest(ranked.spans(content["effects_table"]))
         says["varied"] = sentences.effects(study)
     if content["verification"]:
         says["speed"] = sentences.speed(content["verification"]["timings"])

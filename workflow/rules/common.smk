@@ -10,7 +10,7 @@ from itertools import count
 from workflow.dataset import batches
 from workflow.design.told import unreached
 from workflow.run import crate, lock, provenance, sources
-from workflow.study import location, partition, planned
+from workflow.study import coupling, location, partition, planned
 from workflow.study import model as studies
 from workflow.study.contents import PHYSICS
 from workflow.study.sections import CHECK_GROUPS, CONVERGING
@@ -83,7 +83,7 @@ def levels_of(wildcards):
 
 def figures_of(wildcards):
     study = study_of(wildcards)
-    names = ["decay", "errors", "parity", "intervals", "sensitivity", "main_effects"] if study.factors else []
+    names = ["decay", "errors", "residuals", "intervals", "sensitivity", "main_effects"] if study.factors else []
     names = ["fields", *names] if study.factors and study.stores_fields else names
     names += [f"readout_{name}" for name in study.readout]
     names += effects_of(study)
@@ -103,6 +103,16 @@ def results_of(wildcards):
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]
     names += ["measured/measurements.json", "measured/measurements.nc"] if study.measurements else []
     return expand("results/{study}/{file}", study=wildcards.study, file=names)
+
+
+def fields_felt(wildcards):
+    """A parameter: the fields of a study's cases."""
+    return sorted(coupling.fields(study_of(wildcards)))
+
+
+def outputs_told(wildcards):
+    """A parameter: what the surrogate calls the quantities that the page tells."""
+    return coupling.outputs(study_of(wildcards))
 
 
 CAPTIONS = sorted(f"workflow/report/captions/{file.name}" for file in (provenance.ROOT / "workflow/report/captions").glob("*.rst"))

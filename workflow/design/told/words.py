@@ -102,7 +102,7 @@ def _unreachable(answer: Answer) -> Verdict:
     parts = [
         f"{limit.title} must be {'at most' if limit.statement.sign > 0 else 'at least'} "
         f"{limit.at} and comes to {limit.shown(limit.exact)}, "
-        f"{number(-100 * limit.margin, 4)} % beyond"
+        f"{number(-100 * limit.margin, 3)} % beyond"
         for limit in answer.broken
     ]
     return Verdict(UNREACHABLE, f"{'; '.join(parts)}, in the least violated design.", _way_out(answer))
