@@ -41,6 +41,7 @@ _MEANINGS = {
 }
 
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
+_LEAST = 1e-5  # share that is told
 _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
 #: Scripts of the page, in the order in which they need each other.
 _SCRIPTS = (
@@ -84,6 +85,7 @@ def page(
         "words": _words,
         "title": title,
         "capital": capital,
+        "share": _share,
         "si": shown,
         "counted": counted,
     }
@@ -236,6 +238,11 @@ def _seconds(value: float) -> str:
         if value >= size:
             return f"{number(value / size, 3)} {unit}"
     return f"{number(value / 1e-9, 3)} ns"
+
+
+def _share(part: float, digits: int) -> str:
+    """A share of a whole in percent; what is next to none is none."""
+    return f"{number(100 * part, digits) if abs(part) >= _LEAST else 0} %"
 
 
 def _words(name: str) -> str:

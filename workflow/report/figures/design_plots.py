@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from workflow.design.search.contact_fields import SURFACE
 from workflow.design.verdict.answer import Answer
-from workflow.language.factors import FACTORS
+from workflow.language import titles
 from workflow.language.numbers import label, prefixed
 from workflow.report.figures.contours import below
 from workflow.report.figures.design_kinds import kinds
@@ -196,5 +196,5 @@ def _factor_axis(ax: Axes, which: str, name: str, values: Array) -> None:
     """Scale and label of an axis that is a factor."""
     if by_ratio(values):
         logarithmic(ax, which, values / factor_scale(name, values)[0])
-    words = label(FACTORS[name].long_name, factor_scale(name, values)[1], 40)
+    words = label(titles.title(name), factor_scale(name, values)[1], 40)
     (ax.set_xlabel if which == "x" else ax.set_ylabel)(words)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _DIGITS = 4
-_KEPT = 61  # points of one curve
+_KEPT = 41  # points of one curve
 _GRID = 25  # points a side of a map
 _maps: "WeakKeyDictionary[Axes, dict[str, Any]]" = WeakKeyDictionary()
 

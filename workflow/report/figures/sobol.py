@@ -12,6 +12,7 @@ from workflow.report.figures.style import BLUE, by_ratio, factor_scale, logarith
 from workflow.study.categories import parted
 
 _SHOWN = 4
+_EVERY = 2  # positions of a curve, of which one is drawn
 _BAND = 2  # root-mean-square errors on either side of a main effect
 
 
@@ -28,7 +29,7 @@ def main_effects(sensitivity: xr.Dataset, outputs: list[str]) -> Figure:
         own = sensitivity.sel(output=output)
         size, units = prefixed(float(np.abs(own["main_effect"]).max()), own["units"].item())
         for ax, name in zip(row, inputs, strict=True):
-            _curve(ax, own.sel(input=name), name, size)
+            _curve(ax, own.sel(input=name).isel(position=slice(None, None, _EVERY)), name, size)
         lines = [titles.title(quantity), kinds, f"[{units}]" if units else ""]
         row[0].set_ylabel("\n".join(filter(None, lines)), fontsize=6.5 if kinds else 7.5)
     for ax, name in zip(axes[-1], inputs, strict=True):

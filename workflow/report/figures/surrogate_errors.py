@@ -10,7 +10,7 @@ from workflow.language import numbers
 from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
 from workflow.study.categories import parted, titled
 
-_PANELS, _POINTS = 6, 300
+_PANELS, _POINTS = 3, 300
 
 
 @styled

@@ -76,8 +76,7 @@ def draw(charts: Sequence[Chart]) -> str:
 
 
 def _chart(chart: Chart, top: int) -> list[str]:
-    low = min([0.0 if bar.inner is not None or bar.low * bar.high <= 0 else bar.low for bar in chart.bars], default=0.0)
-    high = max([bar.high for bar in chart.bars], default=1.0)
+    low, high = min(bar.low for bar in chart.bars), max(bar.high for bar in chart.bars)
     span = (high - low) or 1.0
 
     def place(value: float) -> float:
@@ -94,7 +93,7 @@ def _chart(chart: Chart, top: int) -> list[str]:
             wide = place(bar.inner) - start
             parts.append(f'<rect x="{start:.1f}" y="{y}" width="{wide:.1f}" height="{_THICK}" fill="{ACCENT}"/>')
         parts.append(f'<text x="{end + 5:.1f}" y="{y + 12}" fill="{SOFT}" font-size="11">{escape(bar.told)}</text>')
-    if low < 0 < high:
+    if low < 0 <= high:
         bottom = top + _HEAD + _ROW * len(chart.bars)
         parts.append(f'<path d="M{place(0):.1f} {top + _HEAD - 4} V{bottom}" stroke="{INK}" fill="none"/>')
     return parts

@@ -1,6 +1,8 @@
 // The what-if panel: sliders in, every quantity with its interval and the limits out; map, stack and fields watch it.
 "use strict";
 
+const LEAST = 1e-5; // share of a value that is told of its interval
+
 const spaced = (name) => name.replaceAll("_", " ");
 
 function startWhatIf(root) {
@@ -64,7 +66,7 @@ function startWhatIf(root) {
     const half = (upper - lower) / 2, share = half / Math.abs(mean), shown = engineering(mean, units, 3);
     [row.dataset.mean, row.dataset.lower, row.dataset.upper] = [mean, lower, upper].map(String);
     row.cells[1].textContent = digits(mean / shown.size, 3);
-    row.cells[2].textContent = `± ${share < 1 ? said(share, "%", 2) : said(half, units, 2)}`;
+    row.cells[2].textContent = share < LEAST ? `± < ${said(LEAST, "%", 1)}` : `± ${share < 1 ? said(share, "%", 2) : said(half, units, 2)}`;
     row.cells[3].textContent = shown.units;
   }
 
