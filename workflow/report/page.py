@@ -1,6 +1,7 @@
 """The report: one self-contained HTML page from the files of a study."""
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,7 @@ _MEANINGS = {
 }
 
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
+_COMMENT = re.compile(r"^\s*//.*\n|^ +", re.MULTILINE)
 _LEAST = 1e-5  # share that is told
 _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
 #: Scripts of the page, in the order in which they need each other.
@@ -228,8 +230,8 @@ def _figure(path: Path) -> dict[str, Any]:
 
 
 def _script(name: str) -> Markup:
-    """A script of ours, to stand inside the page."""
-    return Markup((TEMPLATES / name).read_text(encoding="utf-8"))
+    """A script of ours, to stand inside the page, without its comments and indents."""
+    return Markup(_COMMENT.sub("", (TEMPLATES / name).read_text(encoding="utf-8")))
 
 
 def _seconds(value: float) -> str:

@@ -78,4 +78,4 @@ def test_no_text_is_cut_and_no_power_of_ten_stands_apart_from_its_ticks(ran: Pro
         seen += " ".join(text.get_text() for text in texts)
     assert "…" not in seen
     assert seen.replace("\n", " ").count(long) == 2  # map and slices
-    assert "trailing tension [MPa]" in seen.replace("\n", " ")
+    assert "tension behind the contact [MPa]" in seen.replace("\n", " ")

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 _DIGITS = 4
 _KEPT = 41  # points of one curve
-_GRID = 25  # points a side of a map
+_GRID = 21  # points a side of a map
 _maps: "WeakKeyDictionary[Axes, dict[str, Any]]" = WeakKeyDictionary()
 
 

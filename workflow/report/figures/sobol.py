@@ -22,7 +22,12 @@ def main_effects(sensitivity: xr.Dataset, outputs: list[str]) -> Figure:
     inputs = [str(name) for name in sensitivity["input"].values]
     shown = outputs[:_SHOWN]
     figure, axes = plt.subplots(
-        len(shown), len(inputs), figsize=(2.15 * len(inputs), 1.75 * len(shown) + 0.3), sharey="row", squeeze=False
+        len(shown),
+        len(inputs),
+        figsize=(2.15 * len(inputs), 1.75 * len(shown) + 0.3),
+        sharex="col",
+        sharey="row",
+        squeeze=False,
     )
     for row, output in zip(axes, shown, strict=True):
         quantity, kinds = parted(output)
