@@ -1,6 +1,7 @@
 """Draw the pictures of the documentation and write the list of modules: ``python -m docs``, as `make docs` does."""
 
 from docs import badges, picture, rooms
+from workflow.calculator import page
 from workflow.report import problem
 
 
@@ -12,6 +13,7 @@ def write() -> None:
         "rooms.svg": rooms.draw(rooms.imports()),
         "problem.svg": problem.draw(),
         "film.svg": problem.film(),
+        "calculator.html": page.page(),
         "architecture.md": rooms.listed(rooms.PAGE.read_text(encoding="utf-8")),
     }
     for name, text in made.items():

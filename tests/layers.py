@@ -30,6 +30,7 @@ PROCESSES = (
     "tests/test_documents.py",
     "tests/test_public_names.py",
     "tests/test_tutorials.py",
+    "tests/workflow/calculator/test_calculated.py",
 )
 
 #: Files and folders of dense searches, solutions in 50 digits and fits of studies.

@@ -7,7 +7,7 @@ from scipy.special import polygamma
 
 from solver.arrays import Array
 
-_DIGAMMA_SERIES = np.array([float(polygamma(n, 1.5)) / math.factorial(n) for n in range(1, 49)])
+DIGAMMA_SERIES = np.array([float(polygamma(n, 1.5)) / math.factorial(n) for n in range(1, 49)])
 
 
 def digamma_difference(delta: Array) -> Array:
@@ -15,4 +15,4 @@ def digamma_difference(delta: Array) -> Array:
 
     The Taylor series about 3/2 has radius 3/2, so 48 terms reach rounding at ``|delta| = 1/2``.
     """
-    return np.asarray(np.polynomial.polynomial.polyval(delta, _DIGAMMA_SERIES, tensor=False))
+    return np.asarray(np.polynomial.polynomial.polyval(delta, DIGAMMA_SERIES, tensor=False))

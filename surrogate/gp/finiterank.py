@@ -12,10 +12,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # scipy.optimize, slow to import, when something is fitted
 import xarray as xr
 from scipy.linalg import eigh
 from scipy.linalg.blas import dsyrk
-from scipy.optimize import minimize_scalar
 
 from approximation import chebyshev
 from approximation.arrays import Array, Indices
@@ -256,6 +256,8 @@ class Rest:
         grid = np.linspace(np.log(RATIOS[0]), np.log(RATIOS[1]), 60)
         best = int(np.argmin([cost(one) for one in grid]))
         around = (grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)])
-        ratio = float(np.exp(minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 1e-3}).x))
+        ratio = float(
+            np.exp(scipy.optimize.minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 1e-3}).x)
+        )
         noise = left(ratio) / cases
         return noise / ratio, noise

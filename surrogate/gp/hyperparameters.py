@@ -9,7 +9,7 @@ G = C C^T of the data's coefficients C along the factor.
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy  # scipy.optimize, slow to import, when something is fitted
 
 from approximation.arrays import Array
 from surrogate.gp.factors import Factor
@@ -62,7 +62,7 @@ def most_predictive(make: Callable[[float], Factor], grams: Array, bounds: tuple
     grid = np.linspace(float(np.log(bounds[0])), float(np.log(bounds[1])), COARSE)
     best = int(np.argmin([cost(logarithm) for logarithm in grid]))
     around = (grid[max(best - 1, 0)], grid[min(best + 1, COARSE - 1)])
-    found = minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 1e-3})
+    found = scipy.optimize.minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 1e-3})
     return make(float(np.exp(found.x)))
 
 

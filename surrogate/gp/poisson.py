@@ -8,9 +8,9 @@ cos s + rho^2), by the Poisson kernel (W. Rudin, Real and Complex Analysis (1987
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # scipy.optimize, slow to import, when something is fitted
 from scipy.linalg import LinAlgError, cho_solve, cholesky
 from scipy.linalg.lapack import dpotri
-from scipy.optimize import minimize
 
 from approximation.arrays import Array
 
@@ -59,7 +59,9 @@ def most_likely(t: Array, y: Array) -> tuple[Decay, float]:
     d = len(t)
     start = np.log(np.concatenate([np.full(d, 0.3), np.full(d, 0.3), [1e-3]]))
     bounds = [tuple(np.log(one)) for one in [FIRST] * d + [RHO] * d + [NOISE]]
-    found = minimize(_cost, start, (t, y), method="L-BFGS-B", jac=True, bounds=bounds, options={"maxiter": ITERATIONS})
+    found = scipy.optimize.minimize(
+        _cost, start, (t, y), method="L-BFGS-B", jac=True, bounds=bounds, options={"maxiter": ITERATIONS}
+    )
     parameters = np.exp(found.x)
     return Decay(parameters[:d], parameters[d : 2 * d]), float(parameters[-1])
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import NonlinearConstraint, minimize
+import scipy  # scipy.optimize, slow to import, when something is searched
 
 from approximation.arrays import Array, Flags
 from approximation.sobol import sobol_points
@@ -251,13 +251,13 @@ class _Local:
         z: Array = np.append(x, level)
         for _ in range(_ROUNDS):
             stop = _Stop(z)
-            found = minimize(
+            found = scipy.optimize.minimize(
                 height,
                 z,
                 jac=height_slope,
                 method="SLSQP",
                 bounds=[(-1.0, 1.0)] * d + [(None, None)],
-                constraints=NonlinearConstraint(margins, 0.0, np.inf, jac=margins_slope),
+                constraints=scipy.optimize.NonlinearConstraint(margins, 0.0, np.inf, jac=margins_slope),
                 callback=stop.check,
                 options={"maxiter": 100, "ftol": _CONVERGED},
             )

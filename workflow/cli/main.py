@@ -18,7 +18,7 @@ from solver.names import ALL_QUANTITIES, CHOICES
 from storage.files import output
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import learn, materials, sensing, serving, studies
+from workflow.cli import calculating, learn, materials, sensing, serving, studies
 from workflow.cli.casetable import read_cases
 from workflow.cli.launch import launch
 from workflow.cli.progress import busy
@@ -130,6 +130,7 @@ def _parser() -> _Parser:
     )
     command.set_defaults(run=query)
 
+    calculating.add(commands)
     serving.add(commands)
     sensing.add(commands)
 

@@ -5,7 +5,6 @@ from typing import Self
 
 import numpy as np
 import xarray as xr
-from sklearn.utils.extmath import randomized_svd
 
 from approximation.arrays import Array
 from approximation.measure import Measure
@@ -106,6 +105,8 @@ class Basis:
         scales[scales == 0] = 1.0
         rest = ((values - mean) / scales[:, None]).reshape(len(values), -1)
         allowed, total = error**2 * rest.size, float((rest**2).sum())
+        from sklearn.utils.extmath import randomized_svd  # slow to import: a model from its file needs it not
+
         most, count = min(rest.shape), _FIRST
         while True:
             count = min(count, most)

@@ -13,31 +13,11 @@ from approximation.arrays import Array, Indices
 from approximation.chebyshev import gauss_points
 from approximation.measure import Measure
 from approximation.panels import Panels, jets, rows
-from approximation.summit import climb, held, hill
+from approximation.summit import Top, climb, held, hill
 from surrogate.transforms.curves.basis import Basis
 
 # Hills that are climbed, and how far below the highest they may lie: between points that are scanned one is higher.
 CLIMBED, RIVAL = 4, 0.1
-
-
-@dataclass(frozen=True, eq=False)
-class Summit:
-    """Where a measure is largest on each of some curves, (B,), in the panel's own coordinates.
-
-    Attributes
-    ----------
-    panel : ndarray of int
-        Number of the panel.
-    across, down : ndarray
-        Coordinates in [-1, 1].
-    value : ndarray
-        The measure there.
-    """
-
-    panel: Indices
-    across: Array
-    down: Array
-    value: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +35,7 @@ class Landscape:
     basis: Basis
     panels: Panels
 
-    def summit(self, scores: Array, measure: Measure) -> Summit:
+    def summit(self, scores: Array, measure: Measure) -> Top:
         """Find where a measure is largest on the curves of scores, (rank, B)."""
         scan, ones = self.panels.scan, np.concatenate([np.ones((1, scores.shape[1])), scores])
         some = self._scanned[:, : measure.fields * scan.points.size]
@@ -76,7 +56,7 @@ class Landscape:
             points.append(top[rival])
         return self._highest(ones, measure, np.concatenate(curves), np.concatenate(points))
 
-    def read(self, scores: Array, summit: Summit, field: int) -> Array:
+    def read(self, scores: Array, summit: Top, field: int) -> Array:
         """Return a field at places on the curves of scores, (rank, B): (B,)."""
         out, ones = np.empty(scores.shape[1]), np.concatenate([np.ones((1, scores.shape[1])), scores])
         for number in np.unique(summit.panel).tolist():
@@ -85,7 +65,7 @@ class Landscape:
             out[own] = jets(fields, *self._rows(number, summit, own))[:, 0, 0, 0]
         return out
 
-    def sensitivity(self, scores: Array, measure: Measure, summit: Summit, place: int) -> Array:
+    def sensitivity(self, scores: Array, measure: Measure, summit: Top, place: int) -> Array:
         """Return how what is largest, or what a field is there, changes with the scores, (rank, B): (rank, B).
 
         The measure at its maximum changes as at a place that stays; the place moves so that it stays stationary.
@@ -109,9 +89,7 @@ class Landscape:
             out[:, own] = self._sensitivity(jet, each[:, 1:], measure, place, summit, own).T
         return out
 
-    def _sensitivity(
-        self, jet: Array, each: Array, measure: Measure, place: int, summit: Summit, own: Indices
-    ) -> Array:
+    def _sensitivity(self, jet: Array, each: Array, measure: Measure, place: int, summit: Top, own: Indices) -> Array:
         """From jets of the curves, (n, field, 3, 3), and of what each score multiplies; (n, rank)."""
         inner, parts = jet[:, : measure.fields], each[:, :, : measure.fields]
         bent = measure.bent(inner[..., 0, 0])
@@ -132,7 +110,7 @@ class Landscape:
             each[:, :, place, 0, 0] + jet[:, place, 0, 1, None] * moved[:, 0] + jet[:, place, 1, 0, None] * moved[:, 1]
         )
 
-    def _highest(self, ones: Array, measure: Measure, curves: Indices, points: Indices) -> Summit:
+    def _highest(self, ones: Array, measure: Measure, curves: Indices, points: Indices) -> Top:
         """The highest of the hills that some points of the scan lie on, for every curve."""
         scan = self.panels.scan
         panel = scan.panel[points]
@@ -144,9 +122,9 @@ class Landscape:
         found = np.stack(climb(fields, measure, start))
         order = np.lexsort((-found[2], curves))
         best = order[np.searchsorted(curves[order], np.arange(ones.shape[1]))]
-        return Summit(panel[best], found[0, best], found[1, best], found[2, best])
+        return Top(panel[best], found[0, best], found[1, best], found[2, best])
 
-    def _rows(self, number: int, summit: Summit, own: Indices) -> tuple[Array, Array]:
+    def _rows(self, number: int, summit: Top, own: Indices) -> tuple[Array, Array]:
         down, across = self._shape
         return rows(across, summit.across[own]), rows(down, summit.down[own])
 

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
+import scipy  # scipy.optimize, slow to import, when a target is answered
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 from workflow.design.verdict.answer import Answer
 from workflow.design.verdict.term import Term
@@ -40,7 +40,7 @@ def multipliers(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable
     wanted = _slopes(answer, answer.terms[0], known)
     if not ends or not np.all(np.isfinite(columns)):
         return {}
-    weights, left = nnls(np.stack(columns, -1).astype(np.float64), wanted)
+    weights, left = scipy.optimize.nnls(np.stack(columns, -1).astype(np.float64), wanted)
     explained = left <= _UNEXPLAINED * np.linalg.norm(wanted)
     gains = weights[len(binding) :].tolist()
     return dict(zip([end.name for end in ends], gains, strict=True)) if explained else {}

@@ -10,7 +10,7 @@ from workflow.language import numbers
 from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
 from workflow.study.categories import parted, titled
 
-_PANELS, _POINTS = 3, 300
+_PANELS, _POINTS = 3, 150
 
 
 @styled
@@ -29,7 +29,7 @@ def residuals(validation: xr.Dataset) -> Figure:
         off = (predicted - exact)[some] / float(np.ptp(exact) or 1.0)
         power = 10.0 ** np.floor(np.log10(np.abs(off).max() or 1.0))
         ax.axhline(0, color=GREY, lw=0.8)
-        ax.plot(exact[some] / size, off / power, ".", ms=2.5, color=BLUE, rasterized=True)
+        ax.plot(exact[some] / size, off / power, ".", ms=2.5, color=BLUE)
         ax.set_title(numbers.label(titled(name), units, 44), fontsize=8)
         ax.set_ylabel(f"in {numbers.number(power, 1)} of range", fontsize=7)
         ax.tick_params(labelsize=6.5)

@@ -1,0 +1,226 @@
+"""What the calculator's scripts calculate in JavaScript is what the solver does: every material, profile and film."""
+
+import json
+import shutil
+import subprocess
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import solver
+from solver import Material
+from solver.material.library import materials
+from solver.material.punches import find_punch
+from workflow.calculator import films
+from workflow.calculator.library import library
+from workflow.calculator.page import script
+
+pytestmark = pytest.mark.skipif(not shutil.which("node"), reason="no Node.js (Debian: nodejs)")
+
+LIBRARY = library()
+EVERY = [one for material in materials().values() for one in (material, *material.variants())]
+LINES: list[dict[str, Any]] = [
+    {"profile": profile, **size, "load": 1e4, "datum": 0.7, "friction": friction, "charge": 3e-9}
+    for profile, size in (("cylinder", {"radius": 0.05}), ("flat", {"width": 1e-3}), ("wedge", {"slope": 0.01}))
+    for friction in (0.0, 0.3)
+]
+POINTS: list[dict[str, Any]] = [
+    {"profile": "sphere", "radius": 5e-3, "force": 10.0, "total_charge": 4e-12},
+    {"profile": "cone", "slope": 0.05, "force": 10.0, "total_charge": 4e-12},
+    {"profile": "disc", "width": 1e-3, "force": 10.0, "total_charge": 4e-12},
+]
+CASES: list[dict[str, Any]] = [
+    case | punch | ({"electric": "insulating", **dict.fromkeys(CHARGES & case.keys(), 0.0)} if insulates else {})
+    for CHARGES in [{"charge", "total_charge"}]
+    for case in LINES + POINTS
+    for punch, insulates in (({}, False), ({"punch": "steel"}, False), ({"punch": "steel"}, True))
+]
+DRIVER = """
+const told = JSON.parse(require("fs").readFileSync(0, "utf8"));
+const { library } = told;
+const answered = (found, at) => ({ ...found, at: at && at.map(found.pressure) });
+const answers = told.asked.map(({ kind, given, at }) => {
+  try {
+    if (kind === "line") return answered(solveLine(given, library.digamma), at);
+    if (kind === "point") return answered(solvePoint(given), at);
+    if (kind === "own") return ownMaterial(given, library);
+    if (kind === "alloy") return alloyed(library.alloy, given);
+    return quantity(given[0], given[1], library).value;
+  } catch (error) { return { refused: error.message }; }
+});
+console.log(JSON.stringify(answers));
+"""
+
+
+def calculated(asked: list[dict[str, Any]]) -> list[Any]:
+    """What the scripts answer."""
+    content = json.dumps({"library": LIBRARY, "asked": asked})
+    command = ["node", "-e", script() + DRIVER]
+    done = subprocess.run(command, input=content, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    answers: list[Any] = json.loads(done.stdout)
+    return answers
+
+
+def given(case: dict[str, Any], material: Material) -> dict[str, Any]:
+    """A case of the solver as the scripts take it."""
+    punch: dict[str, Any] = {name: case[name] for name in ("profile", "radius", "width", "slope") if name in case}
+    if case.get("punch", "rigid") != "rigid":
+        known = find_punch(case["punch"])
+        punch |= {"modulus": known.modulus, "poisson": known.poisson}
+    plain = {name: value for name, value in material.plain().items() if isinstance(value, float)}
+    return {
+        "material": plain,
+        "punch": punch,
+        "conducts": [case.get("electric") != "insulating", True],
+        "charges": [case.get("charge", case.get("total_charge")), 0.0],
+        **{name: case[name] for name in ("load", "force", "friction", "datum") if name in case},
+    }
+
+
+def compared(found: dict[str, Any], solved: xr.Dataset) -> Iterator[tuple[str, float]]:
+    """Every quantity of a case, and how far the script is off; absolutely where it is nothing."""
+    for name in solved.data_vars:
+        value = float(solved[name])
+        yield str(name), abs(found[str(name)] / value - 1) if value else abs(found[str(name)])
+
+
+@pytest.mark.parametrize("kind", ["line", "point"])
+def test_every_material_and_profile_is_the_solver_s(kind: str) -> None:
+    cases = [case for case in CASES if ("load" in case) == (kind == "line")]
+    asked = [{"kind": kind, "given": given(case, material)} for case in cases for material in EVERY]
+    answers = iter(calculated(asked))
+    worst: dict[str, float] = {}
+    for case in cases:
+        names = xr.DataArray(np.array(EVERY, dtype=object), dims="case")
+        solved = solver.solve({**case, "material": names})
+        if case["profile"] == "disc":  # all its flux is that of its edge: none
+            solved = solved.drop_vars("magnetic_edge_intensity")
+        for number in range(len(EVERY)):
+            for name, off in compared(next(answers), solved.isel(case=number, missing_dims="ignore")):
+                worst[name] = max(worst.get(name, 0.0), off)
+    assert len(worst) > 15
+    assert {name: off for name, off in worst.items() if not off < 1e-12} == {}
+
+
+def test_stress_beside_a_ball_and_pressures_are_the_solver_s() -> None:
+    outside, inside = 1.5, [-0.9, -0.2, 0.7]
+    for case in (POINTS[0] | {"punch": "steel"}, LINES[1]):
+        kind = "point" if "force" in case else "line"
+        (found,) = calculated([{"kind": kind, "given": given(case, materials()["BaTiO3"]), "at": inside}])
+        solved = solver.solve({**case, "material": "BaTiO3"}, [*inside, outside])
+        assert found["at"] == pytest.approx(solved["contact_pressure"].values[:3], rel=1e-12, abs=0)
+        if kind == "point":
+            beside = float(solved["radial_stress"][3]) * outside**2
+            assert found["edge_tension"] == pytest.approx(beside, rel=1e-12, abs=0)
+
+
+def test_a_held_voltage_is_that_of_its_charge() -> None:
+    for case in (LINES[0], LINES[1], POINTS[0], POINTS[2]):
+        material = materials()["PZT-4"]
+        kind = "point" if "force" in case else "line"
+        held = given(case, material) | {"charges": [0.0, 0.0], "voltage": 25.0}
+        (found,) = calculated([{"kind": kind, "given": held}])
+        charge = "total_charge" if kind == "point" else "charge"
+        solved = solver.solve({**case, "material": "PZT-4", charge: found["charge"]})
+        assert float(solved["voltage"]) == pytest.approx(25.0, rel=1e-10)
+        assert found["depth"] == pytest.approx(float(solved["depth"]), rel=1e-10, abs=0)
+        if kind == "line":  # what a charge adds to the voltage of a contact that keeps its width
+            more = solver.solve({**case, "material": "PZT-4", charge: found["charge"] + 1e-8})
+            risen = float(more["voltage"] - solved["voltage"])
+            assert found["capacitance"] == pytest.approx(1e-8 / risen, rel=1e-8, abs=0)
+
+
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize("shape", [{"profile": "sphere", "radius": 1e-3}, {"profile": "disc", "width": 3e-6}], ids=str)
+@pytest.mark.parametrize("name", films.FILMS)
+def test_films_are_the_solver_s(name: str, shape: dict[str, Any]) -> None:
+    top = films.top_of(films.FILMS[name])
+    softness = float(top.c33) / 4e11
+    forces = [1e-4 * softness, 2e-1 * softness]
+    case: dict[str, Any] = {**shape, "total_charge": 1e-15 * softness}
+    asked = [
+        (table, force, given({**case, "force": force, "punch": table["punch"]}, top))
+        for table in films.tables([name])
+        for force in forces
+    ]
+    found = calculated([{"kind": "point", "given": of | {"film": one, "thickness": 2e-6}} for one, _, of in asked])
+    solved = solver.solve(
+        {**case, **films.FILMS[name], "thickness": 2e-6, "punch": list(films.PUNCHES), "force": forces}
+    ).drop_vars(["nominal_field", "magnetic_edge_intensity"])
+    for (table, force, _), answer in zip(asked, found, strict=True):
+        own = solved.sel(punch=table["punch"], force=force)
+        assert {name: off for name, off in compared(answer, own) if not off < 2e-6} == {}
+
+
+def test_the_alloy_is_the_solver_s() -> None:
+    fractions = (0.0, 0.13, 0.5)
+    for x, found in zip(fractions, calculated([{"kind": "alloy", "given": x} for x in fractions]), strict=True):
+        factors = {"composite": "AlScN", "scandium_fraction": x}
+        for name, value in films.top_of(factors).plain().items():
+            if isinstance(value, float):
+                assert found[name] == pytest.approx(value, rel=1e-14, abs=0)
+
+
+TOML = """["mine"]
+c11 = 126e9 # soft
+c12 = 79.5e9
+c13 = 84.1 GPa
+c33 = "117 GPa"
+c44 = 23_000_000_000
+e33 = 23.3 C/m2
+"""
+MORE = "limits:\n  depoling_stress: {value: 10 MPa, source: x}\nalternatives:\n  - {c11: 1}\n"
+JSON = '{"name": "soft", "c11": 126e9, "c12": 79.5e9, "c13": "84.1 GPa", "c33": 117e9, "c44": 23e9, "e33": 23.3}'
+
+
+@pytest.mark.parametrize(("text", "name"), [(TOML, "mine"), (TOML.replace(" = ", ": ") + MORE, "mine"), (JSON, "soft")])
+def test_own_constants_are_read_as_text(text: str, name: str) -> None:
+    (found,) = calculated([{"kind": "own", "given": text}])
+    wanted = {"c11": 126e9, "c12": 79.5e9, "c13": 84.1e9, "c33": 117e9, "c44": 23e9, "e33": 23.3, "e15": 0.0}
+    assert {key: found[key] for key in wanted} == pytest.approx(wanted, rel=1e-14)
+    assert found["name"] == name
+    assert found["mu33"] == LIBRARY["defaults"]["mu"]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("c11 = 1e11", "c13: missing"),
+        (TOML.replace("79.5e9", "179.5e9"), "c12 = 1.795×10¹¹ Pa: needs |c12| < c11"),
+        (TOML + "c66 = 1e9", "c66: unknown entry"),
+        (TOML + "eps33 = 3 GPa", "eps33: GPa does not measure it"),
+        (TOML + "eps33 = alert(1)", "eps33: “alert(1)” is no number"),
+        (TOML + "alert(1)", "line 8: “alert(1)” is not of the form"),
+        ("{", "is no JSON"),
+        (TOML + "depoling_stress = -1", "depoling_stress: must be positive"),
+    ],
+)
+def test_wrong_constants_are_refused_by_name(text: str, said: str) -> None:
+    (found,) = calculated([{"kind": "own", "given": text}])
+    assert said in found["refused"]
+
+
+def test_numbers_take_units() -> None:
+    wanted = [
+        ("20 um", "m", 2e-5),
+        ("10kN/m", "N m-1", 1e4),
+        ("3 N/mm", "N m-1", 3e3),
+        ("50 %", "1", 0.5),
+        ("2e-5", "m", 2e-5),
+    ]
+    wanted += [
+        ("580 N/(A m)", "N A-1 m-1", 580.0),
+        ("1.2 µm", "m", 1.2e-6),
+        ("−5 V", "V", -5.0),
+        ("7.5 g/cm3", "kg m-3", 7500.0),
+    ]
+    found = calculated([{"kind": "number", "given": [text, units]} for text, units, _ in wanted])
+    assert found == pytest.approx([value for *_, value in wanted], rel=1e-14)
+    wrong = calculated(
+        [{"kind": "number", "given": [text, "m"]} for text in ("20 kg", "x", "", "5 mm mm", "5 constructor")]
+    )
+    assert all("refused" in one for one in wrong)

@@ -1,0 +1,136 @@
+"""The calculator in a browser: what is typed is told, drawn, kept in the link, and anyone can use it."""
+
+import json
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import solver
+from solver.names import ALL_QUANTITIES
+from tests.workflow.report.browser import needs_browser, opened
+from workflow.calculator.films import FILMS
+from workflow.calculator.page import page
+from workflow.cli import main
+from workflow.run.provenance import ROOT
+
+PROBE = """
+<script>
+const text = (id) => document.getElementById(id).textContent;
+const out = {}, seen = (name) => (document.querySelector(`[data-name=${name}] .value`) || {}).textContent;
+const set = (values) => {
+  for (const [name, one] of Object.entries(values)) form.elements[name].value = one;
+  form.dispatchEvent(new Event("input"));
+};
+addEventListener("load", async () => {
+  out.first = { radius: seen("contact_radius"), verdict: text("verdict") };
+  set({ material: "AlN", profile: "cylinder", radius: "2 cm", load: "50 kN/m", friction: "0.3", punch: "steel" });
+  const names = ["width", "peak_pressure", "trailing_tension", "charge_sensitivity", "voltage"];
+  out.line = Object.fromEntries(names.map((name) => [name, seen(name)]));
+  out.band = document.querySelector("[data-name=voltage] .band").textContent;
+  out.hash = location.hash;
+  out.drawn = document.querySelectorAll("#drawing circle, #pressure .curve").length;
+  out.commands = text("commands");
+  set({ radius: "2 kg" });
+  const invalid = form.elements.radius.getAttribute("aria-invalid");
+  out.refused = [text("radius-note"), invalid, document.getElementById("answer").hidden];
+  set({ radius: "50" });
+  out.asked = text("radius-note");
+  const ball = { profile: "sphere", radius: "0.1 mm", force: "1 mN" };
+  set({ material: "AlScN (30 % Sc) on silicon", thickness: "1 um", ...ball });
+  out.film = [seen("contact_radius"), seen("charge_sensitivity"), seen("peak_pressure")];
+  set({ profile: "cylinder" });
+  out.film_line = text("refused-words");
+  set({ material: "own constants", ...ball, electric: "voltage", voltage: "25 V" });
+  out.own = [seen("charge_sensitivity"), seen("charge"), text("verdict-lines")];
+  location.hash = "#material=PZT-4&profile=disc&width=1+mm&force=10+N&punch=rigid&nonsense=1";
+  await new Promise((done) => setTimeout(done, 100));
+  const curves = document.querySelectorAll("#pressure .curve").length;
+  out.restored = [seen("contact_radius"), seen("peak_pressure"), curves];
+  const violations = (await axe.run(document, { resultTypes: ["violations"] })).violations;
+  out.violations = violations.map(({ id, nodes }) => `${id}: ${nodes.map((one) => one.target).join(" ")}`);
+  out.wide = document.documentElement.scrollWidth > innerWidth;
+  out.complaints = complaints;
+  const pre = document.createElement("pre");
+  pre.id = "probe";
+  pre.textContent = JSON.stringify(out);
+  document.body.replaceChildren(pre);
+});
+</script>
+"""
+
+
+def axe() -> str:
+    package = find_spec("axe_core_python")
+    assert package is not None
+    assert package.origin is not None
+    checker = Path(package.origin).with_name("axe.min.js").read_text(encoding="utf-8")
+    return f"<script>{checker}</script>"
+
+
+@needs_browser
+@pytest.mark.parametrize("width", [1280, 500])
+def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) -> None:
+    seen: dict[str, Any] = opened(page(), tmp_path, width, axe() + PROBE)
+    assert seen["complaints"] == seen["violations"] == []
+    assert not seen["wide"]
+    assert seen["first"]["verdict"] == "Within what is known of the material"
+    line = {"profile": "cylinder", "material": "AlN", "radius": 0.02, "load": 5e4, "friction": 0.3, "punch": "steel"}
+    solved = solver.solve(line)
+    assert seen["line"] == {
+        "width": f"{1e6 * float(solved['contact_trailing'] + solved['contact_leading']):.3g} µm",
+        "peak_pressure": f"{float(solved['peak_pressure']) / 1e6:.3g} MPa",
+        "trailing_tension": f"{float(solved['trailing_tension']) / 1e6:.3g} MPa",
+        "charge_sensitivity": f"{1e12 * float(solved['charge_sensitivity']):.3g} pC/N",
+        "voltage": f"{float(solved['voltage']) / 1e3:.3g} kV".replace("-", "−"),
+    }
+    own, *others = (
+        float(solver.solve({**line, "material": one})["voltage"])
+        for one in (solver.find("AlN"), *solver.find("AlN").variants())
+    )
+    assert seen["band"] == f"± {100 * max(abs(other - own) for other in others) / abs(own):.2g} %"
+    assert seen["hash"].startswith("#material=AlN&profile=cylinder&radius=2+cm")
+    assert seen["drawn"] == 2
+    assert "AlN,cylinder,0.02,50000,0.3,1,steel" in seen["commands"]
+    note, invalid, hidden = seen["refused"]
+    assert (invalid, hidden) == ("true", True)
+    assert "kg does not measure it" in note
+    assert seen["asked"] == "50 is 50 m; did you mean 50 µm?"
+    film = FILMS["AlScN (30 % Sc) on silicon"] | {"profile": "sphere", "radius": 1e-4, "thickness": 1e-6}
+    pressed = solver.solve(film | {"force": 1e-3, "punch": "steel"})
+    radius, charge = (float(pressed[name]) for name in ("contact_radius", "charge_sensitivity"))
+    assert seen["film"][:2] == [f"{1e9 * radius:.3g} nm", f"{1e12 * charge:.3g} pC/N"]
+    assert "a film under a roller" in seen["film_line"].lower()
+    assert "depoling stress" in seen["own"][2]
+    assert seen["restored"] == ["500 µm", "–", 1]
+
+
+def test_the_command_and_the_site_have_this_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "mine.html"
+    assert main.main(["calculator", "-o", str(path)]) == 0
+    assert "open it in a browser" in capsys.readouterr().err
+    made = path.read_text(encoding="utf-8")
+    assert made == page()
+    before, films, after = _parts(made)
+    kept = _parts((ROOT / "docs/calculator.html").read_text(encoding="utf-8"))
+    assert (before, after) == (kept[0], kept[2]), "make docs writes it anew"
+    for one, other in zip(json.loads(films), json.loads(kept[1]), strict=True):  # to rounding, whatever the processor
+        assert one.keys() == other.keys()
+        for mine, its in zip(one["loads"] + one["pressures"], other["loads"] + other["pressures"], strict=True):
+            assert mine[:12] == pytest.approx(its[:12], abs=2e-7 * max(map(abs, mine)))
+    assert set(json.loads(before.partition('id="library">')[2].partition("</script>")[0])["units"]) >= set(
+        ALL_QUANTITIES
+    )
+
+
+def test_the_command_refuses_what_is_no_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.main(["calculator", "-o", str(tmp_path / "mine.txt")]) == 2
+    assert capsys.readouterr().err == "meecontact: --output: 'mine.txt' must end in .html\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def _parts(text: str) -> list[str]:
+    before, _, rest = text.partition('<script type="application/json" id="films">')
+    films, _, after = rest.partition("</script>")
+    return [before, films, after]

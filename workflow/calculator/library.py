@@ -1,0 +1,58 @@
+"""The library as plain data for the calculator: materials with their bands and limits, punches, units and names."""
+
+from typing import Any
+
+import numpy as np
+
+from solver.halfplane.special import DIGAMMA_SERIES
+from solver.material.constants import UNITS, VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
+from solver.material.laws import made
+from solver.material.library import find, materials
+from solver.material.punches import punches
+from solver.names import ALL_QUANTITIES, FACTORS, LIMITS
+from workflow.calculator.films import FILMS, top_of
+from workflow.language import units
+from workflow.language.titles import title
+
+_SYMBOLS = ("m", "g", "s", "A", "K", "N", "Pa", "J", "C", "V", "F", "T", "Wb", "H", "Ohm")
+_PREFIXES = ("f", "p", "n", "u", "µ", "μ", "m", "c", "k", "M", "G", "T")
+
+
+def library() -> dict[str, Any]:
+    """Everything but the tables of films.
+
+    Examples
+    --------
+    >>> sorted(library())[:4], library()["punches"]["steel"]["modulus"]
+    (['alloy', 'constants', 'defaults', 'digamma'], 210000000000.0)
+    """
+    return {
+        "constants": UNITS,
+        "defaults": {"eps": VACUUM_PERMITTIVITY, "mu": VACUUM_PERMEABILITY},
+        "materials": {name: one.plain() for name, one in materials().items()},
+        "alloy": _alloy(),
+        "films": {name: {"factors": film, "top": top_of(film).plain()} for name, film in FILMS.items()},
+        "punches": {name: {"modulus": one.modulus, "poisson": one.poisson} for name, one in punches().items()},
+        "limits": {name: {"title": title(name), "units": one.units} for name, one in LIMITS.items()},
+        "units": {name: one.units for name, one in (ALL_QUANTITIES | FACTORS).items()},
+        "symbols": {one: _measured(one) for one in _SYMBOLS},
+        "prefixes": {one: units.parse(f"{one}m").scale for one in _PREFIXES},
+        "digamma": DIGAMMA_SERIES.tolist(),
+    }
+
+
+def _alloy() -> dict[str, Any]:
+    """Al(1-x)Sc(x)N: every constant is a parabola in x, given by its values at 0, 1/4 and 1/2."""
+    phases = find("BaTiO3"), find("CoFe2O4")  # which this alloy has not
+    alloy: Material = made("AlScN", phases, np.array([0.0, 0.25, 0.5]))
+    own = {name: getattr(alloy, name) for name in UNITS}
+    return {
+        "values": {name: np.broadcast_to(one, (3,)).tolist() for name, one in own.items() if not np.any(np.isnan(one))},
+        "source": alloy.source,
+        "limits": made("AlScN", phases, 0.3).plain()["limits"],
+    }
+
+
+def _measured(symbol: str) -> list[Any]:
+    unit = units.parse(symbol)
+    return [unit.scale, [int(one) for one in unit.exponents]]

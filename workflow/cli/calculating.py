@@ -1,0 +1,38 @@
+"""``meecontact calculator``: the page that calculates contacts in a browser, as a file of one's own."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from storage.files import output, write_text
+from workflow.cli.words import say
+from workflow.study.reading import InputError
+
+
+def add(commands: "argparse._SubParsersAction[Any]") -> None:
+    """Add the command to those of the program."""
+    command = commands.add_parser(
+        "calculator",
+        help="write a page that calculates contacts in a browser, without a server",
+        description="One file: every material, punch and profile of the library by closed forms, a few films by "
+        "tables, own constants pasted in. It is docs/calculator.html.",
+    )
+    command.add_argument("-o", "--output", type=Path, default=Path("calculator.html"), metavar="OUT.html")
+    command.set_defaults(run=write)
+
+
+def write(options: argparse.Namespace) -> None:
+    """Write the page.
+
+    Raises
+    ------
+    InputError
+        A file that is not named as one of HTML.
+    """
+    if options.output.suffix not in (".html", ".htm"):
+        raise InputError(f"--output: {options.output.name!r} must end in .html")
+    from workflow.calculator.page import page  # tables of films: not for every command
+
+    path = output(options.output)
+    write_text(path, page())
+    say(f"wrote {path}: open it in a browser")
