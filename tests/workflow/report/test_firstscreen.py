@@ -47,6 +47,18 @@ def test_both_parts_of_a_drawing_are_to_scale() -> None:
 
 
 @pytest.mark.parametrize(
+    ("radius", "length", "told"), [(0.0126, 0.01, "10 mm"), (0.14, 0.01, "10 mm"), (1e-3, 1e-3, "1 mm")]
+)
+def test_a_bar_says_how_large_a_punch_is(radius: float, length: float, told: str) -> None:
+    drawn = device.draw(Device("sphere", "leading", radius, 1e-5, 1e-5, 0.1), "a ball")
+    (bar,) = re.findall(r'<line x1="([\d.]+)" y1="236.00" x2="([\d.]+)"', drawn)
+    outline = [float(place.partition(",")[0]) for place in re.findall(r'points="([^"]+)"', drawn)[0].split()]
+    whole = max(outline) - min(outline)
+    assert (float(bar[1]) - float(bar[0])) / whole == pytest.approx(length / (2 * radius), rel=0.05)
+    assert f">{told}</text>" in drawn
+
+
+@pytest.mark.parametrize(
     ("one", "words"),
     [
         (Device("flat", "leading", 4e-3, 2e-3, 2e-3, 1e4), "w = 4 mm"),
@@ -143,6 +155,14 @@ def test_the_first_limit_to_break_is_that_of_the_least_margin(ran: Project) -> N
     assert asides.first_to_break(within) == told
     assert asides.within(within).startswith(" (volume fraction ± 5 %")
     assert asides.first_to_break(replace(found, terms=(goal,))) == ""
+
+
+def test_a_source_that_was_not_read_is_unverified(ran: Project) -> None:
+    found = netcdf.read(ran.folder / "results/small/design/sensor.nc")
+    goal, first, other = found.terms
+    for source, mark in (("a table, recalled", " (unverified: not read at its source)"), ("a table, read", "")):
+        own = replace(first, bound="tensile strength of PZT", source=source)
+        assert verdict(replace(found, terms=(goal, own, other))).sources == f"Tensile strength of PZT: {source}{mark}."
 
 
 def test_the_body_is_said_by_what_it_is() -> None:
