@@ -74,7 +74,7 @@ def field_label(field: xr.DataArray, size: float, where: str = "") -> tuple[floa
     """What to divide a field by where values of some size are shown, and its label with the unit then."""
     scale, units = numbers.prefixed(size, str(field.attrs["units"]), digits=2)
     own = str(field.name)
-    name = titles.title(own) if own in TITLES and not where else _FIELDS.get(own, titles.title(own))
+    name = titles.title(own) if own in TITLES and "position" in field.dims else _FIELDS.get(own, titles.title(own))
     return scale, numbers.label(f"{name} {where}", units, 60)
 
 
