@@ -23,6 +23,7 @@ from solver.names import (
     OF_A_FILM,
     PEAKS,
     POINT_FIELDS,
+    POINT_GAP_QUANTITIES,
     POINT_QUANTITIES,
     PROFILES,
     QUANTITIES,
@@ -163,11 +164,28 @@ POINT_FILM = Kind(
     method="; on films under a point, Galerkin's equations in Legendre functions beside the closed form",
 )
 
+_OF_A_POINT = {name: one for name, one in POINT_QUANTITIES.items() if "_edge_intensity" not in name}
+HALF_SPACE_IN_AIR = replace(
+    HALF_SPACE,
+    name="half-space with air beside the contact",
+    quantities=_OF_A_POINT | POINT_GAP_QUANTITIES,
+    air=True,
+    tabled=tuple(name for name in POINT_FILM.tabled if name not in OF_A_FILM),
+    method=_IN_AIR,
+)
+POINT_FILM_IN_AIR = replace(
+    POINT_FILM,
+    name="film under a point with air beside it",
+    quantities=_OF_A_POINT | POINT_GAP_QUANTITIES | {"nominal_field": FILM_QUANTITIES["nominal_field"]},
+    air=True,
+    method=POINT_FILM.method + _IN_AIR,
+)
+
+_KINDS = (
+    HALF_PLANE, FILM, HALF_PLANE_IN_AIR, FILM_IN_AIR, HALF_SPACE, POINT_FILM, HALF_SPACE_IN_AIR, POINT_FILM_IN_AIR,
+)  # fmt: skip
 #: Kinds by contact, by whether the body is layered, and by whether air beside the contact carries charge.
-KINDS: dict[tuple[Contact, bool, bool], Kind] = {
-    (kind.contact, kind.layered, kind.air): kind
-    for kind in (HALF_PLANE, FILM, HALF_PLANE_IN_AIR, FILM_IN_AIR, HALF_SPACE, POINT_FILM)
-}
+KINDS: dict[tuple[Contact, bool, bool], Kind] = {(kind.contact, kind.layered, kind.air): kind for kind in _KINDS}
 
 
 def kind_of(
@@ -182,11 +200,11 @@ def kind_of(
     profile
         That of its punch; one of one's own, or one that is not known and refused later, is pressed along a line.
     surroundings
-        What is beside its contact; points have no air, and are refused with it later.
+        What is beside its contact.
     """
     contact = PROFILES[profile].contact if isinstance(profile, str) and profile in PROFILES else "line"
     layered = BODY in factors or "thickness" in factors
-    return KINDS[contact, layered, contact == "line" and surroundings == AIR]
+    return KINDS[contact, layered, surroundings == AIR]
 
 
 class Body(Protocol):

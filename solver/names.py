@@ -375,6 +375,12 @@ POINT_QUANTITIES: dict[str, Described] = {
     "contact_stiffness_open": Described("N m-1", "d force / d depth at fixed charges"),
 }
 
+#: Quantities that a point contact has where a gap beside it carries charge, in place of edge intensities.
+POINT_GAP_QUANTITIES: dict[str, Described] = {
+    "contact_capacitance_at_force": Described("F", "d charge / d voltage at fixed force and magnetic potential"),
+    **{name: GAP_QUANTITIES[name] for name in ("peak_displacement", "gap_field")},
+}
+
 #: What a material bears, beside its constants; not every one is known of a material.
 LIMITS: dict[str, Described] = {
     "tensile_strength": Described("Pa", "principal tension at which it breaks"),
@@ -394,7 +400,7 @@ LIMITED: dict[str, tuple[str, ...]] = {
 }
 
 #: Every quantity of any body.
-ALL_QUANTITIES = {**EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **GAP_QUANTITIES, **POINT_QUANTITIES}
+ALL_QUANTITIES = {**EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **GAP_QUANTITIES, **POINT_QUANTITIES, **POINT_GAP_QUANTITIES}
 
 #: Those that are searched for over a body.
 ALL_PEAKS = {**PEAKS, **FILM_PEAKS}

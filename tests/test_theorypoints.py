@@ -50,7 +50,9 @@ def test_the_tests_that_the_page_names_exist() -> None:
     named = re.findall(r"`(test_\w+\.py)::(test_\w+)`", PAGE)
     assert len(named) >= 6
     for file, name in named:
-        places = [ROOT / f"tests/{room}{file}" for room in ("", "solver/point/", "solver/face/")]
+        places = [
+            ROOT / f"tests/{room}{file}" for room in ("", "solver/point/", "solver/face/", "solver/surroundings/")
+        ]
         assert any(f"def {name}(" in one.read_text(encoding="utf-8") for one in places if one.is_file()), name
 
 
@@ -91,3 +93,21 @@ def test_a_roller_in_place_of_a_ball_is_as_wrong_as_the_table_says() -> None:
             ball, roller = map(float, cell.split(","))
             values = ours[material, ratio, name]
             assert (values["ball"], values["roller"]) == pytest.approx((ball, roller), rel=6e-4), (material, name)
+
+
+@pytest.mark.parametrize(
+    ("name", "own"),
+    [
+        ("half-space of BaTiO3", {}),
+        ("BaTiO3 of 0.1 mm on steel, grounded", {"thickness": 1e-4, "base": "steel", "interface_electric": "grounded"}),
+    ],
+)
+def test_figures_of_a_ball_in_air_are_the_solver_s(name: str, own: dict[str, Any]) -> None:
+    case = BALL | own | {"material": "BaTiO3", "magnetic": "insulating"}
+    bare, air = (solver.solve(case | {"surroundings": one}) for one in ("insulated", "air"))
+    charge, capacitance, voltage = next(row for row in rows(PAGE) if row[0] == name)[1:]
+    pico = [abs(float(one["charge_sensitivity"])) * 1e12 for one in (bare, air)]
+    assert charge == f"{pico[0]:.2f}, air {pico[1]:.2f}"
+    stored = [float(one["contact_capacitance"]) * 1e12 for one in (bare, air)]
+    assert capacitance == f"{stored[0]:.3f}, air {stored[1]:.3f}"
+    assert voltage == f"x {float(air['voltage'] / bare['voltage']):.3f}"

@@ -38,15 +38,15 @@ class FilmInAir(OnFilm):
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """None: as the peaks."""
-        _refuse("curves")
+        refuse_fields("curves")
 
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
         """Refused: fields of contacts with air beside them are not given."""
-        _refuse("positions")
+        refuse_fields("positions")
 
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
         """Refused, as those on the surface."""
-        _refuse("fields")
+        refuse_fields("fields")
 
 
 class HalfPlaneInAir(FilmInAir):
@@ -65,5 +65,12 @@ class HalfPlaneInAir(FilmInAir):
         return {name: value for name, value in super().quantities().items() if name in HALF_PLANE_IN_AIR.quantities}
 
 
-def _refuse(name: str) -> NoReturn:
+def refuse_fields(name: str) -> NoReturn:
+    """Refuse fields of contacts with air beside them, by the argument that asks for them.
+
+    Raises
+    ------
+    FactorError
+        Always.
+    """
     raise FactorError(f"{name}: fields of contacts with air beside them are not given; ask for quantities alone")

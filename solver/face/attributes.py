@@ -9,10 +9,13 @@ from solver.body import KINDS, Kind
 from solver.face.filmfactors import present
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import BODY, CHOICES, CONTACTS, FACTORS, OF_A_GAP, OF_A_LINE, OF_A_PUNCH, PROFILES, Described
+from solver.names import BODY, CHOICES, CONTACTS, FACTORS, OF_A_GAP, OF_A_LINE, OF_A_PUNCH, PROFILES, Contact, Described
 
 #: How every solution is made (CF: the method of production).
-SOURCE = "meecontact: closed-form solution of plane contact in the Stroh formalism"
+SOURCES: dict[Contact, str] = {
+    "line": "meecontact: closed-form solution of plane contact in the Stroh formalism",
+    "point": "meecontact: closed-form solution of axisymmetric contact in the Stroh formalism",
+}
 _RELATIVE = " relative to the datum"
 _FILM_DATUM = "of a film absolute above a grounded interface (depths: on a rigid base); elsewhere it "
 _PUNCH_DATUM = "an elastic punch's own: its radius, of a flat one its width, of a wedge the datum"
@@ -36,7 +39,10 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
     kinds = present(arrays)
     found = {
         "title": title.replace("half-plane", " or ".join(sorted(kind.name for kind in kinds))),
-        "source": SOURCE + "".join(kind.method for kind in kinds),
+        "source": "; ".join(
+            SOURCES[contact] + "".join(kind.method for kind in kinds if kind.contact == contact)
+            for contact in dict.fromkeys(kind.contact for kind in kinds)
+        ),
     }
     if "material" not in arrays and BODY not in arrays:
         used = _kinds(arrays, "composite") or [str(defaults["composite"])]
@@ -102,7 +108,7 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
         spared -= {name for kind in kinds_present for name in kind.factors}
     contacts = {kind.contact for kind in kinds_present}
     unused = {name for contact, loads in CONTACTS.items() if contact not in contacts for name in loads.charges}
-    unused |= set() if "line" in contacts else {*OF_A_LINE, "surroundings"}
+    unused |= set() if "line" in contacts else set(OF_A_LINE)
     unused |= set() if any(kind.air for kind in kinds_present) else {OF_A_GAP}
     spared |= unused
     found = {name: value for name, value in found.items() if name not in unused}

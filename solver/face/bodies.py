@@ -2,8 +2,19 @@
 
 from collections.abc import Callable
 
-from solver.body import FILM, FILM_IN_AIR, HALF_PLANE, HALF_PLANE_IN_AIR, HALF_SPACE, POINT_FILM, Body
+from solver.body import (
+    FILM,
+    FILM_IN_AIR,
+    HALF_PLANE,
+    HALF_PLANE_IN_AIR,
+    HALF_SPACE,
+    HALF_SPACE_IN_AIR,
+    POINT_FILM,
+    POINT_FILM_IN_AIR,
+    Body,
+)
 from solver.face.air import FilmInAir, HalfPlaneInAir
+from solver.face.airpoint import HalfSpaceInAir, PointFilmInAir
 from solver.face.cases import Cases
 from solver.face.film import OnFilm
 from solver.face.halfplane import OnHalfPlane
@@ -16,6 +27,8 @@ _BODIES: dict[str, Callable[[Cases], Body]] = {
     FILM_IN_AIR.name: FilmInAir,
     HALF_SPACE.name: OnHalfSpace,
     POINT_FILM.name: OnPointFilm,
+    HALF_SPACE_IN_AIR.name: HalfSpaceInAir,
+    POINT_FILM_IN_AIR.name: PointFilmInAir,
 }
 
 

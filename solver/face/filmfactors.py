@@ -13,7 +13,6 @@ from solver.film.stack import RIGID, Stack
 from solver.material.constants import Material
 from solver.names import AIR, BODY, FACTORS, OF_A_FILM, OF_A_GAP, PROFILES
 
-_POINTS = [kind.name for kind in KINDS.values() if kind.contact == "point"]
 _BASE = f"{RIGID!r} or a material's name, or else base_modulus and base_poisson"
 
 
@@ -106,7 +105,7 @@ def check_elasticity(arrays: Mapping[str, xr.DataArray], body: str) -> None:
 
 
 def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
-    """Air is beside lines, and only a gap with air has a permittivity.
+    """Only a gap with air has a permittivity.
 
     Raises
     ------
@@ -116,8 +115,6 @@ def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
     air = xr.DataArray(False)
     if "surroundings" in arrays:
         air = arrays["surroundings"].drop_vars(arrays["surroundings"].coords) == AIR
-        point = kinds_of({name: one for name, one in arrays.items() if name != "surroundings"}).isin(_POINTS)
-        refuse(arrays, "surroundings", air & point, "beside a point contact is not solved; must be insulated")
     if OF_A_GAP in arrays:
         filled = arrays[OF_A_GAP].drop_vars(arrays[OF_A_GAP].coords) != FACTORS[OF_A_GAP].default
         refuse(arrays, OF_A_GAP, filled & ~air, f"without surroundings: {AIR}; only its gap has one")

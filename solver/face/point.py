@@ -25,7 +25,7 @@ from solver.point.surface import surface_fields
 from solver.point.table import PointKind
 
 
-class _OnPoints:
+class OnPoints:
     """What half-spaces and films under points have in common: their punches, and how outputs are put together."""
 
     #: No fields are given.
@@ -42,7 +42,7 @@ class _OnPoints:
     @np.errstate(all="ignore")  # what is not finite is named in the outputs
     def quantities(self) -> dict[str, Array]:
         """Those of ``solver.names.POINT_QUANTITIES`` that every case has; (...)."""
-        return self._put_together(quantities)
+        return self.put_together(lambda pressed, _: quantities(pressed))
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """None: what is inside a body under a point is not given."""
@@ -55,7 +55,7 @@ class _OnPoints:
     @np.errstate(all="ignore")
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
         """Fields of ``solver.names.POINT_FIELDS`` at r/a that every case has, as those of a line; (..., position)."""
-        found = self._put_together(lambda pressed: surface_fields(pressed, positions))
+        found = self.put_together(lambda pressed, _: surface_fields(pressed, positions))
         root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
         return found | {f"{name}_regular": found[name] * root for name in POINT_SINGULAR if regular and name in found}
 
@@ -63,9 +63,10 @@ class _OnPoints:
         """Refused: fields inside are not given."""
         _refuse("fields")
 
-    def _put_together(self, output: Callable[[Pressed], dict[str, Array]]) -> dict[str, Array]:
+    def put_together(self, output: Callable[[Pressed, Indices], dict[str, Array]]) -> dict[str, Array]:
+        """Outputs of every part and its places among the cases, in one; (...)."""
         try:
-            parts = [(places, output(pressed)) for places, pressed in self._parts]
+            parts = [(places, output(pressed, places)) for places, pressed in self._parts]
         except ContactError as error:
             raise FactorError(str(error)) from None
         out: dict[str, Array] = {}
@@ -80,9 +81,9 @@ class _OnPoints:
     def _by_exponent(self, places: Indices) -> list[tuple[Indices, Shape, Array]]:
         """Cases by the exponent of their profile, with its coefficient, or the radius of a disc."""
         exponent, coefficient = self._profile()
-        exponents = self._flat(exponent)[places]
+        exponents = self.flat(exponent)[places]
         return [
-            (own := places[exponents == e], Shape(e), self._flat(coefficient)[own])
+            (own := places[exponents == e], Shape(e), self.flat(coefficient)[own])
             for e in np.unique(exponents).tolist()
         ]
 
@@ -99,16 +100,17 @@ class _OnPoints:
             case _:
                 return number("exponent"), number("coefficient")
 
-    def _flat(self, values: Any) -> Array:
+    def flat(self, values: Any) -> Array:
+        """Values of all cases in a row; (case,)."""
         return np.asarray(np.broadcast_to(values, self.shape).ravel(), dtype=np.float64)
 
     def _loads(self, places: Indices) -> tuple[Array, Array]:
         """P (case,) and T, J (case, 2)."""
-        charges = np.stack([self._flat(self.cases.charges[..., field])[places] for field in (0, 1)], -1)
-        return self._flat(self.cases.force)[places], charges
+        charges = np.stack([self.flat(self.cases.charges[..., field])[places] for field in (0, 1)], -1)
+        return self.flat(self.cases.force)[places], charges
 
 
-class OnHalfSpace(_OnPoints):
+class OnHalfSpace(OnPoints):
     """Points on half-spaces.
 
     Raises
@@ -143,8 +145,8 @@ class OnHalfSpace(_OnPoints):
 
     def _stretch(self, half: HalfPlane) -> Callable[[Indices], Stretch | None]:
         """What the surfaces of some cases do along themselves; nothing is known without c12."""
-        shear = self._flat(half.material.c11 - half.material.c12)
-        stiffness = self._flat(half.in_plane_stiffness)
+        shear = self.flat(half.material.c11 - half.material.c12)
+        stiffness = self.flat(half.in_plane_stiffness)
         coupling, share = (
             np.broadcast_to(rows, (*self.shape, 3)).reshape(-1, 3)
             for rows in (half.friction_coupling, half.in_plane_share)
@@ -154,7 +156,7 @@ class OnHalfSpace(_OnPoints):
         return lambda own: Stretch(coupling[own], stiffness[own], shear[own], share[own])
 
 
-class OnPointFilm(_OnPoints):
+class OnPointFilm(OnPoints):
     """Points on films, all cases of one film and conduction from the same tables.
 
     Raises
@@ -165,13 +167,13 @@ class OnPointFilm(_OnPoints):
 
     def quantities(self) -> dict[str, Array]:
         """Those of a half-space, and the nominal field."""
-        return self._put_together(_on_film)
+        return self.put_together(lambda pressed, _: with_nominal_field(quantities(pressed), pressed))
 
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
         bodies, conducts, compliance = films_of(self.cases), self.cases.conducts, punch_of(self.cases).compliance
-        columns = [self._flat(column) for column in (*bodies.columns, conducts[..., 0], conducts[..., 1], compliance)]
+        columns = [self.flat(column) for column in (*bodies.columns, conducts[..., 0], conducts[..., 1], compliance)]
         kinds, which = np.unique(np.stack(columns, -1), axis=0, return_inverse=True)
-        thickness, found = self._flat(bodies.thickness), []
+        thickness, found = self.flat(bodies.thickness), []
         for number, (*row, electric, magnetic, punch) in enumerate(kinds.tolist()):
             film, held = Kind(*bodies.film(row), 0.0, (True, True), (True, True), 1), (bool(electric), bool(magnetic))
             for own, shape, coefficient in self._by_exponent(np.flatnonzero(which.ravel() == number)):
@@ -181,8 +183,9 @@ class OnPointFilm(_OnPoints):
         return found
 
 
-def _on_film(pressed: Pressed) -> dict[str, Array]:
-    out, body = quantities(pressed), pressed.body
+def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Array]:
+    """Quantities of a body, and the nominal field where it is a film."""
+    body = pressed.body
     if isinstance(body, Film) and "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)
     return out

@@ -11,7 +11,8 @@ from solver.point.pressed import Contact, Pressed
 from solver.point.pressure import finite
 
 _INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
-_RESPONSES = (
+#: Of each field: potential, per force, charge per force at zero potential, stroke, blocked force, store.
+RESPONSES = (
     (
         "voltage", "voltage_per_force", "charge_sensitivity", "stroke_per_volt", "blocked_force_per_volt",
         "contact_capacitance",
@@ -44,7 +45,7 @@ def quantities(pressed: Pressed) -> dict[str, Array]:
     for field in (0, 1):
         if np.all(pressed.conducts[..., field]):
             out[_INTENSITIES[field]] = contact.intensities[:, 1 + field]
-            out |= dict(zip(_RESPONSES[field], _responses(pressed, contact, tangent, field), strict=True))
+            out |= dict(zip(RESPONSES[field], _responses(pressed, contact, tangent, field), strict=True))
     return out
 
 

@@ -22,7 +22,9 @@ def peak_density(state: State, field: int) -> float:
     place = state.of.fields.index(field)
     start = FIRST + state.of.nodes * (1 + len(state.of.fields)) + place * ANGLES.size
     within = state.outputs[start : start + ANGLES.size]
-    return max(_peak(within.reshape(-1, WITHIN)), _beside(state, place)) / float(state.of.contact.scale[2 + field])
+    return max(peak_of_panels(within.reshape(-1, WITHIN)), _beside(state, place)) / float(
+        state.of.contact.scale[2 + field]
+    )
 
 
 def gap_field(state: State, field: int) -> float:
@@ -36,10 +38,10 @@ def _beside(state: State, place: int) -> float:
     nodes = grid.count // grid.panels
     own = state.densities[place].reshape(-1, grid.panels, nodes)
     at_edge = own[:, 0] @ grid.edge[:nodes]
-    return max(_peak(own[:, :-1].reshape(-1, nodes)), float(np.max(np.abs(at_edge))))
+    return max(peak_of_panels(own[:, :-1].reshape(-1, nodes)), float(np.max(np.abs(at_edge))))
 
 
-def _peak(values: Array) -> float:
+def peak_of_panels(values: Array) -> float:
     """Largest absolute value of polynomials by their values at Gauss's nodes; (panel, node)."""
     count = values.shape[1]
     nodes = np.polynomial.legendre.leggauss(count)[0]

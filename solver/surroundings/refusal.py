@@ -1,7 +1,22 @@
 """Which contacts the theory of air covers, and what is said of the others."""
 
+import numpy as np
+
+from solver.arrays import BoolArray
 from solver.film.windows import Kind
 from solver.material.constants import MaterialError
+from solver.point.body import Film, HalfSpace
+from solver.point.profile import Shape
+
+_IDLE = "the punch conducts no field, so that no charge lies beside it; must be insulated"
+_CORNER = "the punch has a corner, beside which no narrow gap opens; must be insulated"
+_GRADED = "the film is graded, whose displacements beside the contact are not tabulated; must be insulated"
+_SIDEWAYS = "the film's base has no normal induction, so that flux leaves sideways without end; must be insulated"
+_ENDLESS = (
+    "only a sphere has a size at which its gap ends; the charge beside another point grows with its length; must be "
+    "insulated"
+)
+_SPHERE = 2.0
 
 
 class SurroundingsError(MaterialError):
@@ -11,13 +26,27 @@ class SurroundingsError(MaterialError):
 def lacking(kind: Kind) -> str | None:
     """Why a kind of contact cannot have air beside it; none if it can."""
     if not any(kind.conducts):
-        return "the punch conducts no field, so that no charge lies beside it; must be insulated"
+        return _IDLE
     if not all(kind.smooth):
-        return "the punch has a corner, beside which no narrow gap opens; must be insulated"
+        return _CORNER
     if callable(kind.layers[0].of):
-        return "the film is graded, whose displacements beside the contact are not tabulated; must be insulated"
+        return _GRADED
     if kind.conducts[1] and kind.stack().insulated:
-        return "the film's base has no normal induction, so that flux leaves sideways without end; must be insulated"
+        return _SIDEWAYS
+    return None
+
+
+def lacking_at_point(body: HalfSpace | Film, conducts: BoolArray) -> str | None:
+    """The same of point contacts; conducts (case, 2)."""
+    shape: Shape = body.shape
+    if not np.all(np.any(conducts, -1)):
+        return _IDLE
+    if shape.flat:
+        return _CORNER
+    if shape.exponent != _SPHERE:
+        return _ENDLESS
+    if isinstance(body, Film) and body.kind.conducts[1] and body.kind.film.stack().insulated:
+        return _SIDEWAYS
     return None
 
 
@@ -29,6 +58,20 @@ def require_gap(kind: Kind) -> None:
     SurroundingsError
         Saying why.
     """
-    why = lacking(kind)
+    _require(lacking(kind))
+
+
+def require_gap_of_point(body: HalfSpace | Film, conducts: BoolArray) -> None:
+    """The same of point contacts.
+
+    Raises
+    ------
+    SurroundingsError
+        Saying why.
+    """
+    _require(lacking_at_point(body, conducts))
+
+
+def _require(why: str | None) -> None:
     if why is not None:
         raise SurroundingsError(f"surroundings: 'air' is not allowed: {why}")

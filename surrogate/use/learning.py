@@ -1,31 +1,62 @@
 """From measured rows to uncertain constants and smooth discrepancies of a model, by Bayes' rule.
 
 Measured = model(input, constants) + discrepancy(input) + noise, output by output (M. C. Kennedy and A. O'Hagan, J. R.
-Stat. Soc. B 63 (2001) 425). The constants are scaled so that their prior is standard normal. Given the discrepancies'
-hyperparameters all is linear and Gaussian but the model, which is linearised about the constants' estimate until that
-stays (Gauss-Newton); the constants couple the outputs only through their k x k precision.
+Stat. Soc. B 63 (2001) 425). The constants are scaled so that their prior is standard normal; some of them, each for
+itself, may be off by less, by an unknown share of their prior (`own`). Whether an output has a discrepancy, how true
+stated errors are, which values are outliers, and that share are unknown too: competing explanations of the same rows,
+weighed against each other by one chain. Given them all is linear and Gaussian but the model, which is linearised about
+the constants' estimate until that stays (Gauss-Newton); the constants couple the outputs only through their k x k
+precision.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_solve
 
-from approximation.arrays import Array
+from approximation.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.measurements import Measurements
-from surrogate.transforms.measured.draws import Draw, mixture, moments
-from surrogate.use.residuals import DRAWS, Residuals
+from surrogate.transforms.measured.draws import Draw, mixture, moments, posterior
+from surrogate.use.residuals import Residuals, State
 
 #: Takes scaled constants (k,); gives the model's means at the measured values (n,) and their derivatives (n, k).
 Forward = Callable[[Array], tuple[Array, Array]]
 
-_ROUNDS, _SWEEPS, _STEP = 12, 2, 2.0
+#: Draws that a posterior is the mixture of, and rounds of the chain that they and all shares are taken from.
+DRAWS, ROUNDS = 16, 160
+#: Shares of their prior deviation by which single constants may be off, all alike, and how probable each is a priori.
+OWN, OWN_CHANCE = np.array([0.0, 0.5, 1.0, 2.0]), np.array([0.15, 0.25, 0.4, 0.2])
+
+_BURNT, _CHAINS, _STEPS, _STEP, _HUGE = 30, 4, 12, 2.0, 500.0
+_STALE = 0.3  # how far constants may move, in prior deviations, until all else is drawn anew
 
 
 class NotSettledError(ValueError):
     """The constants' estimate did not settle: the model is too far from linear, or the rows are not of it."""
+
+
+@dataclass(frozen=True)
+class Chain:
+    """What one chain has drawn, round by round.
+
+    Attributes
+    ----------
+    states : tuple of dict
+        State of every measured output, by its number.
+    own : ndarray, shape (rounds,)
+        Share of their prior by which single constants are off.
+    odds : dict
+        Log-odds for a discrepancy of every measured output against none, given all else of a round: (rounds,).
+    single : ndarray, shape (rounds,)
+        Probability that single constants are off at all, given all else of a round.
+    """
+
+    states: tuple[dict[int, State], ...]
+    own: Array
+    odds: dict[int, Array]
+    single: Array
 
 
 @dataclass(frozen=True)
@@ -38,15 +69,18 @@ class Learnt:
         Scaled constants about which the model was linearised last.
     draws : tuple of Draw
         Equally probable.
-    odds : dict
-        Natural logarithm of the odds for a discrepancy of each measured output, by its number, against none.
+    chain : Chain
+        All that is unknown beside constants and discrepancies.
+    wild : ndarray, shape (n,)
+        Probability that a value is an outlier.
     left_out : tuple of ndarray, shape (n,) each
         Every measured value as predicted from all other rows, and the standard deviation of their difference.
     """
 
     about: Array
     draws: tuple[Draw, ...]
-    odds: dict[int, float]
+    chain: Chain
+    wild: Array
     left_out: tuple[Array, Array]
 
     @property
@@ -70,8 +104,32 @@ class Learnt:
         values, vectors = np.linalg.eigh(self.covariance)
         return np.sqrt(np.maximum(values, 0)), vectors
 
+    @property
+    def odds(self) -> dict[int, float]:
+        """Odds for a discrepancy of every measured output against none, by its number."""
+        return {q: float(1 / np.mean(np.exp(-np.clip(each, -_HUGE, _HUGE)))) for q, each in self.chain.odds.items()}
 
-def learn(forward: Forward, rows: Measurements, inputs: tuple[Input, ...], constants: int, spread: Array) -> Learnt:
+    @property
+    def own_odds(self) -> float:
+        """How many times more probable the rows have made it that single constants are off beside their families."""
+        share = float(self.chain.single.mean())
+        return float(share / max(1 - share, 1e-200) * OWN_CHANCE[0] / (1 - OWN_CHANCE[0]))
+
+    def scale(self, output: int) -> tuple[float, float, float]:
+        """True over stated errors of a measured output: the median, and the ends of its 95 % interval."""
+        scales = [states[output].scale for states in self.chain.states]
+        low, median, high = np.exp(np.quantile(scales, [0.025, 0.5, 0.975])).tolist()
+        return median, low, high
+
+
+def learn(
+    forward: Forward,
+    rows: Measurements,
+    inputs: tuple[Input, ...],
+    constants: int,
+    spread: Array,
+    own: Flags | None = None,
+) -> Learnt:
     """Estimate constants and discrepancies from measured rows.
 
     Parameters
@@ -86,11 +144,13 @@ def learn(forward: Forward, rows: Measurements, inputs: tuple[Input, ...], const
         How many there are.
     spread : ndarray, shape (n,)
         Standard deviation of the model's own error at every value.
+    own : ndarray of bool, shape (k,), optional
+        Constants that may be off each for itself, by an unknown share of their prior deviation; by default none.
 
     Raises
     ------
     ValueError
-        Fewer values than unknowns: constants, and an amplitude an output.
+        Fewer values than unknowns: constants that are not `own`, and an amplitude an output.
     NotSettledError
         An estimate that moves without end.
 
@@ -105,70 +165,148 @@ def learn(forward: Forward, rows: Measurements, inputs: tuple[Input, ...], const
     >>> bool(abs(found.mean[0] - 0.5) < 2 * found.contraction[0] < 0.5)
     True
     """
-    unknowns = constants + len(rows.outputs)
+    single = np.zeros(constants, np.bool_) if own is None else own
+    whole = constants - int(single.sum())
+    unknowns = whole + len(rows.outputs)
     if len(rows.value) < unknowns:
         raise ValueError(
             f"{len(rows.value)} measured values are fewer than {unknowns} unknowns "
-            f"({constants} constants, {len(rows.outputs)} discrepancies)"
+            f"({whole} constants, {len(rows.outputs)} discrepancies)"
         )
-    scaled = unit_coordinates(inputs, rows.points).T
-    about, best = np.zeros(constants), dict[int, Array]()
-    for _ in range(_ROUNDS):
-        mean, slopes = forward(about)
+    model = _Linearised(forward, rows, inputs, spread)
+    about, start = np.zeros(constants), None
+    for number in range(_CHAINS):
+        parts, rounds = model.at(about), ROUNDS if number else DRAWS
+        chain = _chained(parts, single, start, np.random.default_rng(number), rounds)
+        kept = np.linspace(0, rounds - 1, DRAWS).round().astype(np.intp)
+        random = np.random.default_rng(0)
+        states = []
+        for k in kept:
+            mean = _draw({q: one.few()[0] for q, one in parts.items()}, chain.states[k], chain.own[k], single).mean
+            states.append(
+                {q: one.completed(chain.states[k][q], one.few()[1], mean, random) for q, one in parts.items()}
+            )
+        here = about
+        about, draws = _settled(model, about, states, chain.own[kept], single)
+        start = chain.states[-1]
+        if number and np.abs(about - here).max() <= _STALE:
+            break
+    wild = np.zeros(len(rows.value))
+    for q in rows.outputs:
+        wild[rows.of(q)] = np.mean([one[q].wild > 0 for one in states], axis=0)
+        some = parts[q].few()[1]
+        wild[rows.of(q)[some]] = np.mean([one[q].wild > 0 for one in chain.states], axis=0)
+    plain = [{q: part.usual(one[q]) for q, part in parts.items()} for one in states]
+    predicted, variance = moments([_left_out(rows, one, noise) for one, noise in zip(draws, plain, strict=True)])
+    return Learnt(about, draws, chain, wild, (predicted, np.sqrt(variance)))
+
+
+@dataclass(frozen=True)
+class _Linearised:
+    """A model about constants, and what was measured."""
+
+    forward: Forward
+    rows: Measurements
+    inputs: tuple[Input, ...]
+    spread: Array
+
+    def at(self, about: Array) -> dict[int, Residuals]:
+        """What the model leaves of every measured output, linear in the constants."""
+        rows = self.rows
+        mean, slopes = self.forward(about)
         residual = rows.value - mean + slopes @ about
-        parts = {}
+        scaled, parts = unit_coordinates(self.inputs, rows.points).T, {}
         for q in rows.outputs:
             k = rows.of(q)
-            parts[q] = Residuals.of(scaled[rows.row[k]], residual[k], slopes[k], rows.error[k], spread[k], mean[k])
-        best = _chosen(parts, best, constants)
-        now = Draw.of({q: one.at(best[q]) for q, one in parts.items()}, constants)
-        move = np.clip(now.mean - about, -_STEP, _STEP)
-        if np.all(np.abs(move) <= 0.02 + 0.1 * np.sqrt(np.diag(now.covariance))):
-            draws, odds = _drawn(parts, best, constants)
-            predicted, variance = moments([_left_out(rows, one) for one in draws])
-            return Learnt(about, draws, odds, (predicted, np.sqrt(variance)))
+            parts[q] = Residuals.of(scaled[rows.row[k]], residual[k], slopes[k], rows.error[k], self.spread[k], mean[k])
+        return parts
+
+
+def _settled(
+    model: _Linearised, about: Array, states: Sequence[Mapping[int, State]], own: Array, single: Flags
+) -> tuple[Array, tuple[Draw, ...]]:
+    """Constants about which their estimate stays, all else at its draws, and the posterior there."""
+    for _ in range(_STEPS):
+        parts = model.at(about)
+        draws = tuple(_draw(parts, one, share, single) for one, share in zip(states, own, strict=True))
+        mean, covariance = mixture(draws)
+        move = np.clip(mean - about, -_STEP, _STEP)
+        if np.all(np.abs(move) <= 0.02 + 0.1 * np.sqrt(np.diag(covariance))):
+            return about, draws
         about = about + move
     raise NotSettledError(
         "the estimate of the constants does not settle: these rows are far from what the model can give"
     )
 
 
-def _chosen(parts: Mapping[int, Residuals], before: Mapping[int, Array], constants: int) -> dict[int, Array]:
-    """Most probable hyperparameters, one output after the other, from where they were before."""
-    best = {q: before.get(q, one.first) for q, one in parts.items()}
-    for _ in range(1 if before else _SWEEPS):
-        for q, one in parts.items():
-            best[q] = one.chosen(_others(parts, best, q, constants), best[q])
-    return best
+def _chained(
+    parts: Mapping[int, Residuals],
+    single: Flags,
+    start: Mapping[int, State] | None,
+    random: np.random.Generator,
+    rounds: int,
+) -> Chain:
+    """Rounds of a chain over all that is unknown but constants and discrepancies, which are integrated over."""
+    few = {q: one.few()[0] for q, one in parts.items()}
+    state = {q: one.first for q, one in few.items()} if start is None else dict(start)
+    told = {q: one.at(state[q]).information for q, one in few.items()}
+    share = 1.0 if single.any() else 0.0
+    states, own, offs = [], [], []
+    odds: dict[int, list[float]] = {q: [] for q in few}
+    for number in range(_BURNT + rounds):
+        prior = np.where(single, share, 1.0)
+        chances = {}
+        for q, one in few.items():
+            others = [told[name] for name in few if name != q]
+            precision = sum((each for each, _ in others), np.zeros((len(prior), len(prior))))
+            weighted = sum((each for _, each in others), np.zeros(len(prior)))
+            mean, covariance = posterior(precision, weighted, prior)
+            state[q], chances[q] = one.swept(state[q], mean, covariance, random)
+            told[q] = one.at(state[q]).information
+        likely = _shares(list(told.values()), single)
+        chance = np.exp(likely - likely.max())
+        chance /= chance.sum()
+        share = float(OWN[random.choice(len(OWN), p=chance)]) if single.any() else 0.0
+        if number >= _BURNT:
+            states.append(dict(state))
+            own.append(share)
+            offs.append(1 - chance[0])
+            for q, each in chances.items():
+                odds[q].append(each)
+    return Chain(tuple(states), np.array(own), {q: np.array(each) for q, each in odds.items()}, np.array(offs))
 
 
-def _drawn(
-    parts: Mapping[int, Residuals], best: Mapping[int, Array], constants: int
-) -> tuple[tuple[Draw, ...], dict[int, float]]:
-    """The posterior at draws of all hyperparameters, and the odds for every discrepancy."""
-    priors = {q: _others(parts, best, q, constants) for q in parts}
-    drawn = {q: one.drawn(priors[q], best[q], q) for q, one in parts.items()}
-    each = ({q: one.at(drawn[q][k]) for q, one in parts.items()} for k in range(DRAWS))
-    odds = {q: one.odds(priors[q], best[q]) for q, one in parts.items()}
-    return tuple(Draw.of(own, constants) for own in each), odds
+def _shares(told: Sequence[tuple[Array, Array]], single: Flags) -> Array:
+    """Log-probabilities of the shares `OWN`, up to a constant, from what every output says of the constants."""
+    precision, weighted = (np.sum([one[k] for one in told], axis=0) for k in (0, 1))
+    found: Array = np.log(OWN_CHANCE)
+    for k, share in enumerate(OWN):
+        prior = np.where(single, share, 1.0)
+        inner = np.eye(len(prior)) + prior[:, None] * precision * prior
+        found[k] += 0.5 * (posterior(precision, weighted, prior)[0] @ weighted - np.linalg.slogdet(inner)[1])
+    return found
 
 
-def _others(parts: Mapping[int, Residuals], best: Mapping[int, Array], q: int, constants: int) -> Draw:
-    """What all outputs but one say of the constants."""
-    return Draw.of({name: one.at(best[name]) for name, one in parts.items() if name != q}, constants)
+def _draw(parts: Mapping[int, Residuals], states: Mapping[int, State], share: float, single: Flags) -> Draw:
+    """The posterior of the constants where all else is at a draw."""
+    return Draw.of({q: one.at(states[q]) for q, one in parts.items()}, np.where(single, share, 1.0))
 
 
-def _left_out(rows: Measurements, draw: Draw) -> tuple[Array, Array]:
-    """Every value as predicted without its row, and its variance: the row's block of the inverse joint covariance."""
+def _left_out(rows: Measurements, draw: Draw, usual: Mapping[int, Array]) -> tuple[Array, Array]:
+    """Every value as predicted without its row, and its variance, were it no outlier, with usual variances of errors.
+
+    These follow from the row's block of the inverse joint covariance.
+    """
     n = len(rows.value)
-    pull, single, slopes = np.empty(n), np.empty(n), np.empty((n, len(draw.mean)))
+    pull, single, slopes, less = np.empty(n), np.empty(n), np.empty((n, len(draw.mean))), np.empty(n)
     for q, one in draw.discrepancies.items():
         k = rows.of(q)
+        less[k] = one.noise - usual[q]
         pull[k] = one.whitened[0] - one.whitened[1] @ draw.mean
         single[k], slopes[k] = np.diag(cho_solve((one.factor, True), np.eye(len(k)))), one.whitened[1]
     predicted, variance = np.empty(n), np.empty(n)
     for row in np.unique(rows.row):
         k = np.flatnonzero(rows.row == row)
         block = np.linalg.inv(np.diag(single[k]) - slopes[k] @ draw.covariance @ slopes[k].T)
-        predicted[k], variance[k] = rows.value[k] - block @ pull[k], np.diag(block)
+        predicted[k], variance[k] = rows.value[k] - block @ pull[k], np.diag(block) - less[k]
     return predicted, variance

@@ -1,37 +1,61 @@
-"""What a model leaves of one measured output: amplitude and lengths of its discrepancy, and noise that nobody knows.
+"""What a model leaves of one measured output: a discrepancy or none, how true the stated errors are, and outliers.
 
-Their posterior is drawn from by importance sampling about its mode (C. E. Rasmussen and C. K. I. Williams, Gaussian
-Processes for Machine Learning (2006), section 5.4; Laplace's approximation: section 3.4). With the mode alone intervals
-are too short, since a few rows say little of the size of what is smooth.
+All of it is drawn from its posterior by Gibbs sampling: a parameter after the other from its conditional density on a
+lattice through where it is, of random step; constants and discrepancy are integrated over throughout. Errors are
+stated ones times an unknown scale, and of a few values wider still (a contaminated normal: G. E. P. Box and G. C. Tiao,
+Biometrika 55 (1968) 119).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_solve
-from scipy.optimize import Bounds, minimize
-from scipy.special import logsumexp
-from scipy.stats import multivariate_normal, norm
 
-from approximation.arrays import Array, Flags
+from approximation.arrays import Array, Flags, Indices
 from surrogate.transforms.measured.discrepancy import Discrepancy
-from surrogate.transforms.measured.draws import Draw
 
 #: Prior of a discrepancy's amplitude over the size of its output: the density falls as a^-1/2, faster from here on.
 AMPLITUDE = 0.2
 #: Prior of its lengths: log-normal, with this median and deviation of the logarithm; the box is 2 wide.
 LENGTH, SPREAD = 2.0, 0.7
-#: Draws of the hyperparameters that a posterior is the mixture of.
-DRAWS = 16
+#: Prior of the logarithm of true over stated errors: Student's t with so many degrees of freedom and this scale.
+FREEDOM, TRUST = 2.0, 0.3
+#: Outliers: how many times wider a value's error may be, and how probable each is a priori.
+WILD, CHANCE = np.array([1.0, 5.0, 25.0]), np.array([0.98, 0.01, 0.01])
 
 _RISE = 0.5  # of the density of log a below AMPLITUDE: that of a is a^-1/2
-_NOTHING, _AMPLITUDES, _LENGTHS, _NOISES = 1e-9, (1e-3, 3.0), (0.1, 50.0), (1e-6, 1.0)
-_FIRST_AMPLITUDE, _FIRST_NOISE = 0.02, 0.02
-_MOST = 250  # values that hyperparameters are chosen from: the cost grows with their cube
-_PROPOSED, _WIDER = 64, 1.3
+_AMPLITUDES, _LENGTHS, _NOISES = (1e-3, 3.0), (0.1, 50.0), (1e-6, 1.0)
+_SCALES = (0.3, 30.0)
+_FIRST_AMPLITUDE, _FIRST_SCALE, _FIRST_NOISE = 0.02, 2.0, 0.02
+_MOST = 120  # values of an output that these are drawn from: the cost grows with their cube
+_HUGE = 1000.0  # of a logarithm of odds
+_FRAME = 1e300  # beyond any square of a whitened vector
+_STEPS = {"amplitude": 0.7, "length": 0.8, "scale": 0.25, "loose": 0.5}  # of the lattices, at most
 
-Loss = Callable[[Array], tuple[float, Array]]
+
+@dataclass(frozen=True)
+class State:
+    """One draw of what is unknown of an output beside the constants.
+
+    Attributes
+    ----------
+    amplitude : float
+        Logarithm of the discrepancy's amplitude over the size of the output.
+    lengths : ndarray, shape (d,)
+        Logarithms of its lengths.
+    scale : float
+        Logarithm of true over stated errors.
+    loose : float
+        Logarithm of the errors that nobody states, over the size of the output.
+    wild : ndarray of int, shape (n,)
+        Number of each value's place in `WILD`.
+    """
+
+    amplitude: float
+    lengths: Array
+    scale: float
+    loose: float
+    wild: Indices
 
 
 @dataclass(frozen=True)
@@ -40,15 +64,23 @@ class Residuals:
 
     Attributes
     ----------
-    plain : Discrepancy
-        Its values, with the noise that is known.
+    points : ndarray, shape (n, d)
+        Scaled inputs.
+    residual, slopes : ndarray, shape (n,), (n, k)
+        Measured less model with the constants at zero, and derivatives of the model by the constants.
+    spread, stated : ndarray, shape (n,)
+        Variances of the model's own errors, and of those of measurement as they are stated; zero where they are not.
     unknown : ndarray of bool, shape (n,)
-        Values whose error of measurement nobody knows: they share one.
+        Values whose error of measurement nobody states: they share one.
     size : float
-        Size of the output, by which amplitude and unknown noise are scaled.
+        Size of the output, by which amplitude and unknown errors are scaled.
     """
 
-    plain: Discrepancy
+    points: Array
+    residual: Array
+    slopes: Array
+    spread: Array
+    stated: Array
     unknown: Flags
     size: float
 
@@ -56,124 +88,177 @@ class Residuals:
     def of(cls, points: Array, residual: Array, slopes: Array, error: Array, spread: Array, mean: Array) -> "Residuals":
         """Return those of values at scaled points, with their errors (NaN: unknown), those of the model, its means."""
         size = float(np.sqrt(np.mean(mean**2))) or float(np.abs(residual).max()) or 1.0
-        noise = spread**2 + np.nan_to_num(error) ** 2
-        lengths = np.full(points.shape[1], LENGTH)
-        plain = Discrepancy(points, noise, _FIRST_AMPLITUDE * size, lengths, residual, slopes)
-        return cls(plain, np.isnan(error), size)
+        return cls(points, residual, slopes, spread**2, np.nan_to_num(error) ** 2, np.isnan(error), size)
 
     @property
-    def first(self) -> Array:
-        """Where a search begins: logarithms of amplitude over size, lengths, unknown noise over size."""
-        noise = [np.log(_FIRST_NOISE)] if self.unknown.any() else []
-        return np.array([np.log(_FIRST_AMPLITUDE), *np.log(self.plain.lengths), *noise])
+    def first(self) -> State:
+        """Where a chain begins: larger errors than stated, no discrepancy, no outlier."""
+        lengths = np.full(self.points.shape[1], np.log(LENGTH))
+        amplitude, scale, loose = np.log([_FIRST_AMPLITUDE, _FIRST_SCALE, _FIRST_NOISE]).tolist()
+        return State(amplitude, lengths, scale, loose, np.zeros(len(self.residual), np.intp))
 
-    def at(self, parameters: Array) -> Discrepancy:
-        """Return the process with these hyperparameters."""
-        d = len(self.plain.lengths)
-        noise = self.plain.noise + self._extra(parameters)
-        amplitude = float(np.exp(parameters[0])) * self.size
-        return replace(self.plain, amplitude=amplitude, lengths=np.exp(parameters[1 : d + 1]), noise=noise)
-
-    def chosen(self, prior: Draw, start: Array) -> Array:
-        """Return the most probable hyperparameters, given what other outputs say of the constants."""
-        (low, high), loss = self._bounds, self._few().loss(prior)
-        found = minimize(
-            loss, np.clip(start, low, high), jac=True, method="L-BFGS-B", bounds=Bounds(low, high),
-            options={"maxiter": 60},
-        )  # fmt: skip
-        return np.asarray(found.x)
-
-    def drawn(self, prior: Draw, best: Array, seed: int) -> Array:
-        """Return draws of the hyperparameters about the most probable ones: (DRAWS, of them).
-
-        Half of the proposals are Laplace's approximation, widened, half the prior: for what nobody sees.
-        """
-        loss, (low, high) = self._few().loss(prior), self._bounds
-        steps = 0.05 * np.eye(len(best))
-        curvature = np.stack([(loss(best + step)[1] - loss(best - step)[1]) / 0.1 for step in steps])
-        values, vectors = np.linalg.eigh((curvature + curvature.T) / 2)
-        near = multivariate_normal(best, _WIDER**2 * (vectors / np.maximum(values, 0.25)) @ vectors.T)
-        middle, width = best.copy(), np.sqrt(np.diag(near.cov))
-        lengths = slice(1, 1 + len(self.plain.lengths))
-        middle[lengths], width[lengths] = np.log(LENGTH), SPREAD
-        random = np.random.default_rng(seed)
-        far = random.normal(middle, width, (_PROPOSED, len(best)))
-        far[:, 0] = random.uniform(low[0], high[0], _PROPOSED)
-        close = near.rvs(_PROPOSED, random).reshape(_PROPOSED, -1)
-        proposed = np.clip(np.concatenate([close, far]), low, high)
-        density = np.asarray(norm.logpdf(proposed[:, 1:], middle[1:], width[1:])).sum(axis=1) - np.log(high[0] - low[0])
-        few = self._few()
-        likely = [_evidence(few.at(one), prior)[0] + few.prior(one) for one in proposed]
-        likely -= np.logaddexp(near.logpdf(proposed), density)
-        share = np.cumsum(np.exp(likely - likely.max()))
-        places = (np.arange(DRAWS) + random.uniform()) / DRAWS * share[-1]
-        return np.asarray(random.permutation(proposed[np.searchsorted(share, places)]))
-
-    def odds(self, prior: Draw, best: Array) -> float:
-        """Return the logarithm of the odds for a discrepancy: the evidence over all amplitudes against that of none."""
-        one = self.at(best)
-        shares = np.geomspace(_AMPLITUDES[0], 3 * AMPLITUDE, 40)
-        density = shares**_RISE * np.exp(-0.5 * (shares / AMPLITUDE) ** 2)
-        none, *some = (
-            _evidence(replace(one, amplitude=share * self.size), prior)[0] for share in (_NOTHING, *shares.tolist())
+    def at(self, state: State) -> Discrepancy:
+        """Return the process with what a state says."""
+        amplitude = float(np.exp(state.amplitude)) * self.size
+        return Discrepancy(
+            self.points, self._noise(state), amplitude, np.exp(state.lengths), self.residual, self.slopes
         )
-        return float(logsumexp(some, b=density / density.sum()) - none)
 
-    def prior(self, parameters: Array) -> float:
-        """Return the logarithm of the prior density of hyperparameters, up to a constant."""
-        share = np.exp(parameters[0]) / AMPLITUDE
-        away = (parameters[1 : 1 + len(self.plain.lengths)] - np.log(LENGTH)) / SPREAD
-        return float(_RISE * parameters[0] - 0.5 * share**2 - 0.5 * away @ away)
+    def few(self) -> tuple["Residuals", Indices]:
+        """Return as many of the values as states are drawn from, and which they are."""
+        n = len(self.residual)
+        some = np.arange(n) if n <= _MOST else np.sort(np.random.default_rng(0).choice(n, _MOST, replace=False))
+        names = ("points", "residual", "slopes", "spread", "stated", "unknown")
+        return replace(self, **{name: getattr(self, name)[some] for name in names}), some
 
-    def loss(self, prior: Draw) -> Loss:
-        """Return the negative logarithm of the posterior density of hyperparameters, and its slope, as a function."""
-        return lambda parameters: self._loss(parameters, prior)
+    def usual(self, state: State) -> Array:
+        """Return variances of the errors of values that are no outliers, (n,)."""
+        return np.asarray(self.spread + self._plain(state))
 
-    def _loss(self, parameters: Array, prior: Draw) -> tuple[float, Array]:
-        one, lengths = self.at(parameters), slice(1, 1 + len(self.plain.lengths))
-        evidence, estimate, covariance = _evidence(one, prior)
-        residual, slopes = one.whitened
-        u = residual - slopes @ estimate
-        pull = np.outer(u, u) - cho_solve((one.factor, True), np.eye(len(u))) + slopes @ covariance @ slopes.T
-        weight = pull * one.covariance(one.points)
-        share, away = one.amplitude / self.size / AMPLITUDE, (parameters[lengths] - np.log(LENGTH)) / SPREAD
-        slope = np.empty_like(parameters)
-        slope[0] = weight.sum() + _RISE - share**2
-        for i, x in enumerate((one.points / one.lengths).T):
-            slope[1 + i] = 0.5 * (weight * (x[:, None] - x) ** 2).sum() - away[i] / SPREAD
-        slope[lengths.stop :] = np.diag(pull) @ self._extra(parameters)
-        return -(evidence + self.prior(parameters)), -slope
+    def swept(self, state: State, mean: Array, covariance: Array, random: np.random.Generator) -> tuple[State, float]:
+        """Return a state after one round over all that is unknown, and log-odds for a discrepancy given all else of it.
 
-    @property
-    def _bounds(self) -> tuple[Array, Array]:
-        noise = [_NOISES] if self.unknown.any() else []
-        low, high = np.log([_AMPLITUDES, *[_LENGTHS] * len(self.plain.lengths), *noise]).T
-        return low, high
+        Parameters
+        ----------
+        state
+            Where the chain is.
+        mean, covariance
+            What all other outputs say of the constants: (k,), (k, k).
+        random
+            Where numbers are drawn from.
+        """
+        away, shared = self.residual - self.slopes @ mean, self.slopes @ covariance @ self.slopes.T
+        noisy = shared + np.diag(self._noise(state))
+        state, odds = self._with_amplitude(state, away, noisy, random)
+        state = self._with_lengths(state, away, noisy, random)
+        rest = shared + (np.exp(state.amplitude) * self.size) ** 2 * self._smooth(state.lengths[None])[0]
+        wider = WILD[state.wild] ** 2
+        if self.unknown.any():
+            levels = _lattice(state.loose, _NOISES, _STEPS["loose"], random)
+            extra = np.where(self.unknown, self.size**2 * wider, 0) * np.exp(2 * levels)[:, None]
+            likely = _densities(_with_diagonals(rest, self.spread + wider * self._stated(state) + extra), away)
+            state = replace(state, loose=float(levels[_pick(likely, random)]))
+        if not self.unknown.all():
+            levels = _lattice(state.scale, _SCALES, _STEPS["scale"], random)
+            stated = wider * self.stated * np.exp(2 * levels)[:, None]
+            likely = _densities(_with_diagonals(rest, self.spread + wider * self._loose(state) + stated), away)
+            likely -= (FREEDOM + 1) / 2 * np.log1p((levels / TRUST) ** 2 / FREEDOM)
+            state = replace(state, scale=float(levels[_pick(likely, random)]))
+        return replace(state, wild=self._wild(state, away, rest, random)), odds
 
-    def _extra(self, parameters: Array) -> Array:
-        """Variance of the unknown noise of every value."""
-        if len(parameters) == 1 + len(self.plain.lengths):
-            return np.zeros(len(self.unknown))
-        return np.where(self.unknown, (np.exp(parameters[-1]) * self.size) ** 2, 0.0)
+    def completed(self, state: State, some: Indices, mean: Array, random: np.random.Generator) -> State:
+        """Return a state that was drawn from some of the values with outliers drawn for the others too."""
+        wild = np.zeros(len(self.residual), np.intp)
+        wild[some] = state.wild
+        whole = replace(state, wild=wild)
+        others = np.setdiff1d(np.arange(len(wild)), some)
+        if not len(others):
+            return whole
+        known = self.few()[0].at(state)
+        own, by_constants, variance = known.at(self.points[others])
+        away = self.residual[others] - self.slopes[others] @ mean - own + by_constants @ mean
+        noise = self.spread[others, None] + (self._plain(whole)[others, None] * WILD**2) + variance[:, None]
+        likely = np.log(CHANCE) - 0.5 * np.log(noise) - 0.5 * away[:, None] ** 2 / noise
+        wild[others] = [_pick(one, random) for one in likely]
+        return replace(state, wild=wild)
 
-    def _few(self) -> "Residuals":
-        """As many of the values as hyperparameters are chosen from."""
-        n = len(self.unknown)
-        if n <= _MOST:
-            return self
-        some = np.random.default_rng(0).choice(n, _MOST, replace=False)
-        parts = {name: getattr(self.plain, name)[some] for name in ("points", "noise", "residual", "slopes")}
-        return replace(self, plain=replace(self.plain, **parts), unknown=self.unknown[some])
+    def _with_amplitude(
+        self, state: State, away: Array, noisy: Array, random: np.random.Generator
+    ) -> tuple[State, float]:
+        levels = _lattice(state.amplitude, _AMPLITUDES, _STEPS["amplitude"], random)
+        prior = _RISE * levels - 0.5 * (np.exp(levels) / AMPLITUDE) ** 2
+        shares = self.size**2 * np.concatenate([[0.0], np.exp(2 * levels)])
+        none, *some = _densities(noisy + shares[:, None, None] * self._smooth(state.lengths[None]), away)
+        likely = np.asarray(some) + prior
+        odds = float(np.logaddexp.reduce(likely) - np.logaddexp.reduce(prior) - none)
+        return replace(state, amplitude=float(levels[_pick(likely, random)])), odds
+
+    def _with_lengths(self, state: State, away: Array, noisy: Array, random: np.random.Generator) -> State:
+        variance, lengths = (np.exp(state.amplitude) * self.size) ** 2, state.lengths.copy()
+        for i in range(len(lengths)):
+            levels = _lattice(lengths[i], _LENGTHS, _STEPS["length"], random)
+            every = np.repeat(lengths[None], len(levels), 0)
+            every[:, i] = levels
+            likely = _densities(noisy + variance * self._smooth(every), away)
+            likely -= 0.5 * ((levels - np.log(LENGTH)) / SPREAD) ** 2
+            lengths[i] = levels[_pick(likely, random)]
+        return replace(state, lengths=lengths)
+
+    def _wild(self, state: State, away: Array, rest: Array, random: np.random.Generator) -> Indices:
+        """Outliers, a value after the other: what a wider error changes of the density is of rank one."""
+        inverse = np.linalg.inv(rest + np.diag(self._noise(state)))
+        pull, wild, plain = inverse @ away, state.wild.copy(), self._plain(state)
+        left, drawn = random.permutation(len(away)), random.uniform(size=len(away))
+        while len(left):  # until one changes, the conditional chances of all stay as they are
+            more = plain[left, None] * (WILD**2 - WILD[wild[left], None] ** 2)
+            grown = 1 + more * inverse[left, left, None]
+            chance = CHANCE / np.sqrt(grown) * np.exp(
+                0.5 * np.minimum(more * pull[left, None] ** 2 / grown, _HUGE)
+            )  # fmt: skip
+            share = np.cumsum(chance, axis=1)
+            now = (share < drawn[left, None] * share[:, -1:]).sum(axis=1)
+            changed = np.flatnonzero(now != wild[left])
+            if not len(changed):
+                break
+            first = changed[0]
+            i, k = left[first], now[first]
+            wild[i], column, part = k, inverse[:, i].copy(), more[first, k] / grown[first, k]
+            pull = pull - part * pull[i] * column
+            inverse = inverse - part * np.outer(column, column)
+            left = left[first + 1 :]
+        return wild
+
+    def _stated(self, state: State) -> Array:
+        return np.asarray(self.stated * np.exp(2 * state.scale))
+
+    def _loose(self, state: State) -> Array:
+        return np.where(self.unknown, (np.exp(state.loose) * self.size) ** 2, 0.0)
+
+    def _plain(self, state: State) -> Array:
+        """Variances of measurement of values that are no outliers."""
+        return self._stated(state) + self._loose(state)
+
+    def _noise(self, state: State) -> Array:
+        return np.asarray(self.spread + WILD[state.wild] ** 2 * self._plain(state))
+
+    def _smooth(self, lengths: Array) -> Array:
+        """Correlations of the process among the points, with what keeps them definite: lengths (g, d) to (g, n, n)."""
+        n = len(self.points)
+        square = np.exp(-2 * lengths) @ self._squares.reshape(lengths.shape[1], -1)
+        return np.asarray(np.exp(-0.5 * square).reshape(-1, n, n) + 1e-10 * np.eye(n))
+
+    @cached_property
+    def _squares(self) -> Array:
+        """Squared distances along every input, (d, n, n)."""
+        t = self.points.T
+        return np.asarray((t[:, :, None] - t[:, None, :]) ** 2)
 
 
-def _evidence(one: Discrepancy, prior: Draw) -> tuple[float, Array, Array]:
-    """Log-evidence of an output's residuals, and the posterior mean and covariance of the constants with it."""
-    precision, weighted = one.information
-    before, before_size = prior.precision
-    after = before + precision
-    covariance = np.asarray(np.linalg.inv(after), dtype=np.float64)
-    estimate = covariance @ (before @ prior.mean + weighted)
-    gone, (residual, slopes) = estimate - prior.mean, one.whitened
-    fit = (one.residual - one.slopes @ estimate) @ (residual - slopes @ estimate) + gone @ before @ gone
-    size = np.linalg.slogdet(after)[1] - before_size + 2 * np.log(np.diag(one.factor)).sum()
-    return -0.5 * float(fit + size + len(residual) * np.log(2 * np.pi)), estimate, covariance
+def _lattice(now: float, ends: tuple[float, float], step: float, random: np.random.Generator) -> Array:
+    """Levels of a logarithm from one end to the other through where it is now, a random step apart."""
+    (low, high), step = np.log(ends), step * float(random.uniform(0.6, 1.0))
+    return np.asarray(now + step * np.arange(np.ceil((low - now) / step), np.floor((high - now) / step) + 1))
+
+
+def _densities(covariances: Array, away: Array) -> Array:
+    """Logarithms of normal densities (g,) of one vector (n,) under covariances (g, n, n), up to a constant."""
+    g, n = len(covariances), len(away)
+    framed = np.empty((g, n + 1, n + 1))  # the last row of its root is the vector, whitened
+    framed[:, :n, :n], framed[:, n, :n], framed[:, :n, n], framed[:, n, n] = covariances, away, away, _FRAME
+    roots = np.linalg.cholesky(framed)
+    sizes = np.log(np.diagonal(roots, axis1=1, axis2=2)[:, :n]).sum(axis=1)
+    return np.asarray(-0.5 * (roots[:, n, :n] ** 2).sum(axis=1) - sizes)
+
+
+def _with_diagonals(matrix: Array, diagonals: Array) -> Array:
+    """A matrix (n, n) with diagonals (g, n) added, (g, n, n)."""
+    every = np.repeat(matrix[None], len(diagonals), 0)
+    n = len(matrix)
+    every[:, np.arange(n), np.arange(n)] += diagonals
+    return every
+
+
+def _pick(likely: Array, random: np.random.Generator) -> int:
+    """A number by log-densities."""
+    share = np.cumsum(np.exp(likely - likely.max()))
+    return int(np.searchsorted(share, random.uniform() * share[-1]))

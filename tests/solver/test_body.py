@@ -5,7 +5,19 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.body import FILM, FILM_IN_AIR, HALF_PLANE, HALF_PLANE_IN_AIR, HALF_SPACE, KINDS, POINT_FILM, Kind, kind_of
+from solver.body import (
+    FILM,
+    FILM_IN_AIR,
+    HALF_PLANE,
+    HALF_PLANE_IN_AIR,
+    HALF_SPACE,
+    HALF_SPACE_IN_AIR,
+    KINDS,
+    POINT_FILM,
+    POINT_FILM_IN_AIR,
+    Kind,
+    kind_of,
+)
 from solver.curves import FOLLOWS, REGIONS
 from solver.face.bodies import body_of
 from solver.face.cases import Cases
@@ -25,6 +37,10 @@ CASES = {
         "material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "thickness": 5e-4, "base": "steel",
     },
 }  # fmt: skip
+CASES |= {
+    HALF_SPACE_IN_AIR.name: CASES[HALF_SPACE.name] | {"surroundings": "air"},
+    POINT_FILM_IN_AIR.name: CASES[POINT_FILM.name] | {"surroundings": "air"},
+}
 
 
 @pytest.mark.parametrize("profile", PROFILES)

@@ -127,14 +127,14 @@ class GapContact:
     @cached_property
     def _edges(self) -> Index:
         """Nodes of the elements' sides on the body's surface beside the contact, by rising x; (side, order + 1)."""
-        return _sides(self.body)
+        return sides(self.body)
 
     @cached_property
     def _rule(self) -> tuple[Array, Array, Array]:
         """Shapes at Gauss's points of a side (point, node), and x and weights of all points (side, point)."""
         points, weights = np.polynomial.legendre.leggauss(self.order + 6)
-        line = _lobatto(self.order)
-        shapes = _lagrange(line, points)
+        line = lobatto(self.order)
+        shapes = lagrange(line, points)
         ends = self.body.places[self._edges][:, [0, -1], 0]
         half = (ends[:, 1] - ends[:, 0]) / 2
         return shapes, ends.mean(axis=1)[:, None] + half[:, None] * points, half[:, None] * weights
@@ -160,7 +160,7 @@ class GapContact:
 
     # -- the solution --------------------------------------------------------------------------------------------------
     @cached_property
-    def _dry(self) -> "_Dry":
+    def _dry(self) -> "Dry":
         """The system without air."""
         conducted, below = self.punch.conducted, self._below
         u = np.zeros((self._stiffness.shape[0], 3 + len(conducted)))
@@ -172,8 +172,8 @@ class GapContact:
         touched = (4 * below[:, None] + np.arange(4)).ravel()
         raised = [4 * np.unique(self._edges) + 1]
         if self._upper is not None:
-            raised.append(4 * (len(self.body.places) + np.unique(_sides(self._upper))) + 1)
-        return _Dry.of(self._stiffness, *self._joined, ~self._held(), u, airy, touched, np.concatenate(raised))
+            raised.append(4 * (len(self.body.places) + np.unique(sides(self._upper))) + 1)
+        return Dry.of(self._stiffness, *self._joined, ~self._held(), u, airy, touched, np.concatenate(raised))
 
     def _states(self, gap: Array) -> tuple[Array, Array]:
         """Scaled u (unknowns, states), right on the surface only, and nodal loads (node, 4, states) of the body.
@@ -295,7 +295,7 @@ class GapContact:
 
 
 @dataclass(frozen=True, eq=False)
-class _Dry:
+class Dry:
     """What the bodies answer without air, and to charges on the surface beside the contact.
 
     Attributes
@@ -324,7 +324,7 @@ class _Dry:
     def of(
         cls, stiffness: "csr_array[np.float64]", rows: "csr_array[np.float64]", columns: "csr_array[np.float64]",
         free: NDArray[np.bool_], u: Array, airy: Index, touched: Index, raised: Index,
-    ) -> "_Dry":  # fmt: skip
+    ) -> "Dry":  # fmt: skip
         """From the assembled bodies, their joints, what is free, and the given u of the states."""
         matrix = (rows @ stiffness @ columns)[free]
         factors = splu(matrix[:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.001,
@@ -351,7 +351,7 @@ def _contact(body: Body) -> Index:
     return found[np.argsort(x[found])]
 
 
-def _sides(body: Body) -> Index:
+def sides(body: Body) -> Index:
     """Nodes of elements' sides on y = 0 with |x| >= 1, by rising x."""
     p, nodes = body.order, body.nodes
     found = []
@@ -360,30 +360,32 @@ def _sides(body: Body) -> Index:
         whole = np.concatenate([nodes[:, [side]], inner, nodes[:, [(side + 1) % 4]]], axis=1)
         x, y = np.moveaxis(body.places[whole], -1, 0)
         found.append(whole[np.all(y == 0, axis=1) & np.all(np.abs(x) >= 1, axis=1)])
-    sides = np.concatenate(found)
-    order = np.argsort(body.places[sides, 0], axis=1)
-    return np.take_along_axis(sides, order, axis=1)
+    every = np.concatenate(found)
+    order = np.argsort(body.places[every, 0], axis=1)
+    return np.take_along_axis(every, order, axis=1)
 
 
 def _along(body: Body, values: Array, x: Array) -> Array:
     """Values of nodes of the surface, between them by the elements' polynomials, at x beside the contact."""
-    sides = _sides(body)
-    ends = body.places[sides][:, [0, -1], 0]
-    line, found = _lobatto(body.order), np.empty_like(x)
-    for nodes, (low, high) in zip(sides, ends, strict=True):
+    every = sides(body)
+    ends = body.places[every][:, [0, -1], 0]
+    line, found = lobatto(body.order), np.empty_like(x)
+    for nodes, (low, high) in zip(every, ends, strict=True):
         here = (x >= low) & (x <= high)
-        found[here] = _lagrange(line, (2 * x[here] - low - high) / (high - low)) @ values[nodes]
+        found[here] = lagrange(line, (2 * x[here] - low - high) / (high - low)) @ values[nodes]
     outside = np.abs(x) > ends.max()
     found[outside] = 0.0
     return found
 
 
-def _lobatto(order: int) -> Array:
+def lobatto(order: int) -> Array:
+    """Gauss-Lobatto-Legendre points."""
     inner = np.real(np.polynomial.Legendre.basis(order).deriv().roots())
     return np.concatenate([[-1.0], inner, [1.0]])
 
 
-def _lagrange(line: Array, x: Array) -> Array:
+def lagrange(line: Array, x: Array) -> Array:
+    """Values at x of the Lagrange polynomials on ``line``; (len(x), len(line))."""
     legendre = np.linalg.inv(np.polynomial.legendre.legvander(line, len(line) - 1))
     return np.asarray(np.polynomial.legendre.legvander(x, len(line) - 1) @ legendre)
 

@@ -23,27 +23,27 @@ def layered_mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:
     size = _SIZE * min(1.0, thicknesses[0])
     near = np.array([-1, -_NARROW, 0, _NARROW, 1]) * size
     middle = np.linspace(size - 1, 1 - size, int(np.ceil(2 * (1 - size) / size)) + 1)[1:-1]
-    outward = 1 + np.append(_growing(size, _NEAR, 3), _growing(_NEAR, far, _GROWTH))
+    outward = 1 + np.append(growing(size, _NEAR, 3), growing(_NEAR, far, _GROWTH))
     x = np.concatenate([-outward[::-1], near - 1, middle, near + 1, outward])
     sides, depth = [np.array([0.0, size])], 0.0
     for thickness in thicknesses:
         depth += thickness
-        sides.append(_growing(sides[-1][-1], depth, 2))
+        sides.append(growing(sides[-1][-1], depth, 2))
     if not rigid:
-        sides.append(depth + np.insert(_growing(size, far, _GROWTH), 0, size))
+        sides.append(depth + np.insert(growing(size, far, _GROWTH), 0, size))
     y = -np.concatenate(sides)
     bottoms = -np.cumsum([*thicknesses, np.inf])
     layer = np.array([np.searchsorted(-bottoms, -(top + low) / 2) for top, low in pairwise(y)])
-    return _assemble(x, y, layer, [int(np.flatnonzero(x == edge)[0]) for edge in (-1.0, 1.0)])
+    return assemble(x, y, layer, [int(np.flatnonzero(x == edge)[0]) for edge in (-1.0, 1.0)])
 
 
-def _growing(start: float, end: float, growth: float) -> Array:
+def growing(start: float, end: float, growth: float) -> Array:
     """Places beyond start up to end, each at most ``growth`` times as far as the one before."""
     count = int(np.ceil(np.log(end / start) / np.log(growth) - 1e-9))
     return np.append(start * (end / start) ** (np.arange(1, count) / count), end)
 
 
-def _assemble(x: Array, y: Array, layer: Index, edges: list[int]) -> Quadrilaterals:
+def assemble(x: Array, y: Array, layer: Index, edges: list[int]) -> Quadrilaterals:
     """Rectangles between x and y, but rings about the columns ``edges`` in place of the four beside each."""
     at = np.arange(len(x) * len(y)).reshape(len(x), len(y))
     vertices, origin, corners, of = [], [], [], []

@@ -3,11 +3,15 @@
 import argparse
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from storage.files import output, regular
 from workflow.cli.words import say, surrogate_file
 from workflow.study.reading import InputError, number, one_line
+
+if TYPE_CHECKING:
+    from workflow.learning.instruments import Instrument
+    from workflow.study.model import Study
 
 #: Name of the corrected surrogate, beside the one that it was made from, where none is given.
 CORRECTED = "corrected.nc"
@@ -29,6 +33,12 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
         action="append",
         metavar="NAME[=5%],...",
         help="'BaTiO3 permittivity', 'BaTiO3 e33', 'steel modulus'",
+    )
+    command.add_argument(
+        "--instrument",
+        action="append",
+        metavar="QUANTITY_gain=3%,...",
+        help="'voltage_gain=3%%', 'depth_offset=0.1um': what readings may be off by, all alike; one standard deviation",
     )
     command.add_argument(
         "-o", "--output", type=Path, metavar="OUT.nc", help=f"default: {CORRECTED} beside the surrogate"
@@ -60,7 +70,7 @@ def learn(options: argparse.Namespace) -> None:
     rows = read_measured(options.measured, study, model)
     asked = uncertainty.uncertain(study, _uncertain(options.uncertain))
     try:
-        corrected, taught = measured.learn(study, model, rows, asked, say)
+        corrected, taught = measured.learn(study, model, rows, asked, say, _instruments(options.instrument, study))
     except InputError as error:
         raise InputError(f"{options.measured}: {error}") from None
     save(corrected, path)
@@ -84,12 +94,40 @@ def _uncertain(words: list[str] | None) -> dict[str, float | None] | None:
     return found
 
 
-def _share(name: str, text: str) -> float:
+def _share(name: str, text: str, option: str = "--uncertain") -> float:
     plain = text.strip().removesuffix("%")
     try:
         share = number(plain) * (0.01 if plain != text.strip() else 1.0)
     except ValueError:
         share = -1.0
     if not 0 < share <= 0.5:
-        raise InputError(f"--uncertain: {name}: {text.strip()!r} is not a number above 0 and up to 0.5 (50 %)")
+        raise InputError(f"{option}: {name}: {text.strip()!r} is not a number above 0 and up to 0.5 (50 %)")
     return share
+
+
+def _instruments(words: list[str] | None, study: "Study") -> "list[Instrument]":
+    """``QUANTITY_gain=3%`` and ``QUANTITY_offset=0.1um`` between commas: what readings may be off by."""
+    from solver.names import ALL_QUANTITIES
+    from workflow.language.sizes import size
+    from workflow.learning.instruments import Instrument
+
+    found: list[Instrument] = []
+    for part in (one.strip() for word in words or [] for one in word.split(",")):
+        name, _, text = (each.strip() for each in part.partition("="))
+        quantity, _, family = name.rpartition("_")
+        if family not in ("gain", "offset") or quantity not in study.outputs:
+            known = ", ".join(study.outputs)
+            raise InputError(f"--instrument: {name!r} is not QUANTITY_gain or QUANTITY_offset of one of {known}")
+        if name in [one.name for one in found]:
+            raise InputError(f"--instrument: {name}: given twice")
+        if family == "gain":
+            found.append(Instrument(quantity, True, _share(name, text, "--instrument")))
+            continue
+        try:
+            absolute, _ = size(quantity, text)
+        except ValueError as error:
+            raise InputError(f"--instrument: {name}: {error}") from None
+        if not 0 < absolute < float("inf"):
+            raise InputError(f"--instrument: {name}: {text!r} is not a positive size with a unit, as '0.1 um'")
+        found.append(Instrument(quantity, False, absolute, ALL_QUANTITIES[quantity].units))
+    return found

@@ -34,8 +34,8 @@ DEVICE: dict[str, Described] = {
 #: Every name of a constant.
 CONSTANTS: dict[str, Described] = {**BORNE, **DEVICE}
 
-#: How punch and body meet, as far as figures of a device differ by it: a line without or with air, or a point.
-Meeting = Literal["line", "line in air", "point"]
+#: How punch and body meet, as far as figures of a device differ by it: a line or a point, without or with air.
+Meeting = Literal["line", "line in air", "point", "point in air"]
 
 
 def _figures(pressing: str, capacitance: str, blocked: str, *, per_metre: bool) -> dict[str, Described]:
@@ -80,6 +80,7 @@ FIGURES_BY: dict[Meeting, dict[str, Described]] = {
     "line": _figures("load", "capacitance", "blocked_load_per_volt", per_metre=True),
     "line in air": _figures("load", "capacitance_at_load", "blocked_load_per_volt", per_metre=True),
     "point": _figures("force", "contact_capacitance", "blocked_force_per_volt", per_metre=False),
+    "point in air": _figures("force", "contact_capacitance_at_force", "blocked_force_per_volt", per_metre=False),
 }
 
 #: Every one by name; unit and meaning are those of any meeting.

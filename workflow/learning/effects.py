@@ -4,12 +4,13 @@ Effects are a tenth of what they change, or less, so that a tenth of the factori
 level of a tabled factor costs tables of the solver, for every constant.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from solver import find
 from surrogate import GaussianProcess, GridGP
 from surrogate.levels.counts import UnreachableError
 from surrogate.levels.pilot import explore
@@ -17,7 +18,7 @@ from workflow.dataset import factorial
 from workflow.study import categories
 from workflow.study.model import Study
 from workflow.study.reading import InputError
-from workflow.study.uncertainty import Constant, concerned, moved
+from workflow.study.uncertainty import Constant, concerned, members, moved
 
 Array = NDArray[np.float64]
 
@@ -37,7 +38,9 @@ class Effects:
     study, model
         The study and its surrogate.
     constants
-        What is uncertain.
+        What is uncertain. The derivative by a family of which every member is there too is the sum of theirs.
+    silent
+        Names of unknowns that change no output, as an instrument's; they come after the constants.
     say
         Is told of progress: what is done, of how many.
 
@@ -48,17 +51,23 @@ class Effects:
     """
 
     def __init__(
-        self, study: Study, model: GaussianProcess, constants: list[Constant], say: Callable[[str], None]
+        self,
+        study: Study,
+        model: GaussianProcess,
+        constants: list[Constant],
+        say: Callable[[str], None],
+        silent: Sequence[str] = (),
     ) -> None:
-        self._study, self._model, self._constants, self._say = study, model, constants, say
+        self._study, self._model, self._constants, self._say, self._silent = study, model, constants, say, silent
         self._levels = _levels(study, model)
         tables = int(np.prod([len(self._levels[name]) for name in study.tabled])) * len(study.combinations)
-        if study.tabled and tables * len(constants) > _MOST_TABLES:
+        solved = sum(not self._parts(one) for one in constants)
+        if study.tabled and tables * solved > _MOST_TABLES:
             raise InputError(
-                f"{study.path}: effects of {len(constants)} constants need {tables} tables of films each, more than "
+                f"{study.path}: effects of {solved} constants need {tables} tables of films each, more than "
                 f"{_MOST_TABLES} in all; name fewer constants with --uncertain"
             )
-        say(f"effects of {len(constants)} constants: exact on {self.cases} cases each")
+        say(f"effects of {solved} constants: exact on {self.cases} cases each")
         self._start = self._exact(np.zeros(len(constants)))
         self._at, self._slopes = np.zeros(len(constants)), self._differences(np.zeros(len(constants)), self._start)
         self.error = self._judged()
@@ -69,7 +78,8 @@ class Effects:
         return int(np.prod([len(one) for one in self._levels.values()])) * len(self._study.combinations)
 
     def at(self, z: Array) -> GridGP:
-        """The change of every output at scaled constants, then its derivative by each of them, for every output."""
+        """The change of every output at scaled constants, then its derivative by each unknown, for every output."""
+        z = z[: len(self._constants)]
         here = self._exact(z) if np.any(z) else self._start
         if np.abs(z - self._at).max() > _STALE[bool(self._study.tabled)]:
             self._say("the constants have moved: their effects anew")
@@ -79,6 +89,7 @@ class Effects:
             parts[f"{name}: change"] = here[name] - self._start[name]
             for one, slope in zip(self._constants, self._slopes, strict=True):
                 parts[f"{name}: {one.name}"] = slope[name]
+            parts |= {f"{name}: {one}": xr.zeros_like(here[name]) for one in self._silent}
         return self._fitted(parts)
 
     def _fitted(self, parts: dict[str, xr.DataArray]) -> GridGP:
@@ -90,19 +101,31 @@ class Effects:
 
     def _differences(self, z: Array, here: xr.Dataset) -> list[xr.Dataset]:
         """Derivatives of all outputs by every scaled constant, zero where it has no part."""
-        found = []
-        for k, one in enumerate(self._constants):
-            self._say(f"{k + 1} of {len(self._constants)}: {one.name}")
+        found: dict[str, xr.Dataset] = {}
+        solved = [one for one in self._constants if not self._parts(one)]
+        for number, one in enumerate(solved, 1):
+            self._say(f"{number} of {len(solved)}: {one.name}")
+            k = self._constants.index(one)
             step = z + _STEP * np.eye(len(z))[k]
             held = concerned(self._study, one)
-            solved = factorial.exact(moved(self._study, self._constants, step).narrowed(held), dict(self._levels))
+            cases = factorial.exact(moved(self._study, self._constants, step).narrowed(held), dict(self._levels))
             kinds = {name: [held[name]] if name in held else names for name, names in self._study.categories.items()}
-            there = categories.apart(_expanded(solved, held), kinds, self._study.outputs)
-            found.append(xr.Dataset({
+            there = categories.apart(_expanded(cases, held), kinds, self._study.outputs)
+            found[one.name] = xr.Dataset({
                 name: (there[name] - here[name]) / _STEP if name in there else xr.zeros_like(here[name])
                 for name in self._model.outputs_
-            }))  # fmt: skip
-        return found
+            })  # fmt: skip
+        for one in self._constants:
+            for part in self._parts(one):
+                share = found[part.name] * (one.std / part.std)
+                found[one.name] = found[one.name] + share if one.name in found else share
+        return [found[one.name] for one in self._constants]
+
+    def _parts(self, one: Constant) -> list[Constant]:
+        """The members of a family, where all of them are uncertain too, each for itself."""
+        names = members(find(one.material, self._study.own_materials), one.family)
+        parts = [other for other in self._constants if other.material == one.material and other.family in names]
+        return parts if len(parts) == len(names) else []
 
     def _judged(self) -> Array:
         """Standard deviation of what the effects leave at random cases, all constants one prior deviation off, (p,)."""

@@ -1,6 +1,6 @@
 """Measured rows on a study's surrogate: its uncertain constants and discrepancies, and the corrected surrogate."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,9 @@ from surrogate.intervals.distribution import NOMINAL, Normal
 from surrogate.transforms.measured.corrected import CorrectedGP
 from surrogate.use import learning
 from workflow.learning.effects import Effects
+from workflow.learning.instruments import Instrument, shown
 from workflow.learning.taught import Taught
+from workflow.study import uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.uncertainty import Constant
@@ -31,6 +33,7 @@ def learn(
     rows: Measurements,
     constants: list[Constant],
     say: Callable[[str], None] = lambda message: None,
+    instruments: Sequence[Instrument] = (),
 ) -> tuple[CorrectedGP, Taught]:
     """Correct a study's surrogate by measured rows.
 
@@ -41,9 +44,11 @@ def learn(
     rows
         What was measured, within the trained box.
     constants
-        What is uncertain of the study's materials.
+        What is uncertain of the study's materials. Members of these families may be off each for itself as well.
     say
         Is told of progress.
+    instruments
+        Gains and offsets that readings may have.
 
     Returns
     -------
@@ -59,34 +64,43 @@ def learn(
     count = len(np.unique(rows.row))
     if not FEWEST <= count <= MOST_ROWS:
         raise InputError(f"{count} rows with a measured value; must be {FEWEST} to {MOST_ROWS}")
-    unknowns = len(constants) + len(rows.outputs)
+    given = len(constants) + len(instruments)
+    unknowns = given + len(rows.outputs)
     if len(rows.value) < unknowns:
         raise InputError(
-            f"{len(rows.value)} measured values are fewer than {unknowns} unknowns ({len(constants)} constants, "
+            f"{len(rows.value)} measured values are fewer than {unknowns} unknowns ({given} constants, "
             f"{len(rows.outputs)} discrepancies); measure more, or name fewer constants with --uncertain"
         )
     nominal = model.predict_array(rows.points)
     lower, upper = model.interval_array(rows.points, NOMINAL)
     mean = nominal[rows.row, rows.output]
     _check_size(model, rows, mean)
-    effects = Effects(study, model, constants, say)
+    for one in instruments:
+        if not one.measures(model, rows).any():
+            raise InputError(f"--instrument: {one.name}: no row holds a measured {one.quantity}")
+    singles = uncertainty.own(study, constants)
+    every, count = [*constants, *singles], len(constants) + len(singles)
+    effects = Effects(study, model, every, say, [one.name for one in instruments])
     own = np.maximum(upper - nominal, nominal - lower)[rows.row, rows.output] / Normal().ends(NOMINAL)[1, 0]
     spread = np.hypot(own, effects.error[rows.output])
     latest: list[GaussianProcess] = []
+    unknown: list[Constant | Instrument] = [*every, *instruments]
+    single = np.array([one in singles for one in unknown], np.bool_)
 
     def forward(z: Array) -> tuple[Array, Array]:
-        say("constants at " + ", ".join(f"{one:+.2f}" for one in z) + " prior standard deviations")
+        told = ", ".join(f"{one:+.2f}" for one in z[: len(constants)])
+        say(f"constants at {told} prior standard deviations")
         latest[:] = [effects.at(z)]
         found = latest[0].predict_array(rows.points).reshape(len(rows.points), len(model.outputs_), -1)
         own = found[rows.row, rows.output]
-        return mean + own[:, 0], own[:, 1:]
+        return shown(list(instruments), model, rows, z[count:], mean + own[:, 0], own[:, 1 : count + 1])
 
     try:
-        found = learning.learn(forward, rows, model.inputs_, len(constants), spread)
+        found = learning.learn(forward, rows, model.inputs_, len(unknown), spread, single)
     except (learning.NotSettledError, MaterialError) as error:
         raise InputError(str(error)) from None
-    taught = Taught.of(found, rows, constants, model, mean)
-    names = {one.name: one.prior for one in constants}
+    taught = Taught.of(found, rows, unknown, single, model, mean)
+    names = {one.name: one.prior for one in unknown}
     surrogate = CorrectedGP(
         model, latest[0], names, found.about, found.draws, rows, effects.error, "\n".join(taught.lines)
     )

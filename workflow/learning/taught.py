@@ -5,19 +5,33 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import binom
 
 from surrogate import GaussianProcess
 from surrogate.data.measurements import Measurements
 from surrogate.intervals.distribution import NOMINAL, Normal
-from surrogate.use.learning import Learnt
+from surrogate.use.learning import ROUNDS, Learnt
+from workflow.learning.instruments import Instrument
 from workflow.study.uncertainty import Constant
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Unknown = Constant | Instrument
 
 #: Posterior over prior standard deviation: above it nothing was learnt, below it a combination is well known.
 UNTOLD, TOLD = 0.8, 0.5
-#: Odds for a discrepancy from which on it is real, and up to which none was seen.
+#: Odds for an explanation from which on it is real, and up to which none was seen.
 REAL, UNSEEN = 20.0, 3.0
+#: Probability from which on a value is named an outlier.
+NAMED = REAL / (1 + REAL)
+#: True over stated errors that are told: where the 95 % interval is beyond.
+LARGER, SMALLER = 1.2, 0.8
+_RARE = 0.01  # chance of so few rows within their intervals from which on they disagree
+
+
+def understated(found: Learnt, output: int) -> bool:
+    """Whether errors are said to be larger than stated."""
+    return found.scale(output)[1] > LARGER
 
 
 @dataclass(frozen=True)
@@ -34,25 +48,40 @@ class Taught:
 
     @classmethod
     def of(
-        cls, found: Learnt, rows: Measurements, constants: list[Constant], model: GaussianProcess, nominal: Array
+        cls,
+        found: Learnt,
+        rows: Measurements,
+        unknown: list[Unknown],
+        single: Flags,
+        model: GaussianProcess,
+        nominal: Array,
     ) -> Self:
-        """What was learnt about constants of a model whose nominal means at the measured values are given."""
-        return cls(
-            {
-                "rows": len(np.unique(rows.row)),
-                "values": len(rows.value),
-                "constants": _constants(found, constants),
-                "known_together": _combinations(found, constants),
-                "discrepancies": [_discrepancy(found, rows, model, nominal, q) for q in rows.outputs],
-                "left_out": _left_out(found, rows, nominal),
-            }
-        )
+        """What was learnt about unknowns (k,), some of them single constants beside families: flags (k,).
+
+        The model's nominal means at the measured values are given.
+        """
+        constants = _constants(found, unknown)
+        told = {
+            "rows": len(np.unique(rows.row)),
+            "values": len(rows.value),
+            "constants": [one for one, own in zip(constants, single, strict=True) if not own],
+            "single_constants": [one for one, own in zip(constants, single, strict=True) if own],
+            "known_together": _combinations(found, unknown),
+            "discrepancies": [_discrepancy(found, rows, model, nominal, q) for q in rows.outputs],
+            "errors": [_errors(found, model, q) for q in rows.outputs if np.isfinite(rows.error[rows.of(q)]).any()],
+            "outliers": _outliers(found, rows, model),
+            "left_out": _left_out(found, rows, nominal),
+        }
+        if single.any():
+            told["single_constants_off"] = _verdict("single constants are off beside their families", found.own_odds)
+        return cls(told | {"not_told_apart": _open(told)})
 
     @property
     def lines(self) -> list[str]:
         """In words, a line each."""
         one, left = self.plain, self.plain["left_out"]
-        moved = [c for c in one["constants"] if c["posterior_over_prior"] <= UNTOLD]
+        every = [*one["constants"], *one["single_constants"]]
+        moved = [c for c in every if c["posterior_over_prior"] <= UNTOLD]
         untold = [c["name"] for c in one["constants"] if c["posterior_over_prior"] > UNTOLD]
         lines = [f"{one['rows']} rows, {one['values']} measured values"]
         for c in sorted(moved, key=lambda c: c["posterior_over_prior"]):
@@ -65,15 +94,41 @@ class Taught:
             lines.append(f"not identifiable, as before the measurement: {', '.join(untold)}")
         for c in one["known_together"]:
             lines.append(f"known only together, to {c['posterior_over_prior']:.2f} of the prior: {c['combination']}")
+        lines += [one["single_constants_off"]["verdict"]] if "single_constants_off" in one else []
         lines += [f"{d['output']}: {d['verdict']}" for d in one["discrepancies"]]
+        lines += [f"{e['output']}: {e['verdict']}" for e in one["errors"] if e["verdict"]]
+        lines += [o["verdict"] for o in one["outliers"]]
+        if one["not_told_apart"]:
+            lines.append(f"these rows neither show nor exclude: {'; '.join(one['not_told_apart'])}")
         lines.append(
             f"each row predicted from the others: {100 * left['share_within_95']:.1f} % of the values within 95 % "
             f"intervals, errors {left['rms_after']:.2g} of what they were before"
         )
+        if left["disagree"]:
+            lines.append("rows left out disagree with what the others say: what is told above does not hold as it is")
         return lines
 
 
-def _constants(found: Learnt, constants: list[Constant]) -> list[dict[str, Any]]:
+def odds_said(odds: float) -> str:
+    """Odds in words, never more than as many draws as there are can tell."""
+    if odds > ROUNDS:
+        return f"more than {ROUNDS} to 1"
+    return f"less than 1 to {ROUNDS}" if odds < 1 / ROUNDS else f"odds {odds:.2g} to 1"
+
+
+def _verdict(what: str, odds: float) -> dict[str, Any]:
+    """Whether an explanation is needed."""
+    said = odds_said(odds)
+    if odds > REAL:
+        verdict = f"{what} ({said})"
+    elif odds < UNSEEN:
+        verdict = f"not seen: {what} ({said})"
+    else:
+        verdict = f"neither shown nor excluded: {what} ({said})"
+    return {"what": what, "odds": min(max(odds, 1 / ROUNDS), float(ROUNDS)), "verdict": verdict}
+
+
+def _constants(found: Learnt, constants: list[Unknown]) -> list[dict[str, Any]]:
     rows = zip(constants, found.mean.tolist(), found.contraction.tolist(), strict=True)
     return [
         {
@@ -84,7 +139,7 @@ def _constants(found: Learnt, constants: list[Constant]) -> list[dict[str, Any]]
     ]  # fmt: skip
 
 
-def _combinations(found: Learnt, constants: list[Constant]) -> list[dict[str, Any]]:
+def _combinations(found: Learnt, constants: list[Unknown]) -> list[dict[str, Any]]:
     """Directions that the rows know well though no constant in them is known alone."""
     known = []
     for contraction, direction in zip(found.directions[0], found.directions[1].T, strict=True):
@@ -106,20 +161,71 @@ def _discrepancy(found: Learnt, rows: Measurements, model: GaussianProcess, nomi
         own, by_constants, _ = one.at(one.points)
         values.append(own - by_constants @ draw.mean)
     share = float(np.sqrt(np.mean(np.mean(values, axis=0) ** 2))) / size if size else 0.0
-    said = f"odds {np.exp(min(odds, 50.0)):.3g} to 1"
-    if odds > np.log(REAL):
+    said = odds_said(odds)
+    if odds > REAL:
         verdict = f"a discrepancy that no constant explains is real ({said}), {100 * share:.2g} % of its size"
-    elif odds < np.log(UNSEEN):
+    elif odds < UNSEEN:
         verdict = f"no discrepancy is seen beside the constants ({said})"
     else:
         verdict = f"a discrepancy is neither shown nor excluded ({said}), {100 * share:.2g} % of its size"
-    return {"output": model.outputs_[q], "log_odds": odds, "share_of_size": share, "verdict": verdict}
+    odds = min(max(odds, 1 / ROUNDS), float(ROUNDS))
+    return {"output": model.outputs_[q], "odds": odds, "share_of_size": share, "verdict": verdict}
+
+
+def _errors(found: Learnt, model: GaussianProcess, q: int) -> dict[str, Any]:
+    """How many times larger than stated errors are."""
+    median, low, high = found.scale(q)
+    verdict = ""
+    if low > LARGER or high < SMALLER:
+        verdict = f"errors are {median:.2g} times those stated (95 %: {low:.2g} to {high:.2g})"
+    return {"output": model.outputs_[q], "times_stated": median, "low": low, "high": high, "verdict": verdict}
+
+
+def _outliers(found: Learnt, rows: Measurements, model: GaussianProcess) -> list[dict[str, Any]]:
+    """Values that do not belong to the others, each with its row."""
+    named = []
+    for k in np.flatnonzero(found.wild > NAMED).tolist():
+        row, output = int(rows.row[k]) + 1, model.outputs_[rows.output[k]]
+        away = float((rows.value[k] - found.left_out[0][k]) / found.left_out[1][k])
+        odds = float(found.wild[k] / max(1 - found.wild[k], 1e-12))
+        verdict = (
+            f"row {row}, {output}: an outlier ({odds_said(odds)}), {away:+.1f} standard deviations from what the "
+            "other rows say; it counts for little"
+        )
+        named.append({"row": row, "output": output, "away": away, "odds": min(odds, float(ROUNDS)), "verdict": verdict})
+    return named
+
+
+def _open(told: dict[str, Any]) -> list[str]:
+    """Explanations that the rows do not decide between."""
+    found = [
+        f"a discrepancy of {one['output']} ({odds_said(one['odds'])})"
+        for one in told["discrepancies"]
+        if 1 / UNSEEN < one["odds"] <= REAL
+    ]
+    found += [
+        f"errors of {one['output']} {one['times_stated']:.2g} times those stated"
+        for one in told["errors"]
+        if one["low"] <= LARGER < one["times_stated"]
+    ]
+    own = told.get("single_constants_off")
+    if own and 1 / UNSEEN < own["odds"] <= REAL:
+        found.append(f"{own['what']} ({odds_said(own['odds'])})")
+    return found
 
 
 def _left_out(found: Learnt, rows: Measurements, nominal: Array) -> dict[str, Any]:
-    """How well every row is predicted from the others, beside the surrogate before."""
+    """How well every row is predicted from the others, beside the surrogate before; outliers are left out of this."""
     predicted, std = found.left_out
+    usual = found.wild <= NAMED
     reach = float(Normal().ends(NOMINAL)[1, 0])
     after, before = np.abs(rows.value - predicted), np.abs(rows.value - nominal)
-    ratios = [np.sqrt(np.mean(after[rows.of(q)] ** 2) / np.mean(before[rows.of(q)] ** 2)) for q in rows.outputs]
-    return {"share_within_95": float(np.mean(after <= reach * std)), "rms_after": float(np.median(ratios))}
+    inside = (after <= reach * std)[usual]
+    ratios = []
+    for q in rows.outputs:
+        k = rows.of(q)
+        k = k[usual[k]]
+        ratios.append(np.sqrt(np.mean(after[k] ** 2) / np.mean(before[k] ** 2)) if len(k) else 1.0)
+    chance = float(binom.cdf(inside.sum(), len(inside), NOMINAL))
+    share = float(np.mean(inside)) if len(inside) else 0.0
+    return {"share_within_95": share, "rms_after": float(np.median(ratios)), "disagree": chance < _RARE}

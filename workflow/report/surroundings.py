@@ -9,7 +9,12 @@ from workflow.dataset import factorial
 from workflow.language import titles
 from workflow.study.model import Study
 
-_READ = ("voltage", "capacitance", "charge_sensitivity")  # what a device is read by, and air changes most
+_READ = (
+    "voltage",
+    "capacitance",
+    "contact_capacitance",
+    "charge_sensitivity",
+)  # what a device is read by, and air changes most
 _HERE = {
     "insulated": "No charge is beside the contact (surroundings: insulated); with air there",
     AIR: "Air is beside the contact and carries charge (surroundings: air); with insulated surroundings",

@@ -133,7 +133,9 @@ class Contents(Strict):
     @property
     def meeting(self) -> Meeting:
         """How punch and body meet in its cases, which says what figures of a device are; in air where all cases are."""
-        return "line in air" if set(self.surroundings) == {AIR} else self.kind.contact
+        if set(self.surroundings) == {AIR}:
+            return "line in air" if self.kind.contact == "line" else "point in air"
+        return self.kind.contact
 
     @property
     def elastic(self) -> bool:

@@ -31,6 +31,9 @@ FAMILIES: dict[str, tuple[str, ...]] = {
 }
 #: Prior standard deviation of the logarithm where no other values are published, and of Poisson's ratio.
 USUAL, POISSON = 0.05, 0.02
+#: Prior standard deviation of the logarithm of one constant beside its family, at least.
+OWN = 0.03
+_MOST_OWN = 0.1  # of a scatter: variants that differ more are other materials
 _ELASTIC = {"modulus": FAMILIES["stiffness"], "poisson": FAMILIES["stiffness"]}
 _VACUUM = {"permittivity": VACUUM_PERMITTIVITY, "permeability": VACUUM_PERMEABILITY}
 _KINDS = ("base", "material")
@@ -104,6 +107,27 @@ def uncertain(study: Study, asked: Mapping[str, float | None] | None = None) -> 
     return [_asked(name, std, found, study) for name, std in asked.items()]
 
 
+def own(study: Study, constants: list[Constant]) -> list[Constant]:
+    """What single constants of these families may be off by, each for itself, beside their families.
+
+    The prior standard deviation is the scatter of other published values about their family's mean, and 3 % at least.
+    """
+    named, found = {one.name for one in constants}, []
+    for one in constants:
+        material = find(one.material, study.own_materials)
+        for name in members(material, one.family):
+            single = Constant(one.material, name, _scatter(material, one.family))
+            found += [] if single.name in named else [single]
+    return found
+
+
+def members(material: Material, family: str) -> list[str]:
+    """Constants of a material that a family scales, two or more; none of what is no such family."""
+    values = {name: float(getattr(material, name)) for name in FAMILIES.get(family, ())}
+    found = [name for name, value in values.items() if value not in (0.0, _VACUUM.get(family)) and value == value]
+    return found if len(found) > 1 else []
+
+
 def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> Study:
     """The study with its constants at scaled values; MaterialError where no material is admissible there."""
     changed: dict[str, Material] = {}
@@ -168,6 +192,16 @@ def _spread(material: Material, names: tuple[str, ...]) -> float:
         off = [np.log(a / b) for a, b in pairs if a * b > 0]
         largest = max(largest, abs(float(np.mean(off)))) if off else largest
     return largest
+
+
+def _scatter(material: Material, family: str) -> float:
+    """Deviation of the logarithms of other published values about their family's mean, the widest of the variants."""
+    largest = OWN
+    for one in material.variants():
+        pairs = [(float(getattr(one, name)), float(getattr(material, name))) for name in members(material, family)]
+        off = [np.log(a / b) for a, b in pairs if a * b > 0]
+        largest = max(largest, float(np.std(off, ddof=1))) if len(off) > 1 else largest
+    return min(largest, _MOST_OWN)
 
 
 def _is_isotropic(material: Material) -> bool:

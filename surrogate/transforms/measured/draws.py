@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from surrogate.transforms.measured.discrepancy import Discrepancy
 
 @dataclass(frozen=True)
 class Draw:
-    """The posterior at one draw of the discrepancies' hyperparameters.
+    """The posterior at one draw of all else that is unknown: discrepancies' sizes and lengths, errors, outliers.
 
     Attributes
     ----------
@@ -26,22 +25,30 @@ class Draw:
     covariance: Array
     discrepancies: Mapping[int, Discrepancy]
 
-    @cached_property
-    def precision(self) -> tuple[Array, float]:
-        """The inverse of the covariance (k, k), and the logarithm of its determinant."""
-        inverse = np.asarray(np.linalg.inv(self.covariance), dtype=np.float64)
-        return inverse, float(np.linalg.slogdet(inverse)[1])
-
     @classmethod
-    def of(cls, discrepancies: Mapping[int, Discrepancy], constants: int) -> "Draw":
-        """Return what the measured values say of so many constants, given the discrepancies' hyperparameters."""
-        precision, weighted = np.eye(constants), np.zeros(constants)
+    def of(cls, discrepancies: Mapping[int, Discrepancy], prior: Array) -> "Draw":
+        """Return what the measured values say of constants of these prior deviations (k,), zero where one is known."""
+        precision, weighted = np.zeros((len(prior), len(prior))), np.zeros(len(prior))
         for one in discrepancies.values():
             own, estimate = one.information
             precision += own
             weighted += estimate
-        covariance = np.linalg.inv(precision)
-        return cls(covariance @ weighted, (covariance + covariance.T) / 2, discrepancies)
+        return cls(*posterior(precision, weighted, prior), discrepancies)
+
+
+def posterior(precision: Array, weighted: Array, prior: Array) -> tuple[Array, Array]:
+    """Return mean (k,) and covariance (k, k) of normal unknowns of zero prior means and these prior deviations (k,).
+
+    Parameters
+    ----------
+    precision, weighted
+        What is known beside: a precision (k, k), and its product with an estimate (k,).
+    prior
+        Prior deviations; zero where an unknown is zero.
+    """
+    inner = np.linalg.inv(np.eye(len(prior)) + prior[:, None] * precision * prior)
+    covariance = prior[:, None] * (inner + inner.T) / 2 * prior
+    return covariance @ weighted, covariance
 
 
 def moments(parts: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:

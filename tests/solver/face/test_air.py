@@ -101,14 +101,24 @@ def test_the_table_of_films_with_air_is_the_solver_s() -> None:
         (AIR | {"friction": 0.3, "load": 1e5}, "surroundings: the punch touches the surface beside the contact, at"),
         (AIR | {"speed": 1e4}, "speed: 10000 m/s is not below the limiting speed"),
         (
-            AIR | {"profile": "sphere", "force": 1.0},
-            "surroundings: 'air' beside a point contact is not solved; must be",
+            AIR | {"profile": "sphere", "force": 1.0, "electric": "insulating", "magnetic": "insulating"},
+            "surroundings: 'air' is not allowed: the punch conducts no field",
+        ),
+        (
+            AIR | {"profile": "disc", "width": 1e-3, "force": 1.0},
+            "surroundings: 'air' is not allowed: the punch has a corner",
+        ),
+        (
+            AIR | {"profile": "cone", "slope": 0.1, "force": 1.0},
+            "surroundings: 'air' is not allowed: only a sphere has a size at which its gap ends",
         ),
     ],
 )
 def test_refused_in_one_line(changed: dict[str, Any], message: str) -> None:
     case = LINE | changed
-    for name in {"flat": ["radius"], "sphere": ["load"]}.get(changed.get("profile", ""), []):
+    for name in {"flat": ["radius"], "sphere": ["load"], "disc": ["radius", "load"], "cone": ["radius", "load"]}.get(
+        changed.get("profile", ""), []
+    ):
         del case[name]
     with pytest.raises((solver.FactorError, solver.MaterialError)) as refusal:
         solver.solve(case)

@@ -10,7 +10,6 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
-from scipy.stats import multivariate_normal
 
 from storage.netcdf import read_whole, write_whole
 from surrogate import FormatError, GridGP, Input, load, save
@@ -18,6 +17,7 @@ from surrogate.data.measurements import Measurements
 from surrogate.transforms.measured.corrected import CorrectedGP
 from surrogate.transforms.measured.discrepancy import Discrepancy
 from surrogate.transforms.measured.draws import Draw
+from surrogate.use import residuals
 from surrogate.use.learning import Learnt, NotSettledError, learn
 from surrogate.use.residuals import Residuals
 
@@ -99,8 +99,8 @@ def corrected(found: Learnt, rows: Measurements) -> CorrectedGP:
     return CorrectedGP(nominal(), effect, CONSTANTS, found.about, found.draws, rows, np.zeros(2), "what it taught")
 
 
-# of sixty, whose shares scatter by 0.105, 0.033 and 0.12 from device to device, three standard deviations more
-@pytest.mark.parametrize(("count", "slack"), [(60, 3.0), pytest.param(200, 0.0, marks=pytest.mark.soak)])
+# of six, whose shares scatter by 0.105, 0.033 and 0.12 from device to device, three standard deviations more
+@pytest.mark.parametrize(("count", "slack"), [(6, 3.0), pytest.param(200, 0.0, marks=pytest.mark.soak)])
 def test_intervals_hold_on_synthetic_devices(count: int, slack: float) -> None:
     # discrepancies from none to ten times the noise; 20 truths a device of each output that nobody has measured
     truths, rows, constants = [], [], []
@@ -176,33 +176,55 @@ def test_values_left_out_are_predicted_from_all_other_rows(device: Device, found
             own[q] = Discrepancy(
                 one.points[some], one.noise[some], one.amplitude, one.lengths, one.residual[some], one.slopes[some]
             )
-        mean, variance = dense(others, found.about, Draw.of(own, 3), rows.points[rows.row[5]][None], rows.output[5])
-        parts.append((mean[0], variance[0] + rows.error[5] ** 2))
+        mean, variance = dense(
+            others, found.about, Draw.of(own, np.ones(3)), rows.points[rows.row[5]][None], rows.output[5]
+        )
+        parts.append((mean[0], variance[0] + draw.discrepancies[rows.output[5]].noise.min()))  # of no outlier
     means, variances = np.array(parts).T
     assert found.left_out[0][5] == pytest.approx(means.mean(), rel=1e-6)
     assert found.left_out[1][5] ** 2 == pytest.approx(variances.mean() + means.var(), rel=1e-5)
 
 
-def test_evidence_is_that_of_a_normal_density_and_its_slope_that_of_differences(device: Device) -> None:
-    rows = device.rows()
-    k = rows.of(0)
-    t = np.stack([one.to_unit(rows.points[rows.row[k], i]) for i, one in enumerate(INPUTS)], 1)
-    J, error = slopes(rows.points, np.zeros(3))[rows.row[k], 0], rows.error[k].copy()
-    error[::3] = np.nan
-    nominal = model(rows.points, np.zeros(3))[rows.row[k], 0]
-    some = Residuals.of(t, rows.value[k] - nominal, J, error, np.zeros(len(k)), nominal)
-    prior = Draw(np.array([0.3, -0.2, 0.1]), np.diag([0.5, 1.0, 0.8]), {})
-    loss = some.loss(prior)
-    at, other = np.log([0.05, 1.2, 2.5, 0.03]), np.log([0.1, 2.0, 0.9, 0.01])
+def test_what_is_unknown_is_drawn_from_its_density(monkeypatch: pytest.MonkeyPatch) -> None:
+    # one input, one constant, no outliers: the density on a grid of amplitude, length and scale of the errors
+    monkeypatch.setattr(residuals, "CHANCE", np.array([1.0, 0.0, 0.0]))
+    random = np.random.default_rng(5)
+    x = np.linspace(-1, 1, 9)
+    value = 0.06 * np.sin(2.5 * x) + 0.02 * random.normal(size=9)
+    some = Residuals.of(x[:, None], value, 0.02 * x[:, None], np.full(9, 0.01), np.full(9, 1e-3), np.ones(9))
+    mean, covariance = np.array([0.3]), np.array([[0.5]])
+    state, drawn, odds = some.first, [], []
+    for _ in range(1200):
+        state, log_odds = some.swept(state, mean, covariance, random)
+        drawn.append([state.amplitude, state.lengths[0], state.scale])
+        odds.append(log_odds)
+    grids = (
+        np.linspace(np.log(1e-3), np.log(3), 24),
+        np.linspace(np.log(0.1), np.log(50), 24),
+        np.linspace(np.log(0.3), np.log(30), 36),
+    )
+    a, length, scale = (one.ravel() for one in np.meshgrid(*grids, indexing="ij"))
+    prior = 0.5 * a - 0.5 * (np.exp(a) / 0.2) ** 2 - 0.5 * ((length - np.log(2)) / 0.7) ** 2
+    trust = -1.5 * np.log1p((scale / residuals.TRUST) ** 2 / 2)
+    away, square = value - 0.02 * x * 0.3, (x[:, None] - x) ** 2
+    base = 0.5 * 0.02**2 * np.outer(x, x) + 1e-6 * np.eye(9)
+    noise = (0.01 * np.exp(scale))[:, None, None] ** 2 * np.eye(9)
+    process = np.exp(2 * a)[:, None, None] * np.exp(-0.5 * square * np.exp(-2 * length)[:, None, None])
 
-    def density(parameters: Array) -> float:
-        one = some.at(parameters)
-        covariance = one.covariance(t) + np.diag(one.noise) + J @ prior.covariance @ J.T
-        return float(multivariate_normal(J @ prior.mean, covariance).logpdf(one.residual)) + some.prior(parameters)
+    def density(covariances: Array) -> Array:
+        return np.asarray(
+            -0.5 * (np.linalg.solve(covariances, away[:, None])[..., 0] @ away + np.linalg.slogdet(covariances)[1])
+        )
 
-    assert loss(at)[0] - loss(other)[0] == pytest.approx(density(other) - density(at), rel=1e-7)
-    numeric = [(loss(at + step)[0] - loss(at - step)[0]) / 2e-5 for step in 1e-5 * np.eye(4)]
-    np.testing.assert_allclose(loss(at)[1], numeric, rtol=1e-5, atol=1e-5)
+    likely = density(base + noise + process) + prior + trust
+    share = np.exp(likely - likely.max())
+    share /= share.sum()
+    for k, one in enumerate((a, length, scale)):
+        middle = share @ one
+        assert np.mean(drawn, axis=0)[k] == pytest.approx(middle, abs=0.25 * np.sqrt(share @ (one - middle) ** 2))
+    against = np.logaddexp.reduce(likely) - np.logaddexp.reduce(prior)
+    without = np.logaddexp.reduce(density(base + noise) + trust) - np.log(len(a))
+    assert -np.log(np.mean(np.exp(-np.array(odds)))) == pytest.approx(against - without, abs=0.5)
 
 
 def test_gradients_are_those_of_the_means(device: Device, found: Learnt) -> None:
@@ -264,17 +286,17 @@ def test_what_rows_do_not_tell_stays_as_it_was(found: Learnt) -> None:
 
 def test_a_discrepancy_is_found_where_there_is_one() -> None:
     real, none = learnt(Device(11, 0.1, 40).rows()), learnt(Device(11, 0.0, 40).rows())
-    assert min(real.odds.values()) > np.log(20)
-    assert max(none.odds.values()) < np.log(3)
+    assert min(real.odds.values()) > 20
+    assert max(none.odds.values()) < 3
 
 
 def test_unknown_errors_of_measurement_are_estimated() -> None:
-    rows = Device(3, 0.0, 60).rows(0.02)
+    rows = Device(3, 0.0, 40).rows(0.02)
     nobody = Measurements(rows.points, rows.row, rows.output, rows.value, np.full_like(rows.error, np.nan))
     found = learnt(nobody)
     for q in range(2):
         noise = np.sqrt(np.mean([one.discrepancies[q].noise[0] for one in found.draws]))
-        assert noise == pytest.approx(0.02 * SIZES[q], rel=0.3)
+        assert noise == pytest.approx(0.02 * SIZES[q], rel=0.35)
 
 
 def test_what_cannot_be_learnt_is_refused(device: Device) -> None:

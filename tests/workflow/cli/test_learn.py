@@ -125,6 +125,24 @@ def test_errors_that_are_not_positive_and_too_few_rows_are_refused(
         assert reason in capsys.readouterr().err
 
 
+def test_instruments_that_do_not_fit_are_refused(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = sorted(project.rglob("*"))
+    for word, reason in (
+        ("voltage=3%", "--instrument: 'voltage' is not QUANTITY_gain or QUANTITY_offset of one of depth,"),
+        ("charge_gain=3%", "--instrument: 'charge_gain' is not QUANTITY_gain"),
+        ("voltage_gain=90%", "--instrument: voltage_gain: '90%' is not a number above 0 and up to 0.5 (50 %)"),
+        ("voltage_offset=1um", "--instrument: voltage_offset: unit mismatch: '1um'"),
+        ("voltage_offset=2%", "--instrument: voltage_offset: '2%' is not a positive size with a unit"),
+        ("voltage_gain=1%,voltage_gain=2%", "--instrument: voltage_gain: given twice"),
+        ("contact_trailing_gain=1%", "contact_trailing_gain: no row holds a measured contact_trailing"),
+    ):
+        assert asked(project, "--instrument", word) == 2
+        said = capsys.readouterr()
+        assert reason in said.err
+        assert said.out == ""
+    assert sorted(project.rglob("*")) == before
+
+
 def test_other_surrogates_and_constants_are_refused(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert asked(project, "--uncertain", "CoFe2O4 stifness") == 2
     assert "did you mean 'CoFe2O4 stiffness'?" in capsys.readouterr().err

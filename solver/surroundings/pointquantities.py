@@ -1,0 +1,191 @@
+"""Every quantity of point contacts with air beside them by its name (points, 6)."""
+
+from collections.abc import Iterator
+from functools import lru_cache
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.kernel import strip
+from solver.film.windows import FIRST, LAST, number_of
+from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
+from solver.point.body import Film, HalfSpace
+from solver.point.pressed import Contact, Pressed
+from solver.point.pressure import SAMPLES, climbed
+from solver.point.profile import Shape
+from solver.point.quantities import RESPONSES
+from solver.point.table import PointKind, ends
+from solver.surroundings.airpoint import AirPoint, PointState
+from solver.surroundings.largest import peak_of_panels
+from solver.surroundings.refusal import require_gap_of_point
+from solver.surroundings.ringoperators import WITHIN, RingOperators
+from solver.surroundings.rings import rings
+from solver.surroundings.ringtable import RingsByRadius, RingsOnHalfSpace, RingTable
+from solver.surroundings.spread import spread
+
+_TABLES = 12  # kept: 20 MB each at most
+_MATERIALS = 64
+
+
+@lru_cache(_TABLES)
+def _air_window(kind: PointKind, number: int) -> RingTable:
+    stack = kind.film.stack()
+    fields = tuple(field for field in (0, 1) if kind.conducts[field])
+    operators = RingOperators(rings(), fields, kind.compliance, kind.shape, spread(stack), strip(stack))
+    return RingTable(operators, ends(number))
+
+
+@lru_cache(_MATERIALS)
+def _on_half_space(compliance: tuple[float, ...], fields: tuple[int, ...], shape: Shape) -> RingsOnHalfSpace:
+    return RingsOnHalfSpace(RingOperators(rings(), fields, np.reshape(compliance, (3, 3)), shape))
+
+
+def quantities(pressed: Pressed, permittivity: Array, end: Array) -> dict[str, Array]:
+    """Quantities of ``solver.names``, those of a point without air and those that only a gap has; (case,) each.
+
+    Edge intensities are absent: those of fields that the air carries do not exist.
+
+    Parameters
+    ----------
+    pressed
+        Cases of one body under punches of one shape.
+    permittivity
+        Relative permittivity of what fills the gap; (case,).
+    end
+        Radius of the punch [m], at which its gap ends; (case,).
+
+    Raises
+    ------
+    ContactError
+        As without air; a punch that touches the surface beside the contact.
+    SurroundingsError
+        A punch or a body that the theory of air does not cover.
+    """
+    conducts = np.broadcast_to(pressed.conducts, (pressed.force.size, 2))
+    require_gap_of_point(pressed.body, conducts)
+    cases = [_of_case(case, contact) for case, contact in _cases(pressed, permittivity, end)]
+    return {name: np.array([case[name] for case in cases]) for name in cases[0] if all(name in case for case in cases)}
+
+
+class _Case:
+    """One case of a body: its units, and its contacts under any charges or potentials."""
+
+    def __init__(self, pressed: Pressed, place: int, fields: tuple[int, ...], permittivity: float, end: float) -> None:
+        body, self.fields, self._pressed, self.place = pressed.body, fields, pressed, place
+        self.units = pressed.units[place]
+        self.length = float(body.thickness[place]) if isinstance(body, Film) else 1.0
+        e = body.shape.exponent
+        self._coefficient = float(pressed.coefficient[place] / self.units[0] * self.length ** (e - 1))
+        self._force = float(pressed.force[place] * self.units[0] / self.length**2)
+        vacuum = np.array([VACUUM_PERMITTIVITY * permittivity, VACUUM_PERMEABILITY])
+        self.permittivity = vacuum
+        self._media = (vacuum * self.units[1:] ** 2 / self.units[0])[list(fields)]
+        self._end = end / self.length
+
+    @property
+    def own(self) -> Array:
+        """Units of the charges of the fields [C, Wb]; (field,)."""
+        return np.asarray(self.length**2 / self.units[[1 + f for f in self.fields]])
+
+    def state(self, charges: Array, held: bool, start: float) -> PointState:
+        """With charges [C, Wb], or with all potentials at zero, from a radius [m] on."""
+        given = np.zeros(len(self.fields)) if held else charges[list(self.fields)] / self.own
+        at = start / self.length
+        for _ in range(LAST - FIRST):
+            operators, number = self._operators(at)
+            state = AirPoint(operators, self._coefficient, self._force, given, (held,) * len(self.fields),
+                             self._media, self._end, at).state  # fmt: skip
+            if number is None or number == number_of(np.array([state.radius]))[0] or _within(state.radius, number):
+                break
+            at = state.radius
+        return state
+
+    def _operators(self, ratio: float) -> tuple[RingsByRadius, int | None]:
+        body = self._pressed.body
+        if isinstance(body, HalfSpace):
+            return _on_half_space(tuple(body.compliance[self.place].ravel().tolist()), self.fields, body.shape), None
+        number = int(number_of(np.array([ratio]))[0])
+        return _air_window(body.kind, number), number
+
+
+def _within(ratio: float, number: int) -> bool:
+    low, high = ends(number)
+    return bool(low <= np.log(ratio) <= high)
+
+
+def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[_Case, dict[str, Contact]]]:
+    charged, grounded = pressed.charged, pressed.grounded
+    contacts = {"charged": charged, "uncharged": pressed.uncharged, "grounded": grounded}
+    conducts = np.broadcast_to(pressed.conducts, (pressed.force.size, 2))
+    for place in range(pressed.force.size):
+        fields = tuple(np.flatnonzero(conducts[place]).tolist())
+        yield _Case(pressed, place, fields, float(permittivity[place]), float(end[place])), contacts
+
+
+def _of_case(case: _Case, contacts: dict[str, Contact]) -> dict[str, float]:
+    place, nothing = case.place, np.zeros(2)
+    charges = contacts["charged"].pressed.charges[place]
+    state = case.state(charges, False, float(contacts["charged"].radius[place]))
+    idle = state if not np.any(charges) else case.state(nothing, False, float(contacts["uncharged"].radius[place]))
+    short = case.state(nothing, True, float(contacts["grounded"].radius[place]))
+    tangent = _tangent(case, state.flexibility)
+    free, size = state.flexibility, state.size / state.radius
+    out = {
+        "contact_radius": case.length * state.radius,
+        "peak_pressure": _peak_pressure(state) * size / float(case.units[0]),
+        "depth": -float(state.displacement[0] * state.size) * case.length * float(case.units[0]),
+        "contact_stiffness": float(tangent[0, 0]),
+        "contact_stiffness_open": -case.length / float(free[0, 0] * case.units[0] ** 2),
+    }
+    fixed = np.linalg.inv(state.at_fixed_contact)
+    for row, field in enumerate(case.fields):
+        j, unit = 1 + row, float(case.units[1 + field])
+        capacity = tangent[j, j] - tangent[j, 0] * tangent[0, j] / tangent[0, 0]
+        values = (
+            float(state.displacement[j] * state.size) * case.length * unit,
+            float(idle.flexibility[j, 0] * unit * case.units[0]) / case.length,
+            float(short.loads[j] / short.loads[0] * case.units[0] / unit),
+            float(tangent[0, j] / tangent[0, 0]),
+            -float(tangent[0, j]),
+            float(fixed[row, row]) * case.length / unit**2,
+        )
+        out |= dict(zip(RESPONSES[field], values, strict=True))
+        if field == 0:
+            density = size / unit
+            beside = state.densities[row] / state.thinned
+            out |= {
+                "contact_capacitance_at_force": -float(capacity),
+                "peak_displacement": max(_peak_within(state, row), _peak_beside(state, state.densities[row])) * density,
+                "gap_field": _peak_beside(state, beside) * density / float(case.permittivity[0]),
+            }
+    return out
+
+
+def _tangent(case: _Case, flexibility: Array) -> Array:
+    """-d (P, T, J) / d (-depth, V, Psi) of the channels, SI."""
+    units = case.units[[0, *(1 + f for f in case.fields)]]
+    return np.asarray(-np.linalg.inv(flexibility) * case.length / (units[:, None] * units))
+
+
+def _peak_pressure(state: PointState) -> float:
+    """Largest pressure over C a^(e-1)."""
+    samples = state.inside[: SAMPLES.size]
+    both, values = np.concatenate([-SAMPLES[::-1], SAMPLES]), np.concatenate([-samples[::-1], samples])
+    series = np.polynomial.chebyshev.chebfit(both, values, 2 * SAMPLES.size - 1)
+    best = int(np.argmax(samples))
+    if best == SAMPLES.size - 1:
+        return float(samples[best])
+    low, high = SAMPLES[[max(best - 1, 0), best + 1], None]
+    return float(climbed(lambda x: np.asarray(np.polynomial.chebyshev.chebval(x, series)), low, high)[0])
+
+
+def _peak_within(state: PointState, row: int) -> float:
+    first, count = SAMPLES.size, (state.inside.size - SAMPLES.size) // len(state.of.rows.fields)
+    own = state.inside[first + row * count : first + (row + 1) * count]
+    return peak_of_panels(own.reshape(-1, WITHIN))
+
+
+def _peak_beside(state: PointState, values: Array) -> float:
+    """Largest of values at the nodes, on the finite panels."""
+    grid = state.of.rings.grid
+    return peak_of_panels(values.reshape(grid.panels, -1)[:-1])

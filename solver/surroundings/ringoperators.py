@@ -1,0 +1,243 @@
+"""What point contacts and charges in rings beside them do, at given radii (points, 6).
+
+Everything is linear in the causes u0 = (-depth, V, Psi) and g of the contact and in the densities at the nodes beside
+it. Lengths are in contact radii, displacements over C a^e and tractions over C a^(e-1), as in :mod:`solver.point`: a
+half-space is then the same at every radius. Below the contact chi is given, so that S at Gauss's nodes solves a system
+of the second kind; beside it gap and potentials are what chi leaves from its value at the edge.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.kernel import CHANNEL
+from solver.point.pressure import SAMPLES, added_forms
+from solver.point.profile import Shape
+from solver.surroundings.grid import gauss
+from solver.surroundings.rings import Rings
+from solver.surroundings.spread import Spread
+
+_FIRST, _MORE = 14, 9.0  # of S below a narrow contact, and of its root in wide ones
+_FARTHEST = 19.0  # theta beyond which S is nothing
+_RULE = 8  # nodes between two breaks of a rule
+_APART = 4.0  # growth of the distances from the target at which rules break
+#: x = sqrt(1 - r^2) below the contact at which densities are told: panels, graded to the edge.
+_ENDS = (0.0, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
+WITHIN = 8  # of them a panel
+X_WITHIN = gauss(np.array(_ENDS), WITHIN)[0]
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Where outputs lie among the rows, channels (y, conducted fields), and causes and densities among the columns.
+
+    Attributes
+    ----------
+    fields
+        Conducted fields, 0 electric and 1 magnetic.
+    nodes
+        Number of nodes beside the contact.
+    """
+
+    fields: tuple[int, ...]
+    nodes: int
+
+    @property
+    def channels(self) -> list[int]:
+        """y and the potentials of the fields among (y, phi, psi)."""
+        return [0, *(1 + f for f in self.fields)]
+
+    @property
+    def causes(self) -> int:
+        """Number of causes: u0 of every channel, then g."""
+        return len(self.fields) + 2
+
+    @property
+    def columns(self) -> int:
+        """Causes, then the densities of every field."""
+        return self.causes + len(self.fields) * self.nodes
+
+    def densities(self, place: int) -> slice:
+        """Columns of the densities of a field, by its place."""
+        return slice(self.causes + place * self.nodes, self.causes + (place + 1) * self.nodes)
+
+    @property
+    def loads(self) -> slice:
+        """-(P, T, J) over C a^(e+1) of the channels."""
+        return slice(0, len(self.channels))
+
+    @property
+    def edges(self) -> slice:
+        """S of the channels just within the edge."""
+        return slice(len(self.channels), 2 * len(self.channels))
+
+    @property
+    def raised(self) -> int:
+        """First of those beside the contact: (channel, node) of u less that at the edge."""
+        return 2 * len(self.channels)
+
+    @property
+    def pressure(self) -> slice:
+        """Pressures at ``SAMPLES``, but for an edge's."""
+        first = self.raised + len(self.channels) * self.nodes
+        return slice(first, first + SAMPLES.size)
+
+    def within(self, place: int) -> slice:
+        """Densities of a field at ``X_WITHIN``."""
+        first = self.pressure.stop + place * X_WITHIN.size
+        return slice(first, first + X_WITHIN.size)
+
+    @property
+    def count(self) -> int:
+        """Number of rows."""
+        return int(self.pressure.stop) + len(self.fields) * X_WITHIN.size
+
+
+@dataclass(frozen=True, eq=False)
+class RingOperators:
+    """Contacts of one shape and conduction on one stack, or on a half-space.
+
+    Parameters
+    ----------
+    rings
+        Panels beside the contact.
+    fields
+        Conducted fields.
+    compliance
+        N of the contact, that of an elastic punch with it; (3, 3).
+    shape
+        The punch.
+    layers
+        What layers add; None on a half-space.
+    width
+        Distance over which they vary, in the units of the radii.
+    """
+
+    rings: Rings
+    fields: tuple[int, ...]
+    compliance: Array
+    shape: Shape
+    layers: Spread | None = None
+    width: float = np.inf
+
+    @property
+    def rows(self) -> Rows:
+        """Places of the outputs."""
+        return Rows(self.fields, self.rings.grid.count)
+
+    def at(self, radius: float) -> Array:
+        """Outputs of every cause and density; (row, column)."""
+        rows, channels = self.rows, self.rows.channels
+        below = _Below.of(radius / self.width)
+        size, count = len(channels), below.nodes.size
+        compliance = self.compliance[np.ix_(channels, channels)]
+        given = self._given(np.append(below.nodes, 1.0))  # (channel, node and edge, column)
+        added = np.zeros((size, count + 1 + rows.nodes, rows.columns))
+        if self.layers is None:
+            S = np.einsum("ij,jnc->inc", np.linalg.inv(compliance), given[:, :count])
+        else:
+            targets = np.concatenate([below.nodes, [1.0], self.rings.grid.distance])
+            own, beside = self._kernels(radius, targets, below)
+            for place in range(len(self.fields)):
+                added[..., rows.densities(place)] = beside[:, 1 + place] @ self.rings.gathered
+            matrix = np.einsum("ij,mn->imjn", compliance, np.eye(count)) + np.moveaxis(own[:, :, :count], 1, 2)
+            right = given[:, :count] - added[:, :count]
+            S = np.linalg.solve(matrix.reshape(size * count, -1), right.reshape(size * count, -1))
+            S = S.reshape(size, count, -1)
+            added += np.einsum("ijtn,jnc->itc", own, S)
+        edge = np.linalg.solve(compliance, given[:, count] - added[:, count])
+        found = np.empty((rows.count, rows.columns))
+        found[rows.loads] = 4 * np.einsum("n,inc->ic", below.weights, S)
+        found[rows.edges] = edge
+        coefficients = np.einsum("mn,inc->imc", below.series, S)
+        beside_it = added[:, count + 1 :] - added[:, count, None]
+        for place, channel in enumerate(channels[1:]):
+            found[1 + place, rows.densities(place)] += 4 * self.rings.totals
+            outside = np.zeros((rows.nodes, rows.columns))
+            outside[:, rows.densities(place)] = self.rings.gathered
+            beside_it += self.compliance[channels, channel][:, None, None] * (outside - edge[1 + place])
+        beside_it -= self.compliance[channels, 0][:, None, None] * edge[0]
+        raised = np.einsum("mn,inc->imc", self.rings.raised, beside_it)
+        found[rows.raised : rows.pressure.start] = raised.reshape(-1, rows.columns)
+        found[rows.pressure] = -added_forms(SAMPLES, count) @ coefficients[0]
+        for place in range(len(self.fields)):
+            found[rows.within(place)] = added_forms(X_WITHIN, count) @ coefficients[1 + place]
+            found[rows.within(place), rows.densities(place)] += self._drawn
+        return found
+
+    @cached_property
+    def _drawn(self) -> Array:
+        """What the rings draw below the contact; (x, n)."""
+        return self.rings.poisson(X_WITHIN)
+
+    def _given(self, nodes: Array) -> Array:
+        """chi below the contact; (channel, node, column)."""
+        rows = self.rows
+        found = np.zeros((len(rows.channels), nodes.size, rows.columns))
+        for place in range(len(rows.channels)):
+            found[place, :, place] = 1.0
+        found[0, :, rows.causes - 1] = self.shape.rise * nodes**self.shape.exponent
+        return found
+
+    def _kernels(self, radius: float, targets: Array, below: "_Below") -> tuple[Array, Array]:
+        """From S below and beside the contact to what layers add at targets; (channel, channel, target, node)."""
+        assert self.layers is not None
+        channels = self.rows.channels
+        pairs = CHANNEL[np.ix_(channels, channels)]
+        apart = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
+        within = radius / np.pi * np.sum(self.layers.at(radius * apart), 0) * below.weights[:, None]
+        return np.moveaxis(within[..., pairs], (2, 3), (0, 1)), np.moveaxis(
+            self._beside(radius, targets)[..., pairs], (2, 3), (0, 1)
+        )
+
+    def _beside(self, radius: float, targets: Array) -> Array:
+        """The same from S at the nodes beside the contact, six pairs; (target, node, 6)."""
+        assert self.layers is not None
+        grid, size = self.rings.grid, self.rings.size
+        ends = np.append(grid.ends, _FARTHEST)
+        far = np.cosh(ends[-1])
+        found = np.zeros((targets.size, grid.count, 6))
+        gaps = self.width / radius * _APART ** np.arange(-1, 40.0)
+        gaps = np.concatenate([[0.0], gaps[gaps < far]])
+        breaks = np.clip(targets[:, None] + np.concatenate([gaps, -gaps[1:]]), 1.0, far)
+        all_ends = np.sort(np.concatenate([np.tile(ends, (targets.size, 1)), np.arccosh(breaks)], 1), 1)
+        row, place = np.nonzero(np.diff(all_ends) > 0)
+        start, stop = all_ends[row, place], all_ends[row, place + 1]
+        panel = np.searchsorted(ends, (start + stop) / 2) - 1
+        x, w = gauss(np.array([0.0, 1.0]), _RULE)
+        theta = start[:, None] + (stop - start)[:, None] * x
+        s = np.cosh(theta)
+        weights = (stop - start)[:, None] * w * np.sinh(theta) / s**2 * radius / np.pi
+        values = np.sum(self.layers.at(radius * np.stack([np.abs(targets[row, None] - s), targets[row, None] + s])), 0)
+        last = (panel == grid.panels - 1)[:, None]
+        shape = grid.interpolations(panel, np.where(last, np.exp(-theta), theta))  # (piece, point, node)
+        nodes = shape.shape[-1]
+        pieces = np.swapaxes(shape * weights[..., None], 1, 2) @ values  # (piece, node, 6)
+        flat = (row * grid.count + panel * nodes)[:, None] + np.arange(nodes)
+        np.add.at(found.reshape(-1, 6), flat, pieces)
+        return found / size[:, None]
+
+
+@dataclass(frozen=True, eq=False)
+class _Below:
+    """Gauss's nodes below the contact, for even functions of s."""
+
+    nodes: Array
+    weights: Array
+
+    @classmethod
+    def of(cls, reach: float) -> "_Below":
+        """As many as layers that vary over 1/reach of the radius ask for."""
+        count = _FIRST + int(_MORE * np.sqrt(reach) + 2 * reach)
+        x, w = np.polynomial.legendre.leggauss(2 * count)
+        return cls(x[count:], w[count:])
+
+    @property
+    def series(self) -> Array:
+        """From S at the nodes to coefficients of the tractions in f_n (points, 4); (n, node)."""
+        count = self.nodes.size
+        n = np.arange(count)
+        values = np.polynomial.legendre.legvander(self.nodes, 2 * count - 2)[:, ::2].T
+        return np.asarray(2 / np.pi * (-1.0) ** n[:, None] * (4 * n[:, None] + 1) * values * self.weights)

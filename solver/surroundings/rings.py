@@ -1,0 +1,144 @@
+"""Charges in rings beside a point contact, in the variable of Abel's transform (points, 6).
+
+With S(s) = int_s^inf t r dr / sqrt(r^2 - s^2) of a traction, lengths in contact radii, a half-space answers
+
+    u(r) = (2/pi) int_0^r chi(s) ds / sqrt(r^2 - s^2),    chi = N S,
+
+and a level punch has chi constant at s < 1. Beside the contact r = cosh(theta): the panels are those of a line contact
+(:mod:`solver.surroundings.grid`), a density is a polynomial on each of them.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.windows import Indices
+from solver.surroundings.grid import Grid, gauss
+
+_FINE = 24  # of the rules in tau, theta' = theta +- tau^2, which has no root at the target
+
+_FARTHEST = 1e5  # end of the finite panels, in contact radii
+
+
+@dataclass(frozen=True, eq=False)
+class Rings:
+    """Transforms of densities at the nodes of a grid; they are the same for every body and radius.
+
+    Parameters
+    ----------
+    grid
+        Panels beside the contact.
+    """
+
+    grid: Grid
+
+    @cached_property
+    def size(self) -> Array:
+        """Density over the unknown at the nodes, 1/r^2: in wide gaps densities fall like that; (n,)."""
+        return np.asarray(1 / self.grid.distance**2)
+
+    @property
+    def _last(self) -> float:
+        """Where the infinite panel begins, in u = exp(-theta)."""
+        return self.grid.limits(self.grid.panels - 1)[1]
+
+    @cached_property
+    def gathered(self) -> Array:
+        """S at the nodes, from densities over their size; (n, n)."""
+        grid, theta = self.grid, self.grid.theta
+        found = np.zeros((grid.count, grid.count))
+        for panel in range(grid.panels - 1):
+            low, high = grid.limits(panel)
+            rows = np.flatnonzero(theta < high)
+            at = theta[rows, None]
+            tau, weights = _between(np.sqrt(np.maximum(low - theta[rows], 0)), np.sqrt(high - theta[rows]))
+            other = at + tau**2
+            share = 2 * weights * np.tanh(other) / np.sqrt(np.sinh(other + at) * _sinhc(tau))
+            shape = grid.interpolations(np.full(rows.size, panel), other)
+            found[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
+        v = np.exp(-theta)[:, None]
+        tau, weights = _between(np.sqrt(1 - np.minimum(self._last / v[:, 0], 1)), np.ones(grid.count))
+        u = v * (1 - tau**2)
+        share = 4 * weights * v * (1 - u**2) / (1 + u**2) / np.sqrt((2 - tau**2) * (1 - (u * v) ** 2))
+        shape = grid.interpolations(np.full(grid.count, grid.panels - 1), u)
+        found[:, grid.slice(grid.panels - 1)] = np.einsum("rp,rpn->rn", share, shape)
+        return found
+
+    @cached_property
+    def at_edge(self) -> Array:
+        """S(1), from densities over their size; (n,)."""
+        return self._integrated(lambda theta: 1 / np.sinh(theta))
+
+    @cached_property
+    def totals(self) -> Array:
+        """int_1^inf S ds, from densities over their size; (n,)."""
+        return self._integrated(lambda theta: np.arctan(np.sinh(theta)))
+
+    def poisson(self, x: Array) -> Array:
+        """What densities add to that below the contact at x = sqrt(1 - r^2) beside what S within makes; (x, n)."""
+
+        def of(at: float) -> Callable[[Array], Array]:
+            return lambda theta: 2 / np.pi * at / (np.sinh(theta) * (np.sinh(theta) ** 2 + at**2))
+
+        return np.stack([self._integrated(of(at)) for at in x.tolist()])
+
+    def _integrated(self, of: Callable[[Array], Array]) -> Array:
+        """int f D r dr of a function f of theta; (n,)."""
+        grid = self.grid
+        found = np.zeros(grid.count)
+        for panel in range(grid.panels):
+            u, weights = grid.rule(panel, 0.0 if panel in (0, grid.panels - 1) else None)
+            theta = grid.theta_of(panel, u)
+            along = 1.0 if panel < grid.panels - 1 else 1 / u
+            share = weights * along * np.tanh(theta) * of(theta)
+            found[grid.slice(panel)] = share @ grid.interpolation(panel, u)
+        return found
+
+    @cached_property
+    def raised(self) -> Array:
+        """(2/pi) int_1^r F ds / sqrt(r^2 - s^2) at the nodes r, from F at the nodes; (n, n)."""
+        grid, found = self.grid, np.zeros((self.grid.count, self.grid.count))
+        for panel, rows, other, share in self._rules():
+            at = other if panel < grid.panels - 1 else np.exp(-other)
+            shape = grid.interpolations(np.full(rows.size, panel), at)
+            found[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
+        return found
+
+    def power(self, exponent: float) -> Array:
+        """(2/pi) int_1^r (s^exponent - 1) ds / sqrt(r^2 - s^2) at the nodes r; (n,)."""
+        found = np.zeros(self.grid.count)
+        for _, rows, other, share in self._rules():
+            found[rows] += np.sum(share * np.expm1(exponent * np.log1p(2 * np.sinh(other / 2) ** 2)), -1)
+        return found
+
+    def _rules(self) -> Iterator[tuple[int, Indices, Array, Array]]:
+        """Of every panel: targets beyond its beginning, theta and weights of their rules; (target, point)."""
+        grid, theta = self.grid, self.grid.theta
+        ends = np.append(grid.ends, np.inf)
+        for panel in range(grid.panels):
+            low, high = ends[panel], ends[panel + 1]
+            rows = np.flatnonzero(theta > low)
+            at = theta[rows, None]
+            tau, weights = _between(np.sqrt(np.maximum(theta[rows] - high, 0)), np.sqrt(theta[rows] - low))
+            other = at - tau**2
+            yield panel, rows, other, 4 / np.pi * weights * np.sinh(other) / np.sqrt(np.sinh(at + other) * _sinhc(tau))
+
+
+@lru_cache(1)
+def rings() -> Rings:
+    """Rings as far as the gaps of punches are long, the same for every contact."""
+    return Rings(Grid.up_to(_FARTHEST))
+
+
+def _sinhc(tau: Array) -> Array:
+    """sinh(tau^2) / tau^2."""
+    return np.where(tau > 0, np.sinh(tau**2) / np.where(tau > 0, tau, 1.0) ** 2, 1.0)
+
+
+def _between(low: Array, high: Array) -> tuple[Array, Array]:
+    """Gauss's rule between each pair of ends; (row, point) each."""
+    x, w = gauss(np.array([0.0, 1.0]), _FINE)
+    return low[:, None] + (high - low)[:, None] * x, (high - low)[:, None] * w

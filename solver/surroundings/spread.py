@@ -1,0 +1,99 @@
+"""What the layers of a stack add along the surface under points, over a distance (points, 6).
+
+    Lambda(x) = int_0^inf Delta(k) cos(kx) dk,
+    chi(s) = N S(s) + (1/pi) int_0^inf [Lambda(s - s') + Lambda(s + s')] S(s') ds',
+
+of the six pairs of (y, phi, psi), Delta = Y_top - Y0. Far away only the beginning of Delta matters: a smooth end is
+put to it, of a width that the distance does not see.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebvander
+from scipy.special import erfc
+
+from approximation.chebyshev import coefficients, mapped_points
+from solver.arrays import Array
+from solver.film.kernel import strip, wavenumbers
+from solver.film.reflection import waves
+from solver.film.stack import Stack
+
+_PAIRS = ((1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3))
+_DEGREE = 16  # of the panels in x, which grow as those of the plane's kernels
+_GROWTH = 1.35
+_ENDED = 40.0  # thicknesses from which Delta is ended
+_END, _SLOPE = 72.0, 12.0  # k times the distance where it ends, and the width of that: e^-36 of it is left
+_FAR = 1e4  # strips from which what is left falls like 1/x^2
+_DECAYED = 34.0
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Lambda by Chebyshev panels in the distance.
+
+    Attributes
+    ----------
+    edges
+        Ends of the panels, from 0; (panel + 1,).
+    series
+        Chebyshev coefficients; (panel, degree + 1, 6).
+    """
+
+    edges: Array
+    series: Array
+
+    def at(self, x: Array) -> Array:
+        """Lambda at distances x >= 0; (..., 6)."""
+        distance = x.ravel()
+        reach = self.edges[-1]
+        near = np.minimum(distance, reach)
+        panel = np.minimum(np.searchsorted(self.edges[1:-1], near, side="right"), len(self.series) - 1)
+        order = np.argsort(panel, kind="stable")
+        bounds = np.searchsorted(panel[order], np.arange(len(self.series) + 1))
+        found = np.empty((distance.size, 6))
+        for p, (start, stop) in enumerate(pairwise(bounds)):
+            if stop > start:
+                low, high = self.edges[p], self.edges[p + 1]
+                some = order[start:stop]
+                found[some] = chebvander((2 * near[some] - low - high) / (high - low), _DEGREE) @ self.series[p]
+        beyond = distance > reach
+        found[beyond] *= (reach / distance[beyond, None]) ** 2
+        return found.reshape(*x.shape, 6)
+
+
+@lru_cache(32)
+def spread(stack: Stack) -> Spread:
+    """Lambda of a stack of homogeneous layers.
+
+    Raises
+    ------
+    StackError
+        A graded layer.
+    """
+    width = strip(stack)
+    edges = [0.0, width / 2]
+    while edges[-1] < _FAR * width:
+        edges.append(_GROWTH * edges[-1] + width / 2)
+    ends = np.array(edges)
+    series = np.empty((ends.size - 1, _DEGREE + 1, 6))
+    octave = np.floor(np.log2(ends[1:] / width))
+    for one in np.unique(octave):
+        some = np.flatnonzero(octave == one)
+        x = np.concatenate([mapped_points(_DEGREE + 1, ends[p], ends[p + 1]) for p in some])
+        series[some] = coefficients(_values(stack, width, x).reshape(some.size, _DEGREE + 1, 6), axis=1)
+    return Spread(ends, series)
+
+
+def _values(stack: Stack, width: float, x: Array) -> Array:
+    """Lambda at distances that are not far apart; (x, 6)."""
+    least = float(np.min(x))
+    ended = least > _ENDED * stack.thickness and (_END + 6 * _SLOPE) / least < _DECAYED / width
+    k, weights = wavenumbers(stack, float(np.max(x)), _DECAYED * least / (_END + 6 * _SLOPE) if ended else width)
+    if ended:
+        weights = weights * erfc((k * least - _END) / _SLOPE) / 2
+    difference = waves(stack, k)[0].difference
+    rows = np.stack([weights * difference[:, i, j] for i, j in _PAIRS], -1)
+    return np.asarray(np.cos(x[:, None] * k) @ rows)

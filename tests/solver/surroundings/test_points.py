@@ -1,0 +1,116 @@
+"""Spheres with air beside the contact: finite elements of somebody else, the theorem, no air, twins, neighbours."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
+from solver.names import POINT_GAP_QUANTITIES
+from verification.cases import constants
+from verification.oracles.fem_film import Layer
+from verification.oracles.fem_point import PointContact
+
+BTO = solver.find("BaTiO3")
+_POLYMER: dict[str, Any] = {
+    "c11": 3.6e9, "c12": 1.6e9, "c13": 1.6e9, "c33": 1.7e9, "c44": 0.55e9, "e31": 0.024, "e33": -0.027,
+    "eps11": 7 * VACUUM_PERMITTIVITY, "eps33": 7.5 * VACUUM_PERMITTIVITY, "name": "polymer",
+}  # fmt: skip
+POLYMER = Material(**_POLYMER)
+SPHERE = {"profile": "sphere", "radius": 5e-3, "magnetic": "insulating", "surroundings": "air"}
+FILM = SPHERE | {"material": BTO, "thickness": 1e-4, "base": "steel", "interface_electric": "grounded", "force": 37.0}
+HALF = SPHERE | {"material": BTO, "force": 10.0}
+MIXED = {"composite": "fibrous", "volume_fraction": 0.6, "magnetic": "conducting", "total_flux": 1e-9}
+
+
+def _own(case: dict[str, Any]) -> dict[str, Any]:
+    """A composite has no material."""
+    return {name: value for name, value in case.items() if not ("composite" in case and name == "material")}
+
+
+def answer(case: Mapping[str, Any]) -> dict[str, float]:
+    """Every quantity of one case."""
+    return {str(name): float(value) for name, value in solver.solve(case).data_vars.items()}
+
+
+@pytest.mark.parametrize(
+    ("material", "thickness", "radius", "charge"), [(BTO, 1e-4, 1e-4, 1e-9), (POLYMER, 5e-5, 2e-4, 0.0)]
+)
+def test_finite_elements_of_body_and_gap_agree(
+    material: Material, thickness: float, radius: float, charge: float
+) -> None:
+    """On a rigid base, order 8; on steel and half-spaces they agree as well, in half a minute."""
+    own = constants(material) | {"c12": float(material.c12)}
+    other = PointContact([Layer(own, thickness)], None, 5e-3, radius, charge)
+    given = {"material": material, "thickness": thickness, "base": "rigid", "total_charge": charge}
+    found = answer(SPHERE | given | {"force": other.force})
+    expected = [radius, other.depth, other.voltage]
+    np.testing.assert_allclose([found[name] for name in ("contact_radius", "depth", "voltage")], expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("case", [HALF, HALF | {"punch": "steel"}, HALF | MIXED | {"total_flux": 0.0}])
+def test_grounded_on_a_half_space_it_does_not_see_the_air(case: dict[str, Any]) -> None:
+    """Theorem: the whole surface is at zero, and the charge per force is -r_1 whatever is beside the contact."""
+    case = _own(case)
+    bare, air = answer(case | {"surroundings": "insulated"}), answer(case)
+    for name in ("contact_radius", "charge_sensitivity", "stroke_per_volt", "peak_pressure", "contact_stiffness"):
+        assert air[name] == pytest.approx(bare[name], rel=1e-11, abs=0)
+    assert air["contact_capacitance"] > 1.2 * bare["contact_capacitance"]
+
+
+@pytest.mark.parametrize("own", [FILM, HALF | {"punch": "steel"}])
+def test_without_permittivity_it_is_the_contact_without_air(own: dict[str, Any]) -> None:
+    case = own | {"total_charge": 2e-10}
+    bare = answer(case | {"surroundings": "insulated"})
+    air = answer(case | {"gap_permittivity": 1e-15})
+    kept = [name for name in bare if name in air]
+    assert set(air) - set(bare) == set(POINT_GAP_QUANTITIES)
+    assert set(bare) - set(air) == {"electric_edge_intensity"}
+    np.testing.assert_allclose([air[name] for name in kept], [bare[name] for name in kept], rtol=2e-12)
+
+
+@pytest.mark.parametrize("own", [FILM, FILM | MIXED | {"force": 5.0}, HALF])
+def test_tangents_are_those_of_neighbouring_cases(own: dict[str, Any]) -> None:
+    """At fixed charges; those of held potentials follow, as without air."""
+    case = _own(own)
+    step = 1e-4
+    low, high = (answer(case | {"force": case["force"] * (1 + s), "total_flux": 0.0}) for s in (-step, step))
+    here, change = answer(case | {"total_flux": 0.0}), 2 * step * case["force"]
+    assert here["contact_stiffness_open"] == pytest.approx(change / (high["depth"] - low["depth"]), rel=1e-6)
+    assert here["voltage_per_force"] == pytest.approx((high["voltage"] - low["voltage"]) / change, rel=1e-6)
+    charge = abs(here["voltage"] * here["contact_capacitance"])
+    low, high = (answer(case | {"total_charge": s * charge}) for s in (-step, step))
+    if "composite" not in case:
+        capacity = 2 * step * charge / (high["voltage"] - low["voltage"])
+        assert here["contact_capacitance_at_force"] == pytest.approx(capacity, rel=1e-6)
+
+
+def test_magnetic_gap_is_the_electric_one_s_twin() -> None:
+    """Magnetic constants in the ratio of the vacuum's to the electric ones: the same contact in other units."""
+    ratio = VACUUM_PERMEABILITY / VACUUM_PERMITTIVITY
+    root = float(np.sqrt(ratio))
+    own = constants(BTO)
+    changed: dict[str, Any] = {name: own[name] for name in ("c11", "c13", "c33", "c44")}
+    changed |= {f"f{place}": root * own[f"e{place}"] for place in ("31", "33", "15")}
+    changed |= {f"mu{place}": ratio * own[f"eps{place}"] for place in ("11", "33")}
+    twin = Material(**changed, eps11=np.array(1e-9), eps33=np.array(1e-9), name="twin")
+    case = FILM | {"thickness": 2e-4, "base": "rigid", "interface_magnetic": "grounded"}
+    one = answer(case)
+    two = answer(case | {"material": twin, "electric": "insulating", "magnetic": "conducting"})
+    assert two["contact_radius"] == pytest.approx(one["contact_radius"], rel=1e-11, abs=0)
+    assert two["flux_sensitivity"] == pytest.approx(root * one["charge_sensitivity"], rel=1e-9)
+    assert two["magnetic_potential"] == pytest.approx(one["voltage"] / root, rel=1e-9)
+    assert two["contact_permeance"] == pytest.approx(ratio * one["contact_capacitance"], rel=1e-9)
+
+
+def test_air_changes_what_theory_says_it_changes() -> None:
+    """BaTiO3 of 0.1 mm on steel at a/h = 1: 1.05 % less charge; a half-space's voltage falls to two thirds."""
+    bare, air = (answer(FILM | {"surroundings": one}) for one in ("insulated", "air"))
+    assert air["charge_sensitivity"] / bare["charge_sensitivity"] == pytest.approx(135.02 / 136.46, rel=1e-4)
+    assert air["nominal_field"] == pytest.approx(abs(air["voltage"]) / 1e-4, rel=1e-12)
+    assert "electric_edge_intensity" not in air
+    assert air["gap_field"] * VACUUM_PERMITTIVITY <= air["peak_displacement"] * (1 + 1e-12)
+    oil = answer(FILM | {"gap_permittivity": 2.2})
+    assert oil["contact_capacitance"] > air["contact_capacitance"] > bare["contact_capacitance"]

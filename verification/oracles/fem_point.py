@@ -1,0 +1,268 @@
+"""A sphere pressed on layers with air beside the contact, by axisymmetric spectral finite elements.
+
+Written from the equations: the weak form of (1a)-(1c) about an axis, hoop stretch u_r/r, and in the gap
+D_y (1 + r^2/end^2) = -eps0 (V - phi)/g. The air is a spring on the potentials of the surface beside the contact; gaps
+and potentials are found in turn. At a given radius of the contact its edge may carry no singular pressure; the force
+comes out. Lengths of the mesh are in contact radii.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, eye_array
+
+from verification.oracles.fem import STIFFNESS, UNITS
+from verification.oracles.fem_film import ELECTRIC, Layer
+from verification.oracles.fem_gap import VACUUM, Dry, lagrange, lobatto, sides
+from verification.oracles.film_mesh import FAR, assemble, growing
+from verification.oracles.spectral import Body, Index, Quadrilaterals
+from verification.oracles.surface_response import Array
+
+_FORCES = STIFFNESS / UNITS
+_STEPS = 60
+_CLOSE = 1e-8  # change of the punch's place and potentials from one step to the next, each over itself
+_SMALL = 1e-6
+_LEAST = 1e-9  # gap over the length of an element below which the potential is as good as the punch's
+_GROWTH, _SIZE = 2.5, 0.25  # of elements: far away, and beside the edge
+
+
+@dataclass(frozen=True, eq=False)
+class Revolved(Body):
+    """Elements of revolution about x = 0, filled with materials whose c12 counts."""
+
+    @cached_property
+    def _shapes(self) -> tuple[Index, Index]:
+        every = np.arange(len(self.mesh.vertices))
+        return every, every
+
+    def _stiffness(self, element: int) -> Array:
+        """Scaled matrix over node and field, shape (4 (order + 1)^2,) * 2, per radian."""
+        points, weights = np.polynomial.legendre.leggauss(self.order + 2)
+        at = np.stack(np.meshgrid(points, points, indexing="ij"), axis=-1).reshape(-1, 2)
+        (by_r, by_y), jacobian = self._gradients(element, at)
+        line = lobatto(self.order)
+        values = (lagrange(line, at[:, 0])[:, :, None] * lagrange(line, at[:, 1])[:, None, :]).reshape(len(at), -1)
+        signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        corners = (1 + signs[:, 0] * at[:, :1]) * (1 + signs[:, 1] * at[:, 1:]) / 4
+        r = self.mesh.origin[element][0] + corners @ self.mesh.corners[element][:, 0]
+        weight = (np.outer(weights, weights).ravel() * jacobian * r)[:, None]
+        parts, moduli = (by_r, by_y, values / r[:, None]), _moduli(self.materials[self.mesh.layer[element]])
+        n = values.shape[1]
+        total = np.zeros((n, 4, n, 4))
+        scale = UNITS[:, None] * UNITS / STIFFNESS
+        for one, left in enumerate(parts):
+            for two, right in enumerate(parts):
+                if np.any(moduli[one, two]):
+                    total += (left.T @ (weight * right))[:, None, :, None] * (scale * moduli[one, two])[:, None, :]
+        return total.reshape(4 * n, 4 * n)
+
+
+def _moduli(material: Mapping[str, float]) -> Array:
+    """Of (d/dr, d/dy, 1/r) of (u_r, u_y, phi, psi); shape (3, 3, 4, 4)."""
+    get = {name: float(material.get(name, 0.0)) for name in (
+        "c11", "c12", "c13", "c33", "c44", "e31", "e33", "e15", "f31", "f33", "f15",
+        "eps11", "eps33", "g11", "g33", "mu11", "mu33")}  # fmt: skip
+    # strains and fields as rows of (d/dr, d/dy, 1/r) of the unknowns: rr, tt, yy, ry, E_r, E_y, H_r, H_y
+    made = np.zeros((8, 3, 4))
+    made[0, 0, 0] = made[1, 2, 0] = made[2, 1, 1] = made[3, 1, 0] = made[3, 0, 1] = 1.0
+    made[4, 0, 2] = made[5, 1, 2] = made[6, 0, 3] = made[7, 1, 3] = -1.0
+    C = np.zeros((8, 8))
+    C[:3, :3] = [[get["c11"], get["c12"], get["c13"]], [get["c12"], get["c11"], get["c13"]],
+                 [get["c13"], get["c13"], get["c33"]]]  # fmt: skip
+    C[3, 3] = get["c44"]
+    for field, (letter, along, down) in enumerate((("e", "eps11", "eps33"), ("f", "mu11", "mu33"))):
+        r, y = 4 + 2 * field, 5 + 2 * field
+        coupling = np.zeros((2, 4))
+        coupling[0, 3] = get[f"{letter}15"]
+        coupling[1, :3] = get[f"{letter}31"], get[f"{letter}31"], get[f"{letter}33"]
+        C[r : y + 1, :4], C[:4, r : y + 1] = -coupling, -coupling.T
+        C[r, r], C[y, y] = -get[along], -get[down]
+    C[4, 6] = C[6, 4] = -get["g11"]
+    C[5, 7] = C[7, 5] = -get["g33"]
+    return np.asarray(np.einsum("aij,ab,bkl->ikjl", made, C, made))
+
+
+def _mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:
+    """Mesh of layers from the top down, and of a half-space below them unless the base is rigid."""
+    size = _SIZE * min(1.0, thicknesses[0])
+    count = int(np.ceil((1 - size) / (2 * size)))
+    r = np.concatenate([
+        np.linspace(0, 1 - size, count + 1), 1 + np.array([-0.3, 0, 0.3, 1]) * size, 1 + growing(size, FAR, _GROWTH)
+    ])  # fmt: skip
+    parts, depth = [np.array([0.0, size])], 0.0
+    for thickness in thicknesses:
+        depth += thickness
+        parts.append(growing(parts[-1][-1], depth, 2))
+    if not rigid:
+        parts.append(depth + np.insert(growing(size, FAR, _GROWTH), 0, size))
+    y = -np.concatenate(parts)
+    bottoms = np.cumsum([*thicknesses, np.inf])
+    layer = np.array([np.searchsorted(bottoms, -(top + low) / 2) for top, low in pairwise(y)])
+    return assemble(r, y, layer, [int(np.flatnonzero(r == 1)[0])])
+
+
+@dataclass(frozen=True, eq=False)
+class PointContact:
+    """The contact of a given radius under a rigid sphere.
+
+    Attributes
+    ----------
+    layers : sequence of fem_film.Layer
+        From the top down; constants with c12.
+    base : mapping or None
+        Constants of the half-space below them; None: rigid.
+    sphere : float
+        Radius of the punch [m], at which its gap ends.
+    radius : float
+        Of the contact [m].
+    charge : float
+        T [C].
+    permittivity : float
+        Of the medium in the gap over vacuum's; 0: D_y = 0 beside the contact.
+    order : int
+        Of the polynomials of an element.
+    """
+
+    layers: Sequence[Layer]
+    base: Mapping[str, float] | None
+    sphere: float
+    radius: float
+    charge: float = 0.0
+    permittivity: float = 1.0
+    order: int = 8
+
+    @cached_property
+    def body(self) -> Revolved:
+        """The meshed layers and base."""
+        mesh = _mesh([layer.thickness / self.radius for layer in self.layers], self.base is None)
+        materials = [layer.material for layer in self.layers]
+        return Revolved(mesh, materials if self.base is None else [*materials, self.base], self.order)
+
+    @cached_property
+    def _below(self) -> Index:
+        r, y = self.body.places.T
+        found = np.flatnonzero((y == 0) & (r <= 1))
+        return found[np.argsort(r[found])]
+
+    @cached_property
+    def _edges(self) -> Index:
+        return sides(self.body)
+
+    @cached_property
+    def _rule(self) -> tuple[Array, Array, Array]:
+        """Shapes at Gauss's points of a side (point, node), and r and weights r dr of all points (side, point)."""
+        points, weights = np.polynomial.legendre.leggauss(self.order + 8)
+        ends = self.body.places[self._edges][:, [0, -1], 0]
+        half = (ends[:, 1] - ends[:, 0])[:, None] / 2
+        r = ends.mean(axis=1)[:, None] + half * points
+        return lagrange(lobatto(self.order), points), r, half * weights * r
+
+    @cached_property
+    def _dry(self) -> Dry:
+        places, below = self.body.places, self._below
+        r, y = places.T
+        held = np.zeros((len(r), 4), dtype=bool)
+        held[:, 3] = True
+        held[r == 0, 0] = True
+        held[np.isclose(r, r.max())] = True
+        held[np.isclose(y, y.min()), : 4 if self.base else 2] = True
+        for depth, layer in zip(
+            np.cumsum([one.thickness for one in self.layers]) / self.radius, self.layers, strict=True
+        ):
+            for potential in layer.grounded:
+                held[np.isclose(y, -depth), potential] = True
+        held[below, 1:3] = True
+        u = np.zeros((4 * len(r), 3))
+        u[4 * below + 1, :2] = r[below, None] ** [0, 2]
+        u[4 * below + ELECTRIC, 2] = 1.0
+        beside = np.setdiff1d(self._edges, below)
+        touched = (4 * below[:, None] + np.arange(4)).ravel()
+        one = csr_array(eye_array(u.shape[0]))
+        return Dry.of(self.body.matrix(), one, one, ~held.ravel(), u, 4 * beside + ELECTRIC, touched,
+                      4 * np.unique(self._edges) + 1)  # fmt: skip
+
+    def _spring(self, gap: Array) -> "csr_array[np.float64]":
+        """Scaled int eps/g N N r dr over nodes, from gaps over a (side, point)."""
+        shapes, r, weights = self._rule
+        lengths = np.sum(weights / r, axis=1, keepdims=True)
+        thinned = weights / (1 + (r * self.radius / self.sphere) ** 2) / np.maximum(gap, _LEAST * lengths)
+        strength = self.permittivity * VACUUM[ELECTRIC] * UNITS[ELECTRIC] ** 2 / STIFFNESS
+        blocks = strength * np.einsum("sp,pi,pj->sij", thinned, shapes, shapes)
+        nodes, count = self._edges, len(self.body.places)
+        rows, columns = np.broadcast_arrays(nodes[:, :, None], nodes[:, None, :])
+        return csr_array(coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count)))
+
+    def _states(self, gap: Array) -> tuple[Array, Array]:
+        """Scaled u and nodal loads of the states u_y = 1, r^2 and phi = 1 under the punch; (node, 4, state) each."""
+        dry, spring = self._dry, self._spring(gap)
+        nodes = dry.airy // 4
+        held = dry.given[ELECTRIC::4].copy()
+        held[nodes] = 0.0
+        given = np.asarray(spring @ held)[nodes]
+        given[:, 2] -= np.asarray(spring.sum(axis=1))[nodes]
+        inner = spring[nodes][:, nodes].toarray()
+        potentials = np.linalg.solve(
+            np.eye(len(inner)) - dry.flexibility @ inner, dry.given_there + dry.flexibility @ given
+        )
+        charged = inner @ potentials + given
+        u = dry.given.copy()
+        u[dry.airy] = potentials
+        u[dry.raised] += dry.lift @ charged
+        loads = np.zeros_like(u)
+        loads[dry.airy] = charged
+        loads[dry.touched] = dry.given_loads + dry.pressed @ charged
+        return u.reshape(-1, 4, 3), loads.reshape(-1, 4, 3)
+
+    def _strength(self, forces: Array) -> Array:
+        """Of the singular pressure at the edge, from nodal forces (nodes, states)."""
+        r = self.body.places[self._below, 0]
+        x = np.sqrt(np.maximum((1 - r) * (1 + r), 0))
+        orders = 2 * np.arange(self.order + 4)
+        test = np.polynomial.legendre.legvander(x, orders[-1])[:, ::2]
+        ends = np.polynomial.legendre.legvander(np.zeros(1), orders[-1])[0, ::2]
+        return np.asarray(((2 * orders + 1) * ends) @ (test.T @ forces))
+
+    @cached_property
+    def _solved(self) -> tuple[Array, Array, Array, Array]:
+        """Scaled u, nodal loads, weights of the states, gaps over a (side, point)."""
+        shapes, r, _ = self._rule
+        curved = self.radius**2 / (2 * self.sphere)
+        gap = (r**2 - 1) ** 1.5 / r * curved / self.radius
+        gap = gap if self.permittivity else np.full_like(gap, np.inf)
+        last = np.zeros(3)
+        for _ in range(_STEPS):
+            states, loads = self._states(gap)
+            rows = np.array([self._strength(loads[self._below, 1]), -loads[:, ELECTRIC].sum(axis=0)])
+            right = np.array([0.0, self.charge / self._per_load(ELECTRIC)]) - rows[:, 1] * curved
+            found = np.linalg.solve(rows[:, [0, 2]], right)
+            weights = np.array([found[0], curved, found[1]])
+            u, size = states @ weights, np.abs(weights)
+            change = np.max(np.abs(weights - last) / np.maximum(size, _SMALL * size.max()))
+            if not self.permittivity or change < _CLOSE:
+                return u, loads @ weights, weights, gap
+            raised = u[self._edges, 1] @ shapes.T
+            gap, last = (weights[0] + curved * r**2 - raised) / self.radius, weights
+        raise ArithmeticError(f"the punch's place and potential still change by {change:.1e} after {_STEPS} steps")
+
+    def _per_load(self, field: int) -> float:
+        """SI per scaled nodal load, over the whole circle."""
+        return float(2 * np.pi * _FORCES[field] * self.radius)
+
+    # -- what is asked of it -------------------------------------------------------------------------------------------
+    @property
+    def force(self) -> float:
+        """P [N]."""
+        return float(-self._solved[1][self._below, 1].sum() * self._per_load(1))
+
+    @property
+    def depth(self) -> float:
+        """[m]."""
+        return float(-self._solved[2][0])
+
+    @property
+    def voltage(self) -> float:
+        """V [V]."""
+        return float(self._solved[2][2] * UNITS[ELECTRIC])

@@ -1,0 +1,78 @@
+"""What instruments add to what they measure: a gain beside one, an offset beside zero, with priors of their sizes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate import GaussianProcess
+from surrogate.data.measurements import Measurements
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Instrument:
+    """A gain or an offset of what measures a quantity.
+
+    Attributes
+    ----------
+    quantity
+        What is measured, without the names of categories: one instrument measures all of them.
+    gain
+        Whether it multiplies (the reading is 1 + gain times as large), or is added.
+    std
+        Prior standard deviation: of the gain; of the offset in SI units.
+    units
+        Of an offset.
+    """
+
+    quantity: str
+    gain: bool
+    std: float
+    units: str = ""
+
+    @property
+    def family(self) -> str:
+        """What it is."""
+        return "gain" if self.gain else "offset"
+
+    @property
+    def name(self) -> str:
+        """As it is called."""
+        return f"{self.quantity}_{self.family}"
+
+    @property
+    def prior(self) -> str:
+        """The prior in words."""
+        return f"+-{100 * self.std:.3g} %" if self.gain else f"+-{self.std:.3g} {self.units}".strip()
+
+    def change(self, z: float) -> str:
+        """A scaled value in words."""
+        return f"{100 * self.std * z:+.3g} %" if self.gain else f"{self.std * z:+.3g} {self.units}".strip()
+
+    def measures(self, model: GaussianProcess, rows: Measurements) -> NDArray[np.bool_]:
+        """Which measured values it has read, (n,)."""
+        names = [name.partition("[")[0] for name in model.outputs_]
+        return np.array([names[q] == self.quantity for q in rows.output.tolist()], np.bool_)
+
+
+def shown(
+    instruments: list[Instrument], model: GaussianProcess, rows: Measurements, z: Array, mean: Array, slopes: Array
+) -> tuple[Array, Array]:
+    """What instruments at scaled values z (m,) show of true means (n,), and its derivatives.
+
+    Parameters
+    ----------
+    slopes
+        Derivatives of the true means by the constants, (n, k); with those by the instruments (n, k + m).
+    """
+    gain, offset, columns = np.ones(len(mean)), np.zeros(len(mean)), []
+    for one, value in zip(instruments, z.tolist(), strict=True):
+        column = one.std * one.measures(model, rows) * (mean if one.gain else 1.0)
+        columns.append(column)
+        if one.gain:
+            gain += one.std * value * one.measures(model, rows)
+        else:
+            offset += value * column
+    return gain * mean + offset, np.column_stack([gain[:, None] * slopes, *columns])
