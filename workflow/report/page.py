@@ -18,7 +18,7 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, title
 from workflow.learning.timing import by_quantity
-from workflow.report import firstscreen, problem, ranked, sentences, tables, whatif
+from workflow.report import firstscreen, problem, ranked, sections, sentences, tables, whatif
 from workflow.report.figures import tornado
 from workflow.report.figures.design_kinds import kinds
 from workflow.report.svg import element, inlined
@@ -154,6 +154,7 @@ def page(
         drawn = tornado.draw(ranked.spans(content["effects_table"]))
         content["spans"] = element(drawn, "spans", "what each factor changes, the strongest first", 1.6)
     content["says"] = _says(study, folder, content)
+    content |= {"parts": sections.standing(content), "page": content}
     return environment.get_template("report.html.j2").render(content)
 
 
