@@ -55,15 +55,15 @@ bench: .venv/bench.stamp  ## measure side by side with rivals: results/benchmark
 
 lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without download addresses
 	$(BIN)/uv pip compile -q --upgrade --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
-	  --custom-compile-command "make lock" --extra build pyproject.toml -o requirements/run.txt
+	  --custom-compile-command "make lock" --extra build --extra run pyproject.toml -o requirements/run.txt
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
-	  --custom-compile-command "make lock" --extra build --extra slurm -c requirements/run.txt pyproject.toml -o requirements/slurm.txt
+	  --custom-compile-command "make lock" --extra build --extra run --extra slurm -c requirements/run.txt pyproject.toml -o requirements/slurm.txt
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
-	  --custom-compile-command "make lock" --extra build --extra slurm --extra docs --extra dev -c requirements/run.txt pyproject.toml -o requirements/dev.txt
+	  --custom-compile-command "make lock" --extra build --extra run --extra slurm --extra docs --extra dev -c requirements/run.txt pyproject.toml -o requirements/dev.txt
 	$(BIN)/uv pip compile -q --upgrade --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	  --custom-compile-command "make lock" requirements/referees.in -o requirements/referees.txt
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
-	  --custom-compile-command "make lock" --extra build -c requirements/run.txt pyproject.toml requirements/bench.in -o requirements/bench.txt
+	  --custom-compile-command "make lock" --extra build --extra run -c requirements/run.txt pyproject.toml requirements/bench.in -o requirements/bench.txt
 
 docs: .venv/dev.stamp  ## draw the pictures, run the quickstart and build the site, with its report, into build/docs
 	$(BIN)/python -m docs

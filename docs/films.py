@@ -14,7 +14,7 @@ from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
 
 MIXED = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
-STEEL = solver.find("steel")
+SILICON = solver.find("silicon")
 _CYLINDER = Profile.cylinder(np.array(0.05))
 
 
@@ -37,8 +37,8 @@ def _thick(material: solver.Material) -> dict[str, float]:
     exact = float(np.ravel(Contact(sliding, _CYLINDER, load, charges).half_width)[0])
     stacks = {
         "rigid": Stack((Layer(material, 10 * exact),)),
-        "bonded": Stack((Layer(material, 10 * exact, "bonded"),), STEEL),
-        "grounded": Stack((Layer(material, 10 * exact, "grounded"),), STEEL),
+        "bonded": Stack((Layer(material, 10 * exact, "bonded"),), SILICON),
+        "grounded": Stack((Layer(material, 10 * exact, "grounded"),), SILICON),
     }
     found = {}
     for name, stack in stacks.items():

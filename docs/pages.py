@@ -83,8 +83,8 @@ def study() -> str:
     examples = ", ".join(f"[{one.stem}](../config/{one.name})" for one in sorted((ROOT / "config").glob("*.yaml")))
     return f"""# The study file
 
-A study is one YAML file of at most 1 MB. Numbers are decimal and in SI, without a unit (`1e-6`, not `1 um`): only
-material files and the limits of designs take units. A key that is not known is refused by name. Every key stands below
+A study is one YAML file of at most 1 MB. A number is decimal and has its unit behind it (`20 um`), or is in SI
+([numbers with units](units.md)). A key that is not known is refused by name. Every key stands below
 with its default. [Design and read-out](design.md) explains questions, [the data set](data.md) films and layers,
 [the surrogate](surrogate.md) levels that are left open.
 

@@ -1,14 +1,25 @@
 """Everything public under one name: the exact solver and the surrogate.
 
+The rooms themselves stand here, too: ``meecontact.solver.names`` is the module ``solver.names``, not a copy of it.
+
 Examples
 --------
 >>> import meecontact as mee
 >>> case = {"volume_fraction": 0.5, "composite": "fibrous", "friction": 0.3, "radius": 0.05, "load": 5e4}
 >>> round(float(mee.solve(case)["voltage_sensitivity"]), 4)
 -0.0472
+>>> import meecontact.solver.names, solver
+>>> meecontact.solver.names is solver.names
+True
 """
 
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
 from importlib.metadata import version
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import solver
@@ -21,11 +32,44 @@ if TYPE_CHECKING:
 __version__ = version("meecontact")
 __all__ = [*solver.__all__, *surrogate.__all__]
 
+_ROOMS = ("approximation", "solver", "storage", "surrogate", "verification", "workflow")
+
+
+class _Same(Loader):
+    """Gives a module that stands under another name, and leaves it as it is."""
+
+    def __init__(self, name: str) -> None:
+        self.module = import_module(name)
+        self.spec = self.module.__spec__
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        return self.module
+
+    def exec_module(self, module: ModuleType) -> None:
+        module.__spec__ = self.spec  # which the import system has just replaced
+
+
+class _Rooms(MetaPathFinder):
+    """Finds ``meecontact.<room>`` and all below it as what stands at the top."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        first, _, name = fullname.partition(".")
+        if first != __name__ or name.partition(".")[0] not in _ROOMS:
+            return None
+        return ModuleSpec(fullname, _Same(name))
+
+
+sys.meta_path.insert(0, _Rooms())
+
 
 def __getattr__(name: str) -> object:
     for room in (solver, surrogate):
         if name in room.__all__:
             return getattr(room, name)
+    if name in _ROOMS:
+        return import_module(name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -15,16 +15,19 @@ from solver.names import (
     BODY,
     CHOICES,
     CONTACTS,
+    ELECTRODE_QUANTITIES,
     ENDS,
     FIELDS,
     FILM_PEAKS,
     FILM_QUANTITIES,
     GAP_QUANTITIES,
     OF_A_FILM,
+    OF_AN_ELECTRODE,
     PEAKS,
     POINT_FIELDS,
     POINT_GAP_QUANTITIES,
     POINT_QUANTITIES,
+    POINT_SLIDING,
     PROFILES,
     QUANTITIES,
     TABLED,
@@ -95,11 +98,11 @@ class Kind:
     @property
     def inside(self) -> bool:
         """Whether fields inside it are given."""
-        return self.contact == "line" and not self.air
+        return not self.air
 
     @property
     def slides(self) -> bool:
-        """Whether its punch slides."""
+        """Whether its punch slides whatever its factors say; one on a point slides where it has friction."""
         return self.contact == "line"
 
     @property
@@ -118,11 +121,11 @@ FILM = Kind(
     "film",
     "line",
     "by_base",
-    QUANTITIES | FILM_QUANTITIES,
+    QUANTITIES | FILM_QUANTITIES | ELECTRODE_QUANTITIES,
     FILM_PEAKS,
     ("interface", "film", "base"),
     layered=True,
-    factors=OF_A_FILM,
+    factors=(*OF_A_FILM, *OF_AN_ELECTRODE),
     tabled=TABLED,
     method="; on films, integral equations with the closed form as their singular part",
 )
@@ -150,16 +153,16 @@ FILM_IN_AIR = replace(
     method=FILM.method + _IN_AIR,
 )
 
-HALF_SPACE = Kind("half-space", "point", "absolute", POINT_QUANTITIES, {}, ())
+HALF_SPACE = Kind("half-space", "point", "absolute", POINT_QUANTITIES | POINT_SLIDING, PEAKS, ())
 POINT_FILM = Kind(
     "film under a point",
     "point",
     "absolute",
-    POINT_QUANTITIES | {"nominal_field": FILM_QUANTITIES["nominal_field"]},
-    {},
+    POINT_QUANTITIES | POINT_SLIDING | {"nominal_field": FILM_QUANTITIES["nominal_field"]} | ELECTRODE_QUANTITIES,
+    FILM_PEAKS,
     (),
     layered=True,
-    factors=OF_A_FILM,
+    factors=(*OF_A_FILM, *OF_AN_ELECTRODE),
     tabled=tuple(name for name in TABLED if name not in ("friction", "speed")),
     method="; on films under a point, Galerkin's equations in Legendre functions beside the closed form",
 )
@@ -169,6 +172,7 @@ HALF_SPACE_IN_AIR = replace(
     HALF_SPACE,
     name="half-space with air beside the contact",
     quantities=_OF_A_POINT | POINT_GAP_QUANTITIES,
+    peaks={},
     air=True,
     tabled=tuple(name for name in POINT_FILM.tabled if name not in OF_A_FILM),
     method=_IN_AIR,
@@ -177,6 +181,7 @@ POINT_FILM_IN_AIR = replace(
     POINT_FILM,
     name="film under a point with air beside it",
     quantities=_OF_A_POINT | POINT_GAP_QUANTITIES | {"nominal_field": FILM_QUANTITIES["nominal_field"]},
+    peaks={},
     air=True,
     method=POINT_FILM.method + _IN_AIR,
 )

@@ -126,6 +126,12 @@ FACTORS: dict[str, Factor] = {
         "1", "volume fraction of phase one at the base of a graded film", None, 0.0, high=1.0, optional=True
     ),
     "grading_exponent": Factor("1", "exponent of a graded film's depth", None, 1.0, optional=True),
+    "collector": Factor("1", "number of the electrode that is read, from the top", None, 1.0),
+    "patch_size": Factor(
+        "m", "diameter of a disc, or width of a strip, of the electrode that is read", None, 0.0, low_allowed=False
+    ),
+    "patch_position": Factor("m", "of the patch's middle from that of the contact", 0.0),
+    "patch_pitch": Factor("m", "distance of the middles of neighbouring patches", None, 0.0, low_allowed=False),
     "base_modulus": Factor("Pa", "Young's modulus of a film's base", None, 0.0, low_allowed=False, optional=True),
     "base_poisson": Factor(
         "1",
@@ -164,9 +170,14 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "electric": ("conducting", "insulating"),
     "magnetic": ("conducting", "insulating"),
     "surroundings": ("insulated", "air"),
+    "electrode": ("none", "top"),
+    "patch": ("disc", "strip"),
     "interface_electric": ("grounded", "bonded"),
     "interface_magnetic": ("grounded", "bonded", "insulated"),
 }
+
+#: Factors of the electrode that is read: all of it, or a patch of it and its neighbours.
+OF_AN_ELECTRODE = ("electrode", "collector", "patch", "patch_size", "patch_position", "patch_pitch")
 
 #: Factors that name materials.
 MATERIALS = ("material", "base", "punch")
@@ -282,6 +293,9 @@ EVERY_INTERIOR = {**INTERIOR, **INTERIOR_ON_REQUEST}
 #: Fields inside the body that need c12.
 NEED_C12 = ("stress_zz", "von_mises", "principal_tension")
 
+#: The same of point contacts, whose surface turns with the direction.
+POINT_NEED_C12 = ("stress_xx", *NEED_C12)
+
 #: Quantities, one number per case.
 QUANTITIES: dict[str, Described] = {
     "contact_trailing": Described("m", "trailing extent a of the contact"),
@@ -331,6 +345,17 @@ FILM_QUANTITIES: dict[str, Described] = {
     ),
 }
 
+#: Quantities of the electrode that is read; those of patches where these are given.
+ELECTRODE_QUANTITIES: dict[str, Described] = {
+    "electrode_charge_per_force": Described("C N-1", "charge of the whole electrode per force"),
+    "electrode_pressure": Described("Pa", "pressure on the electrode below the middle of the contact"),
+    "patch_charge_per_force": Described("C N-1", "charge of a patch of the electrode at zero volts per force"),
+    "crosstalk": Described("1", "charge of the neighbouring patch over that of the patch below the contact"),
+    "patch_charge_gradient": Described(
+        "C N-1 m-1", "change of the difference of two neighbours' charges per force, by the position between them"
+    ),
+}
+
 #: Quantities that a contact has where a gap beside it carries charge, in place of edge intensities.
 GAP_QUANTITIES: dict[str, Described] = {
     "capacitance_at_load": _on_datum("F m-1", "d charge / d voltage at fixed load and magnetic charge"),
@@ -375,6 +400,17 @@ POINT_QUANTITIES: dict[str, Described] = {
     "contact_stiffness_open": Described("N m-1", "d force / d depth at fixed charges"),
 }
 
+#: What a point contact has beside these where friction is given, to the first order of it.
+POINT_SLIDING: dict[str, Described] = {
+    "contact_offset": FILM_QUANTITIES["contact_offset"],
+    **{
+        f"{name}_edge_intensity_{end}": QUANTITIES[f"{name}_edge_intensity_{end}"]
+        for name in ("electric", "magnetic")
+        for end in ("trailing", "leading")
+    },
+    "trailing_tension": QUANTITIES["trailing_tension"],
+}
+
 #: Quantities that a point contact has where a gap beside it carries charge, in place of edge intensities.
 POINT_GAP_QUANTITIES: dict[str, Described] = {
     "contact_capacitance_at_force": Described("F", "d charge / d voltage at fixed force and magnetic potential"),
@@ -400,7 +436,10 @@ LIMITED: dict[str, tuple[str, ...]] = {
 }
 
 #: Every quantity of any body.
-ALL_QUANTITIES = {**EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **GAP_QUANTITIES, **POINT_QUANTITIES, **POINT_GAP_QUANTITIES}
+ALL_QUANTITIES = {
+    **EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **GAP_QUANTITIES, **POINT_QUANTITIES, **POINT_GAP_QUANTITIES,
+    **ELECTRODE_QUANTITIES,
+}  # fmt: skip
 
 #: Those that are searched for over a body.
 ALL_PEAKS = {**PEAKS, **FILM_PEAKS}

@@ -13,6 +13,7 @@ from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
 from solver.names import (
     CHOICES,
+    ELECTRODE_QUANTITIES,
     EVERY_FILM_QUANTITY,
     EVERY_QUANTITY,
     FACTORS,
@@ -21,7 +22,9 @@ from solver.names import (
     LIMITS,
     PEAKS,
     POINT_FIELDS,
+    POINT_GAP_QUANTITIES,
     POINT_QUANTITIES,
+    POINT_SLIDING,
     PROFILES,
     QUANTITIES,
 )
@@ -71,7 +74,17 @@ def test_the_table_of_a_film_s_quantities_is_the_code_s() -> None:
 
 
 def test_the_table_of_quantities_with_air_is_the_code_s() -> None:
-    assert rows("of a contact with air") == {name: [one.units, one.long_name] for name, one in GAP_QUANTITIES.items()}
+    own = {name: [one.units, one.long_name] for name, one in GAP_QUANTITIES.items()}
+    of_points = {
+        name: [one.units, f"{one.long_name}, of a point"]
+        for name, one in POINT_GAP_QUANTITIES.items()
+        if name not in GAP_QUANTITIES
+    }
+    assert rows("of a contact with air") == own | of_points
+
+
+def test_the_table_of_an_electrode_s_quantities_is_the_code_s() -> None:
+    assert rows("of an electrode") == {name: [one.units, one.long_name] for name, one in ELECTRODE_QUANTITIES.items()}
 
 
 def test_the_table_of_a_point_s_quantities_is_the_code_s() -> None:
@@ -80,6 +93,8 @@ def test_the_table_of_a_point_s_quantities_is_the_code_s() -> None:
 
 
 def test_the_table_of_a_point_s_fields_is_the_code_s() -> None:
+    sliding = {name: [one.units, one.long_name] for name, one in POINT_SLIDING.items()}
+    assert rows("of a sliding point") == sliding
     assert rows("field of a point") == {name: [one.units, one.long_name] for name, one in POINT_FIELDS.items()}
 
 
@@ -103,7 +118,7 @@ def test_the_formulas_of_quantities_are_the_solver_s(name: str) -> None:
 
 def test_the_table_of_constants_is_the_code_s() -> None:
     found = rows("key")
-    assert list(found) == [*UNITS, "name", "source`, `note", "limits", "alternatives"]
+    assert list(found) == [*UNITS, "conductor", "name", "source`, `note", "limits", "alternatives"]
     bare = solver.Material.from_mapping(dict.fromkeys(("c11", "c33"), 3.0) | dict.fromkeys(("c13", "c44"), 1.0))
     for name, units in UNITS.items():
         default = float(getattr(bare, name))

@@ -28,11 +28,11 @@ PROFILES: dict[str, Case] = {
     "half cylinder": {"profile": "half_cylinder", "radius": 0.05},
 }
 COMPOSITE: Case = {"radius": 0.05, "load": 1e5, "volume_fraction": 0.5, "friction": 0.3}
-STEEL: Case = {"base": "steel", "interface_electric": "bonded"}
+SILICON: Case = {"base": "silicon", "interface_electric": "bonded"}
 #: Half-length of a film ten and a hundred half-lengths thick over the closed form's, less 1: theory of films, 9 and 10.
 THICK: dict[str, tuple[Case, tuple[float, float]]] = {
     "rigid base": ({"base": "rigid"}, (-3.6e-3, -3.7e-5)),
-    "steel": (STEEL, (-1.4e-3, -1.4e-5)),
+    "silicon": (SILICON, (-8.4e-4, -8.4e-6)),
 }
 RATIOS = np.array([0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0])
 THIN = 1e-4  # thickness of thin films [m]

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 import solver
+from verification import sliding_points
 from verification.cases import SIH_SONG, Array, constants
 from verification.findings import Check, Curve, Findings, Sizes, Timing, check, off
 from verification.oracles import collocation, profile
@@ -86,6 +87,12 @@ def run(sizes: Sizes) -> Findings:
         f"half-width and pressure of the whole circle, and the closed form of its Taylor polynomial of degree {_TAYLOR}"
     )
     checks.append(check("Circle, 16 terms", compared, TOLERANCE, whole_circle))
+    moments = "first moments of pressure and charge at eta = 0.05; a grid of 128 x 128 with an active set"
+    bodies = {"half-space": sliding_points.BALL, "film": sliding_points.FILM}
+    checks += [
+        check(f"Sliding ball, {body}", moments, sliding_points.TOLERANCE, sliding_points.first_order, case)
+        for body, case in bodies.items()
+    ]
     curves.append(
         Curve(
             "collocation_circle",

@@ -9,7 +9,19 @@ from solver.body import KINDS, Kind
 from solver.face.filmfactors import present
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import BODY, CHOICES, CONTACTS, FACTORS, OF_A_GAP, OF_A_LINE, OF_A_PUNCH, PROFILES, Contact, Described
+from solver.names import (
+    BODY,
+    CHOICES,
+    CONTACTS,
+    FACTORS,
+    OF_A_GAP,
+    OF_A_LINE,
+    OF_A_PUNCH,
+    OF_AN_ELECTRODE,
+    PROFILES,
+    Contact,
+    Described,
+)
 
 #: How every solution is made (CF: the method of production).
 SOURCES: dict[Contact, str] = {
@@ -110,11 +122,14 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
     unused = {name for contact, loads in CONTACTS.items() if contact not in contacts for name in loads.charges}
     unused |= set() if "line" in contacts else set(OF_A_LINE)
     unused |= set() if any(kind.air for kind in kinds_present) else {OF_A_GAP}
-    spared |= unused
+    unused |= set() if "patch_size" in arrays else {*OF_AN_ELECTRODE}
+    spared |= {"patch"} | unused
     found = {name: value for name, value in found.items() if name not in unused}
     if "interface_magnetic" not in {*arrays, *spared}:
         spared |= {"interface_magnetic"}
         found["interface_magnetic"] = "grounded on a rigid base and bonded on others"
+    if "patch_size" in arrays and "patch" not in arrays:
+        found["patch"] = "disc below a point and strip below a line"
     return found | {name: names[0] for name, names in CHOICES.items() if name not in arrays and name not in spared}
 
 

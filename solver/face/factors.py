@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import is_finite, shown
+from solver.face.electrodes import check_electrodes
 from solver.face.filmfactors import check_elasticity, check_films, check_gaps
 from solver.face.refusal import FactorError
 from solver.film.stack import Stack
@@ -25,6 +26,7 @@ from solver.names import (
     PROFILES,
     Contact,
 )
+from solver.units import in_si
 
 _OUTPUT_DIMS = ("position", "x", "y")
 _CHARGES = {
@@ -52,7 +54,7 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
             raise FactorError(f"{name}: unknown factor; {hint}known are {', '.join(known)}")
         array = _array(str(name), value)
         if name in FACTORS:
-            array = _number(str(name), array)
+            array = _number(str(name), _in_si(str(name), array))
         elif name in CHOICES and not isinstance(value, Profile):
             _choice(str(name), array, (*CHOICES[str(name)], *((None, "") if name in OF_A_FILM else ())))
         arrays[str(name)] = array
@@ -71,6 +73,7 @@ def checked(factors: Mapping[str, Any] | xr.Dataset) -> dict[str, xr.DataArray]:
     check_films(arrays)
     check_elasticity(arrays, "punch")
     check_gaps(arrays)
+    check_electrodes(arrays)
     return arrays
 
 
@@ -133,8 +136,6 @@ def _check_contacts(arrays: Mapping[str, xr.DataArray], contacts: set[Contact], 
         for name in OF_A_LINE:
             if name in arrays:
                 raise FactorError(f"{name}: the profile {profiles} has none; only contacts along a line have it")
-        if "friction" in arrays and np.any(arrays["friction"].values):
-            raise FactorError("friction: of point contacts is not solved; must be 0")
 
 
 def _check_charges(arrays: Mapping[str, xr.DataArray]) -> None:
@@ -168,6 +169,25 @@ def _type(value: object) -> type | None:
     """Object where numpy would turn the numbers of a mixed list into text."""
     listed = value if isinstance(value, list | tuple) else ()
     return object if any(isinstance(one, str | Material | Profile | Stack) for one in listed) else None
+
+
+def _in_si(name: str, array: xr.DataArray) -> xr.DataArray:
+    """Texts such as "20 um" as numbers in SI; what else there is, as it is."""
+    if array.dtype.kind in "iuf" or not any(isinstance(one, str) for one in array.values.flat):
+        return array
+    factor, found = FACTORS[name], np.empty(array.shape, dtype=object)
+    for place, one in np.ndenumerate(array.values):
+        try:
+            found[place] = in_si(str(one), factor.units) if isinstance(one, str) else one
+        except ValueError as error:
+            wrong = (
+                str(error)
+                if "mismatch" in str(error)
+                else f"{shown(one)} is not {factor.allowed}, bare or with its unit"
+            )
+            raise FactorError(f"{name}: {wrong}") from None
+    numbers = all(is_finite(one) for one in found.flat)
+    return array.copy(data=found.astype(np.float64) if numbers else found)
 
 
 def _number(name: str, array: xr.DataArray) -> xr.DataArray:

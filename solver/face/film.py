@@ -8,10 +8,12 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.face.cases import Cases
-from solver.face.filmbodies import Bodies, films_of
+from solver.face.electrodes import electroded, reading_of
+from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import FactorError
 from solver.film.along import fields
+from solver.film.collected import electrode_quantities
 from solver.film.inside import inside
 from solver.film.quantities import curves, peaks, quantities
 from solver.film.similar import Films
@@ -49,23 +51,31 @@ class OnFilm:
         self._groups = list(self._grouped())
 
     def quantities(self) -> dict[str, Array]:
-        """Those of ``solver.names.QUANTITIES`` and ``FILM_QUANTITIES`` that every case has; (...)."""
-        return self._put_together(lambda films, _: quantities(films))
+        """Those of ``QUANTITIES``, ``FILM_QUANTITIES`` and ``ELECTRODE_QUANTITIES`` that every case has; (...)."""
+        reading = reading_of(self.cases)
+        if reading is None:
+            return self._put_together(lambda films, _: quantities(films))
+        return self._put_together(
+            lambda films, places: quantities(films) | electrode_quantities(films, reading.part(places))
+        )
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of ``solver.names.FILM_PEAKS`` that are asked for and every case has; (...)."""
+        self._refuse_electroded("peaks")
         if (lacks := self._bodies.lacks_c12) is not None and asked & FILM_PEAKS.keys():
             raise MaterialError(f"{lacks}: c12: missing; film_peak_von_mises needs it [Pa]")
         return self._put_together(lambda films, _: peaks(films, asked))
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """Sizes and curves of regions, see ``solver.curves``, that every case has; (...) and (..., point)."""
+        self._refuse_electroded("curves")
         if (lacks := self._bodies.lacks_c12) is not None:
             raise MaterialError(f"{lacks}: c12: missing; stresses inside the film need it [Pa]")
         return self._put_together(lambda films, _: curves(films, regions))
 
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
         """The surface fields at X, the singular ones also in regular form if asked; (..., position)."""
+        self._refuse_electroded("fields")
 
         def found(films: Films, _: Indices) -> dict[str, Array]:
             values = fields(films, positions)
@@ -80,6 +90,7 @@ class OnFilm:
 
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
         """The fields asked for, by default all of ``INTERIOR`` that the materials have; (..., y, x)."""
+        self._refuse_electroded("fields")
         names = tuple(asked or [name for name in INTERIOR if name not in NEED_C12 or self._bodies.lacks_c12 is None])
         if (lacks := self._bodies.lacks_c12) is not None:
             for name in names:
@@ -110,6 +121,10 @@ class OnFilm:
             out[name] = whole.reshape((*self.shape, *own))
         return out
 
+    def _refuse_electroded(self, what: str) -> None:
+        if any(group.kind.electroded for group in self._groups):
+            raise FactorError(f"electrode: 'top': {what} under it are not given; ask for quantities alone")
+
     def _made(self) -> Bodies:
         """What the cases lie on."""
         return films_of(self.cases)
@@ -119,7 +134,7 @@ class OnFilm:
         """Cases by film, friction, conduction and punch, told apart at the smallest shape that these have."""
         conducts, punch = self.cases.conducts, punch_of(self.cases)
         own = [self.cases.number("friction"), conducts[..., 0], conducts[..., 1], self.cases.number("speed")]
-        own += [punch.compliance, punch.coupling]
+        own += [punch.compliance, punch.coupling, electroded(self.cases)]
         columns = [*self._bodies.columns, *own]
         table = np.stack(np.broadcast_arrays(*(np.asarray(c, dtype=np.float64) for c in columns)), -1)
         kinds, which = np.unique(table.reshape(-1, table.shape[-1]), axis=0, return_inverse=True)
@@ -129,15 +144,21 @@ class OnFilm:
             yield _Group(np.flatnonzero(of_case == number), self._kind(row))
 
     def _kind(self, row: list[float]) -> Kind:
-        *film, friction, electric, magnetic, speed, compliance, coupling = row
+        *film, friction, electric, magnetic, speed, compliance, coupling, covered = row
         profile = self.cases.profile
         layers, base = self._bodies.film(film)
         degree = max(len(profile.slope) - 1, 1)
         kind = Kind(
             layers, base, friction, (bool(electric), bool(magnetic)), profile.smooth, degree,
-            punch=(compliance, coupling),
+            punch=(compliance, coupling), electroded=bool(covered),
         )  # fmt: skip
-        kind.stack()  # refuses what its base does not have before anything is computed
+        if (
+            covered or kind.stack().conductors[0]
+        ):  # a stack refuses what its base does not have before anything is computed
+            refuse_charge(self.cases)
+            kind = replace(
+                kind, conducts=(False, bool(magnetic))
+            )  # the electrode on top has the potential, not the punch
         if speed > 0 and not speed < (limit := self._critical(kind)):
             raise FactorError(
                 f"speed: {speed:g} m/s is not below the first critical speed of the film, {limit:.6g} m/s"

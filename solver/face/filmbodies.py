@@ -77,7 +77,7 @@ class ByFactors:
 
     def film(self, row: Sequence[float]) -> Film:
         """The layers, the top one of unit thickness, and the base, of one row of the columns."""
-        count = len(UNITS)
+        count = len(UNITS) + 1  # and whether it is a conductor
         rigid, electric, magnetic, lowest, surface, kind, exponent = row[2 * count :]
         of: Constants | PowerLaw = _constants(row[:count])
         if lowest != _UNGRADED:
@@ -157,7 +157,8 @@ class HalfPlanes:
 
     def film(self, row: Sequence[float]) -> Film:
         """The layers, the top one of unit thickness, and the base, of one row of the columns."""
-        return (Coat(_constants(row), 1.0, "bonded", "bonded"),), _constants(row)
+        of = (*_constants(row)[:-1], 0.0)  # the closed form knows no conductors
+        return (Coat(of, 1.0, "bonded", "bonded"),), of
 
     @property
     def lacks_c12(self) -> str | None:
@@ -170,15 +171,31 @@ def films_of(cases: Cases) -> Bodies:
     return ByStack(cases) if "body" in cases.values else ByFactors(cases)
 
 
+def refuse_charge(cases: Cases) -> None:
+    """Refuse an electric charge of a punch on a metal, which is not the punch's to keep.
+
+    Raises
+    ------
+    FactorError
+        Naming the charge.
+    """
+    name = cases.kind.loads.charges[0]
+    if np.any(charge := cases.number(name)):
+        raise FactorError(
+            f"{name}: {charge[charge != 0].flat[0]:g} of a punch on an electrode, which takes it; must be 0"
+        )
+
+
 def _known(cases: Cases, material: Material) -> list[Array]:
-    """Constants by case, infinite where unknown; the density of what rests has no part."""
+    """Constants by case, infinite where unknown, and conductors; the density of what rests has no part."""
     moving = cases.number("speed") > 0
     known = {key: np.nan_to_num(getattr(material, key), nan=np.inf) for key in UNITS}
-    return [np.where(moving, value, np.inf) if key == "rho" else value for key, value in known.items()]
+    constants = [np.where(moving, value, np.inf) if key == "rho" else value for key, value in known.items()]
+    return [*constants, material.conductor.astype(np.float64)]
 
 
 def _constants(row: Sequence[float]) -> Constants:
-    """Constants in the order of ``UNITS``, None where unknown."""
+    """Constants in the order of ``UNITS``, None where unknown, and whether it is a conductor."""
     return tuple(None if np.isinf(value) else value for value in row)
 
 

@@ -125,6 +125,8 @@ def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:
     for value in arrays[BODY].values.flat:
         if not isinstance(value, Stack):
             raise FactorError(f"{BODY}: {shown(value)} is no solver.Stack")
+        if value.electroded:
+            raise FactorError(f"{BODY}: {value.name}: electroded is said by the factor electrode: top")
     for name in ("material", "composite", "volume_fraction", *OF_A_FILM):
         if name in arrays:
             raise FactorError(f"{name}: beside a {BODY}; a stack has its own materials, thicknesses and interfaces")

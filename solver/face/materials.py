@@ -78,7 +78,7 @@ def base_of(cases: Cases) -> tuple[Material, BoolArray]:
         return base, rigid
     other = _isotropic(cases)
     by_name = named | rigid
-    either: dict[str, Any] = {c: np.where(by_name, getattr(base, c), getattr(other, c)) for c in UNITS}
+    either: dict[str, Any] = {c: np.where(by_name, getattr(base, c), getattr(other, c)) for c in (*UNITS, "conductor")}
     return Material(**either, name="base"), rigid
 
 
@@ -99,7 +99,7 @@ def _chosen(which: NDArray[Any], materials: Mapping[str, Material]) -> Material:
             raise FactorError(f"material: {material.name!r} holds arrays; a factor takes one material a value")
         material.check()
     of_case = np.array([place[m] for m in asked], dtype=np.intp).reshape(which.shape)
-    constants: dict[str, Any] = {c: np.array([getattr(m, c) for m in chosen])[of_case] for c in UNITS}
+    constants: dict[str, Any] = {c: np.array([getattr(m, c) for m in chosen])[of_case] for c in (*UNITS, "conductor")}
     return Material(**constants, name=chosen[0].name if len(chosen) == 1 else "material")
 
 

@@ -52,8 +52,8 @@ def solve(
         Also give ``<field>_regular``, the square-root singular fields times sqrt|1 - X^2|.
     peaks
         Also give the quantities of ``solver.names.PEAKS``, or ``FILM_PEAKS`` of films, or those of them that are named:
-        they are searched for over the body, some milliseconds a case where the others take some microseconds, and need
-        c12.
+        they are searched for over the body, some milliseconds a case where the others take some microseconds, under a
+        point a second, and need c12.
 
     Returns
     -------

@@ -8,9 +8,9 @@ from scipy.special import exp1, jv
 
 from solver.arrays import Array
 from solver.film.basis import Basis
+from solver.film.electroded import lowest, surface
 from solver.film.grading import GradedResponse
 from solver.film.kernel import CHANNEL, POTENTIAL, POTENTIAL_SHEAR, SHEAR, TANGENTIAL, wavenumbers
-from solver.film.reflection import low
 from solver.film.rough import Rough, weights
 from solver.film.system import System
 
@@ -100,7 +100,7 @@ class Assembly:
         """Displacements under a graded layer in Fourier space (films, section 5); (half, 3, unknown)."""
         system, width = self.system, self.system.kernel.width
         stack, friction = system.kernel.stack, system.coefficients.friction
-        regular = (stack.media[0].compliance - low(stack))[1:, 1:]
+        regular = (surface(stack) - lowest(stack))[1:, 1:]
         out = np.zeros((self.half_lengths.size, 3, system.unknowns(self.basis)))
         fine = replace(self.basis, samples=max(self.basis.samples, self.basis.terms + int(_FAR / 2) + 20))
         sources = replace(self, basis=fine).sources()

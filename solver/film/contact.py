@@ -13,8 +13,8 @@ import numpy as np
 from solver.arrays import Array, dot
 from solver.film import outputs
 from solver.film.causes import Causes, Loading
+from solver.film.electroded import lowest
 from solver.film.press import extent
-from solver.film.reflection import low
 from solver.film.table import Table
 from solver.halfplane.profile import Profile
 
@@ -149,7 +149,7 @@ class FilmContact:
         system = self.table.system
         own = self.datum if self.punch_datum is None else self.punch_datum
         body, punch = (np.log(np.asarray(L, dtype=np.float64) / system.kernel.width) for L in (self.datum, own))
-        far = low(system.kernel.stack)[1:, 1:] / np.pi * body[..., None, None]
+        far = lowest(system.kernel.stack)[1:, 1:] / np.pi * body[..., None, None]
         return np.asarray(far + system.coefficients.punch[0] / np.pi * punch[..., None, None] * _NORMAL)
 
     def _rise(self, *, by_centre: bool = False, by_width: bool = False) -> Array:

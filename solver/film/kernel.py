@@ -18,8 +18,9 @@ from numpy.polynomial.chebyshev import chebvander
 
 from approximation.chebyshev import coefficients, mapped_points
 from solver.arrays import Array, BoolArray
+from solver.film.electroded import difference, lowest, surface
 from solver.film.grading import GradedResponse, smooth_tails
-from solver.film.reflection import low, sideways, waves
+from solver.film.reflection import sideways
 from solver.film.stack import Stack, StackError
 
 #: Entries of Delta in the order of the channels: six oo, three ox, then xx (of K only).
@@ -240,11 +241,11 @@ def _gauss(count: int) -> tuple[Array, Array]:
 def _transforms(stack: Stack, width: float, x: Array) -> Array:
     """K and U at distances x >= 0; (x, 19)."""
     k, weights = wavenumbers(stack, float(np.max(x)), width)
-    difference = waves(stack, k)[0].difference
-    regular = stack.media[0].compliance - low(stack)
+    added = difference(stack, k)
+    regular = surface(stack) - lowest(stack)
     spread = sideways(stack)
-    difference[:, 3, 3] -= spread / k * np.exp(-k * width) * (1 + k * width)
-    rows = np.array([difference[:, i, j] for i, j in ENTRIES])  # (channel, k)
+    added[:, 3, 3] -= spread / k * np.exp(-k * width) * (1 + k * width)
+    rows = np.array([added[:, i, j] for i, j in ENTRIES])  # (channel, k)
     datum = np.array([regular[i, j] for i, j in ENTRIES[:6]])[:, None] * np.exp(-k * width)
     by_sine = (weights * np.concatenate([rows[[*range(6), 9]], rows[6:9] / k])).T
     by_cosine = (weights * np.concatenate([rows[6:9], rows[:6] / k])).T

@@ -6,7 +6,7 @@ and its stresses fall as 1/r. In the depth points are even in its logarithm. Pan
 takes, less at the tops.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,12 @@ from solver.film.stack import Stack
 #: Ends of the panels across in their own coordinate t.
 ENDS = (-5.0, -3.0, -1.0, 1.0, 3.0, 5.0)
 
+DEPTH = 0.1  # of the half-length: the least depth of the film's peaks
+
+_BELOW = 1 + 1e-9  # of the thickness: the top of the base
+_BESIDE = 0.4  # width of the film's panels beside the edges, of the half-length
+_NEAR = 2.0  # the same on the interface and in the base, of the thickness
+_TAIL = 8.0  # how much farther the interface is searched: where its tension dies out its sign still changes
 _FARTHEST = 8.0  # thicknesses, or lengths over which a base bends a film that is stiffer
 _ERROR = 1e-7  # of a panel's interpolant at its worst point
 _ANGLE = 1.1  # the largest that is reckoned with
@@ -104,10 +110,43 @@ class Net:
         ends = (_at(share, h, self.thickness) for share in (self.top, self.bottom))
         return np.exp(mapped_points(self.down, *np.log(list(ends)).tolist()))
 
+    def depth_at(self, h: float, t: Array) -> Array:
+        """-y/h at coordinates t in -1 to 1 down; as t."""
+        low, high = (np.log(_at(share, h, self.thickness)) for share in (self.top, self.bottom))
+        return np.asarray(np.exp((low + high) / 2 + (high - low) / 2 * t) / h)
+
     @property
     def line(self) -> Array:
         """Coordinates t of the points across."""
         return line(self.across, ENDS)
+
+
+@dataclass(frozen=True, eq=False)
+class Nets:
+    """The nets of a stack, for half-lengths from ``least`` to ``most`` [m]."""
+
+    stack: Stack
+    least: float
+    most: float
+
+    @property
+    def interface(self) -> Net:
+        """Points on the upper side of the lowest interface."""
+        return replace(self._net((0.0, _NEAR), (0.0, 1.0), (0.0, 1.0)), farthest=_TAIL * farthest(self.stack))
+
+    @property
+    def film(self) -> Net:
+        """Points of the film from depth 0.1 h to the interface."""
+        return self._net((_BESIDE, 0.0), (DEPTH, 0.0), (0.0, 1.0))
+
+    @property
+    def base(self) -> Net:
+        """Points of the base from the interface to two half-lengths and a thickness below it."""
+        return self._net((0.0, _NEAR), (0.0, _BELOW), (2.0, 2.0))
+
+    def _net(self, near: tuple[float, float], top: tuple[float, float], bottom: tuple[float, float]) -> Net:
+        stack = self.stack
+        return Net(*near, farthest(stack), *singular(stack), top, bottom, stack.thickness, self.least, self.most)
 
 
 def farthest(stack: Stack) -> float:

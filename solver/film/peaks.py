@@ -4,7 +4,7 @@ Stresses on Chebyshev panels tied to the edges of the contact are linear in the 
 its logarithm. A case is a product; the best nodes of several hills start climbs on the interpolant.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -16,18 +16,12 @@ from solver.arrays import Array
 from solver.curves import PRINCIPAL, SHEAR, VON_MISES
 from solver.film.contact import FilmContact
 from solver.film.interior import Interior
-from solver.film.net import Net, farthest, singular
+from solver.film.net import DEPTH, Net, Nets
 from solver.film.stack import Stack, StackError
 from solver.film.table import Table
 from solver.film.tractions import Tractions
 
-DEPTH = 0.1  # of the half-length: the least depth of the film's peaks
-
 _STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
-_BELOW = 1 + 1e-9  # of the thickness: the top of the base
-_BESIDE = 0.4  # width of the film's panels beside the edges, of the half-length
-_NEAR = 2.0  # the same on the interface and in the base, of the thickness
-_TAIL = 8.0  # how much farther the interface is searched: where its tension dies out its sign still changes
 _CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width: the next is of its square
 _CHUNK = 256  # cases at a time: bounded memory
 
@@ -77,26 +71,25 @@ class PeakTable:
     @cached_property
     def interface_net(self) -> Net:
         """Points on the upper side of the lowest interface."""
-        return replace(self._net((0.0, _NEAR), (0.0, 1.0), (0.0, 1.0)), farthest=_TAIL * farthest(self._stack))
+        return self._nets.interface
 
     @cached_property
     def film_net(self) -> Net:
         """Points of the film from depth 0.1 h to the interface."""
         if DEPTH * self.table.upper >= self._thickness:
             raise StackError(f"film peaks: contacts wider than {1 / DEPTH:g} thicknesses have no film under 0.1 h")
-        return self._net((_BESIDE, 0.0), (DEPTH, 0.0), (0.0, 1.0))
+        return self._nets.film
 
     @cached_property
     def base_net(self) -> Net:
         """Points of the base from the interface to two half-lengths and a thickness below it."""
         if self._stack.rigid:
             raise StackError("base peaks: a rigid base has no stresses")
-        return self._net((0.0, _NEAR), (0.0, _BELOW), (2.0, 2.0))
+        return self._nets.base
 
-    def _net(self, near: tuple[float, float], top: tuple[float, float], bottom: tuple[float, float]) -> Net:
-        stack = self._stack
-        ends = self.table.lower, self.table.upper
-        return Net(*near, farthest(stack), *singular(stack), top, bottom, stack.thickness, *ends)
+    @property
+    def _nets(self) -> Nets:
+        return Nets(self._stack, self.table.lower, self.table.upper)
 
     @property
     def _thickness(self) -> float:

@@ -10,7 +10,8 @@ from solver.film.stack import StackError
 from solver.material.constants import UNITS, Material
 from solver.material.laws import made
 
-#: Constants in the order of ``solver.material.constants.UNITS``; None where unknown: NaN never equals itself.
+#: Constants in the order of ``solver.material.constants.UNITS``, None where unknown: NaN never equals itself; then 1 of
+#: a conductor, 0 of others.
 Constants = tuple[float | None, ...]
 
 #: From this exponent on three derivatives exist at the surface, whatever it is.
@@ -19,16 +20,18 @@ SMOOTH = 4.0
 
 def material_from(constants: Constants, name: str) -> Material:
     """The material of constants."""
+    *values, conductor = constants
     given: dict[str, Any] = {
-        key: np.array(np.nan if value is None else value) for key, value in zip(UNITS, constants, strict=True)
+        key: np.array(np.nan if value is None else value) for key, value in zip(UNITS, values, strict=True)
     }
-    return Material(**given, name=name)
+    return Material(**given, conductor=np.array(bool(conductor)), name=name)
 
 
 def constants_of(material: Material) -> Constants:
     """The constants of a material without case axes."""
     values = {key: float(getattr(material, key)) for key in UNITS}
-    return tuple(None if np.isnan(value) else value for value in values.values())
+    known = (None if np.isnan(value) else value for value in values.values())
+    return (*known, float(material.conductor))
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,8 @@ from solver.arrays import Array
 from solver.film.contact import FilmContact
 from solver.film.crest import peak_pressure
 from solver.film.curves import region_curves
-from solver.film.peaks import DEPTH, PeakTable
+from solver.film.net import DEPTH
+from solver.film.peaks import PeakTable
 from solver.film.similar import Films
 from solver.film.stack import StackError
 from solver.film.table import RangeError
@@ -49,7 +50,8 @@ def quantities(films: Films) -> dict[str, Array]:
         ("leading", "leading_compression", -1.0, smooth[1]),
     ):
         if is_smooth:
-            out[stress] = gather(_at(FilmContact.edge_stress, edge))
+            if not films.kind.electroded:
+                out[stress] = gather(_at(FilmContact.edge_stress, edge))
             intensity = np.sqrt(h)[:, None] * gather(_at(FilmContact.edge_intensity, edge))
             out[f"electric_edge_intensity_{name}"] = intensity[:, 0]
             out[f"magnetic_edge_intensity_{name}"] = intensity[:, 1]

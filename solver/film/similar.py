@@ -15,8 +15,9 @@ import numpy as np
 from solver.arrays import Array, BoolArray
 from solver.film.causes import Loading
 from solver.film.contact import FilmContact
+from solver.film.electroded import met
 from solver.film.press import LengthsError, load_at_nodes
-from solver.film.table import LEAST, MOST, RangeError, Table
+from solver.film.table import LEAST, MOST, RangeError, Table, told
 from solver.film.windows import FIRST, LAST, Indices, Kind, number_of, rough_window, window
 from solver.halfplane.contact import Contact
 from solver.halfplane.pressing import ContactError
@@ -122,7 +123,7 @@ class Films:
             if np.any((number < FIRST) | (number > LAST)):
                 raise RangeError(
                     f"contact: {'narrower' if np.any(number < FIRST) else 'wider'} than the resolved range, "
-                    f"{LEAST:g} to {MOST:g} of half-length over thickness"
+                    f"{LEAST:g} to {MOST:g} of half-length over thickness ({told(self.thickness)})"
                 )
         raise LengthsError("contact: no contact of one length carries the load (charges too large for it)")
 
@@ -164,7 +165,7 @@ class Films:
     def _guess(self) -> Array:
         """Half-length over thickness that the closed form of the film's half-plane has; less where it is thin."""
         kind = self.kind
-        top = kind.stack().media[0].halfplane
+        top = met(kind.stack())
         sliding = Sliding(top, np.array(kind.friction), np.array(kind.conducts), kind.elastic)
         try:
             half = Contact(sliding, self.profile, self.load, self.charges).half_width

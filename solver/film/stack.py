@@ -1,7 +1,7 @@
 """Layers on a base: materials, thicknesses and what the interfaces do to the electric and the magnetic field."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar, Literal
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from solver.arrays import Array, is_finite
 from solver.film.fourier import Medium
-from solver.material.constants import Material, MaterialError
+from solver.material.constants import VACUUM_PERMEABILITY, Material, MaterialError
 from solver.material.library import find
 
 RIGID: Literal["rigid"] = "rigid"
@@ -37,7 +37,7 @@ class Layer:
         Thickness > 0 [m].
     electric
         ``grounded`` (a thin electrode at phi = 0) or ``bonded`` (phi and D_y continuous). By default grounded above
-        the base and bonded between layers; above a rigid base it is grounded.
+        the base and bonded between layers; above a rigid base it is grounded, and so it is beside a conductor.
     magnetic
         ``grounded`` (psi = 0), ``bonded``, or ``insulated`` (B_y = 0; above a rigid base only). By default grounded
         above a rigid base and bonded elsewhere.
@@ -86,6 +86,8 @@ class Stack:
         ``rigid`` (u = 0, phi = 0, bonded) or the material of the half-plane below.
     speed
         Steady speed V >= 0 of the contact along x [m/s]; any but 0 needs the densities.
+    electroded
+        Whether the surface is a grounded electrode without stiffness, which the punch then presses.
 
     Examples
     --------
@@ -108,6 +110,7 @@ class Stack:
     layers: Sequence[Layer]
     base: Material | Literal["rigid"] = RIGID
     speed: float = 0.0
+    electroded: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(self.layers))
@@ -118,6 +121,8 @@ class Stack:
                 raise StackError(f"base: {self.base!r} is unknown; 'rigid' or a material")
         else:
             _require_single(self.base, "base")
+        if self.electroded and self.layers[0].graded:
+            raise StackError("electrode: 'top' is not allowed on a graded layer")
         *upper, lowest = self.layers
         if any(layer.graded for layer in self.layers[1:]):
             raise StackError("layers: only the top layer can be graded")
@@ -159,12 +164,25 @@ class Stack:
         return self.rigid and self.layers[-1].magnetic == "insulated"
 
     @cached_property
+    def conductors(self) -> tuple[bool, ...]:
+        """Whether each layer, and the base last, is a conductor.
+
+        One potential fills it: away from k = 0 that of a conductor without end is zero at both its faces, whatever its
+        charge.
+        """
+        bodies = [layer.material for layer in self.layers]
+        base = () if isinstance(self.base, str) else (self.base,)
+        return (*(bool(m.conductor) for m in (*bodies, *base)), *([False] if self.rigid else []))
+
+    @cached_property
     def grounded(self) -> tuple[tuple[int, ...], ...]:
         """Components (2: phi, 3: psi) held at zero by the interface below each layer."""
         last = len(self.layers) - 1
+        metal = self.conductors
         held = []
         for number, layer in enumerate(self.layers):
             electric = layer.electric or ("grounded" if number == last else "bonded")
+            electric = "grounded" if metal[number] or metal[number + 1] else electric
             magnetic = layer.magnetic or ("grounded" if number == last and self.rigid else "bonded")
             held.append(tuple(c for c, kind in ((2, electric), (3, magnetic)) if kind == "grounded"))
         return tuple(held)
@@ -183,7 +201,13 @@ class Stack:
     @cached_property
     def base_medium(self) -> Medium | None:
         """The base's material in the units of the stack; none if it is rigid."""
-        return None if isinstance(self.base, str) else Medium(self.base, self.media[0].scale, self.speed)
+        base = self.base
+        if isinstance(base, str):
+            return None
+        if base.conductor and 3 in self.grounded[-1] and not (base.f31 or base.f33 or base.f15):
+            vacuum = np.array(VACUUM_PERMEABILITY)  # no flux gets there: its permeability has no part, not by a bit
+            base = replace(base, mu11=vacuum, mu33=vacuum)
+        return Medium(base, self.media[0].scale, self.speed)
 
 
 def _require_single(material: object, name: str) -> None:

@@ -16,6 +16,7 @@ from solver.arrays import Array
 from solver.film import outputs
 from solver.film.assembly import Assembly
 from solver.film.basis import Basis
+from solver.film.electroded import met
 from solver.film.kernel import kernel
 from solver.film.stack import Stack
 from solver.film.system import System
@@ -33,6 +34,18 @@ _ALIKE, _GRADED_ALIKE = 0.75, 0.4  # of the number of terms: half-lengths that s
 
 class RangeError(ContactError):
     """A contact narrower or wider than the range of half-lengths that is resolved."""
+
+
+def told(thickness: Array) -> str:
+    """Thicknesses in the words of a message: one that has lost its unit shows.
+
+    Examples
+    --------
+    >>> told(np.array([20.0, 200.0])), told(np.array(1e-6))
+    ('thickness 20 to 200 m', 'thickness 1e-06 m')
+    """
+    least, most = float(np.min(thickness)), float(np.max(thickness))
+    return f"thickness {least:g}{'' if least == most else f' to {most:g}'} m"
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +209,7 @@ def table(
     if not LEAST <= least < most <= MOST:
         raise RangeError(f"contact: range {least:g} to {most:g} of hc/h1 is not within {LEAST:g} to {MOST:g}")
     top = stack.top.thickness
-    sliding = Sliding(stack.media[0].halfplane, np.array(friction), np.array(conducts), punch)
+    sliding = Sliding(met(stack), np.array(friction), np.array(conducts), punch)
     system = System(kernel(stack, 2 * most * top), sliding, smooth, degree, accuracy)
     count = nodes or 10 + int(np.ceil(_PER_DECADE * np.log10(most / least)))
     return Table(system, least * top, most * top, count)

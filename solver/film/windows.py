@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from solver.arrays import Array
 from solver.film.grading import Graded
-from solver.film.peaks import DEPTH, PeakTable
+from solver.film.net import DEPTH
+from solver.film.peaks import PeakTable
 from solver.film.powerlaw import Constants, constants_of, material_from
 from solver.film.speed import critical_speed
 from solver.film.stack import RIGID, Layer, Stack
@@ -85,6 +86,8 @@ class Kind:
         Steady sliding speed [m/s].
     punch
         N_p and k_p of the punch [1/Pa], 0 of a rigid one.
+    electroded
+        Whether the surface is a grounded electrode without stiffness.
     """
 
     layers: tuple[Coat, ...]
@@ -95,6 +98,7 @@ class Kind:
     degree: int
     speed: float = 0.0
     punch: tuple[float, float] = (0.0, 0.0)
+    electroded: bool = False
 
     @property
     def elastic(self) -> Punch:
@@ -109,7 +113,7 @@ class Kind:
         MaterialError
             Inadmissible materials, an interface that the base does not have.
         """
-        return _stack(self.layers, self.base, self.speed)
+        return _stack(self.layers, self.base, self.speed, self.electroded)
 
     @property
     def uniform(self) -> bool:
@@ -128,10 +132,10 @@ class Kind:
 
 
 @lru_cache(_STACKS)
-def _stack(layers: tuple[Coat, ...], base: Constants | None, speed: float) -> Stack:
+def _stack(layers: tuple[Coat, ...], base: Constants | None, speed: float, electroded: bool) -> Stack:
     """One stack for all tables of it: what is found once for a stack, is found once."""
     made = tuple(coat.layer() for coat in layers)
-    return Stack(made, RIGID if base is None else material_from(base, "base"), speed)
+    return Stack(made, RIGID if base is None else material_from(base, "base"), speed, electroded)
 
 
 @lru_cache(_STACKS)

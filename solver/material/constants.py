@@ -59,6 +59,8 @@ class Material:
         Transverse stiffness [Pa]; NaN where unknown. Only composites and out-of-plane stress need it.
     rho
         Mass density [kg/m3]; NaN where unknown. Only a moving punch needs it.
+    conductor
+        Whether it is a metal: one potential inside, no electric field; its permittivity has no part.
     name, source, note
         What it is, where the constants come from, what is disputed about them.
     limits
@@ -94,6 +96,7 @@ class Material:
     mu33: Array = field(default_factory=lambda: np.array(VACUUM_PERMEABILITY))
     c12: Array = field(default_factory=lambda: np.array(np.nan))
     rho: Array = field(default_factory=lambda: np.array(np.nan))
+    conductor: BoolArray = field(default_factory=lambda: np.array(False))
     name: str = "material"
     source: str = ""
     note: str = ""
@@ -103,13 +106,14 @@ class Material:
     def __post_init__(self) -> None:
         for name in UNITS:
             object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=np.float64))
+        object.__setattr__(self, "conductor", np.asarray(self.conductor, dtype=np.bool_))
 
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, object]) -> Self:
         """Material from plain values, checked for unknown, missing and non-numeric entries and for admissibility.
 
-        Constants by name, texts ``name``, ``source`` and ``note``, ``limits`` (see :func:`read_limits`) and
-        ``alternatives`` (see :func:`read_alternatives`), each of which must be admissible too.
+        Constants by name, ``conductor``, texts ``name``, ``source`` and ``note``, ``limits`` (see :func:`read_limits`)
+        and ``alternatives`` (see :func:`read_alternatives`), each of which must be admissible too.
 
         Raises
         ------
@@ -137,6 +141,9 @@ class Material:
                     evidence[key] = read_limits(value) if key == "limits" else read_alternatives(value, UNITS)
                 except ValueError as error:
                     raise MaterialError(f"{label}: {error}") from None
+            elif key == "conductor":
+                if not isinstance(value, bool):
+                    raise MaterialError(f"{label}: {key}: {value!r} is not true or false")
             elif key not in UNITS:
                 if not isinstance(value, str):
                     raise MaterialError(f"{label}: {key}: {value!r} is not a text")
@@ -222,6 +229,7 @@ class Material:
         constants = {name: float(getattr(self, name)) for name in UNITS}
         return {
             **{name: value for name, value in constants.items() if not np.isnan(value)},
+            **({"conductor": True} if self.conductor else {}),  # others are as they were before there were any
             **{name: getattr(self, name) for name in ("name", "source", "note")},
             "limits": {name: asdict(limit) for name, limit in self.limits.items()},
             "alternatives": [{**one.constants, "source": one.source} for one in self.alternatives],
@@ -290,6 +298,9 @@ class Material:
             self._require(g**2 < eps * mu, f"g{axis}", rule)
         if not np.any(np.isnan(self.rho)):
             self._require(self.rho > 0, "rho", "must be positive")
+        if np.any(self.conductor):
+            for name in ("e31", "e33", "e15", "g11", "g33"):
+                self._require(~self.conductor | (getattr(self, name) == 0), name, "must be 0 in a conductor")
 
     def _require(self, holds: BoolArray, constant: str, rule: str) -> None:
         """Raise, with the first offending value, unless the condition holds in every case."""

@@ -1,10 +1,15 @@
-"""Spherical Bessel functions of all orders at once: by recurrence up to the order z, by falling ratios beyond it."""
+"""Bessel functions of many orders at once.
+
+Spherical ones by recurrence up to the order z, by falling ratios beyond it; J_2 and J_3 from J_0 and J_1.
+"""
 
 import numpy as np
+from scipy.special import j0, j1
 
 from solver.arrays import Array
 
 _BEYOND = 24  # orders above the highest one, from which the ratios begin: they forget their beginning
+_SMALL = 0.1  # where series are used
 _MOST = 400_000  # values of all orders held at once
 
 
@@ -17,6 +22,30 @@ def even_orders(z: Array, count: int, odd: int = 0) -> Array:
         some = slice(start, start + step)
         found[:, some] = _orders(flat[some], 2 * count - 2 + odd)[odd::2]
     return found.reshape(count, *z.shape)
+
+
+def bessel_orders(k: Array, x: Array, count: int) -> Array:
+    """J_n(kx), n = 0 .. count - 1 of 3 or 4, to rounding of their largest values; (count, k, x).
+
+    Parameters
+    ----------
+    k
+        Positive; (k,).
+    x
+        Of either sign; (x,).
+    count
+        Number of orders.
+    """
+    away, which = np.unique(np.abs(x), return_inverse=True)
+    z = k[:, None] * away
+    small, apart = z < _SMALL, np.maximum(z, _SMALL)
+    found = [j0(z), j1(z)]
+    found.append(np.where(small, z**2 / 8 * (1 - z**2 / 12 + z**4 / 384), 2 / apart * found[1] - found[0]))
+    if count > 3:
+        found.append(np.where(small, z**3 / 48 * (1 - z**2 / 16 + z**4 / 640), 4 / apart * found[2] - found[1]))
+    whole = np.stack(found)[:, :, which]
+    whole[1::2] *= np.sign(x)
+    return np.asarray(whole)
 
 
 def _orders(z: Array, highest: int) -> Array:

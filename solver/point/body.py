@@ -8,7 +8,7 @@ from typing import Protocol, Self
 import numpy as np
 
 from solver.arrays import Array, BoolArray
-from solver.film.table import LEAST, MOST, RangeError
+from solver.film.table import LEAST, MOST, RangeError, told
 from solver.film.windows import FIRST, LAST, Indices, number_of
 from solver.halfplane.pressing import ContactError
 from solver.point.contact import State
@@ -159,7 +159,7 @@ class Film:
         """
         ratio = radius / self.thickness
         if not (np.all(ratio >= LEAST * (1 - _SLACK)) and np.all(ratio <= MOST * (1 + _SLACK))):
-            raise RangeError(_beyond(bool(np.any(ratio < LEAST))))
+            raise RangeError(_beyond(bool(np.any(ratio < LEAST)), self.thickness))
         numbers = number_of(ratio)
         for number in np.unique(numbers).tolist():
             yield np.flatnonzero(numbers == number), window(self.kind, number)
@@ -206,7 +206,7 @@ class Film:
                 return found
             numbers[asked] += beside
             if np.any((numbers < FIRST) | (numbers > LAST)):
-                raise RangeError(_beyond(bool(np.any(numbers < FIRST))))
+                raise RangeError(_beyond(bool(np.any(numbers < FIRST)), self.thickness))
         raise LengthsError("contact: no contact of one radius carries the force (charges too large for it)")
 
     def _require_one(self, loading: Loading, radius: Array) -> None:
@@ -301,8 +301,8 @@ class Search:
         return np.asarray(self.thickness * np.exp(at))
 
 
-def _beyond(narrow: bool) -> str:
+def _beyond(narrow: bool, thickness: Array) -> str:
     return (
         f"contact: {'narrower' if narrow else 'wider'} than the resolved range, {LEAST:g} to {MOST:g} of radius over "
-        "thickness"
+        f"thickness ({told(thickness)})"
     )

@@ -16,6 +16,16 @@ from solver.arrays import Array
 from solver.point.profile import Shape
 
 
+def halfspace_terms(compliance: Array, shape: Shape, count: int) -> Array:
+    """a c of the half-space of N (3, 3), of u0 in each channel and of g = (r/a)^exponent; (3, n, 4)."""
+    inverse = np.linalg.inv(compliance)
+    found = np.zeros((3, count, 4))
+    found[:, 0, :3] = 2 / np.pi * inverse
+    moments = 2 / np.pi * (4 * np.arange(count) + 1) * shape.moments(count)
+    found[:, :, 3] = inverse[:, :1] * moments
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class Added:
     """What layers and base add to the coefficients of the half-space.
@@ -38,13 +48,7 @@ class Added:
     @cached_property
     def halfspace(self) -> Array:
         """a c of the half-space, of u0 in each channel and of g = (r/a)^exponent; (3, n, 4)."""
-        count = self.interactions.shape[-1]
-        inverse = np.linalg.inv(self.compliance)
-        found = np.zeros((3, count, 4))
-        found[:, 0, :3] = 2 / np.pi * inverse
-        moments = 2 / np.pi * (4 * np.arange(count) + 1) * self.shape.moments(count)
-        found[:, :, 3] = inverse[:, :1] * moments
-        return found
+        return halfspace_terms(self.compliance, self.shape, self.interactions.shape[-1])
 
     @cached_property
     def coefficients(self) -> Array:

@@ -9,8 +9,9 @@ flux leaves sideways: psi is then a logarithm far away, and zero at the distance
 import numpy as np
 
 from solver.arrays import Array
+from solver.film.electroded import difference
 from solver.film.kernel import strip, wavenumbers
-from solver.film.reflection import sideways, waves
+from solver.film.reflection import sideways
 from solver.film.stack import Stack, StackError
 from solver.point.bessel import even_orders
 
@@ -39,14 +40,14 @@ def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
     if stack.top.graded:
         raise StackError("layers: point contacts need layers that are not graded")
     k, weights = wavenumbers(stack, 2 * float(np.max(radii)), strip(stack))
-    difference = weights * np.moveaxis(waves(stack, k)[0].difference[:, 1:, 1:], 0, -1)
+    added = weights * np.moveaxis(difference(stack, k)[:, 1:, 1:], 0, -1)
     found: Array = np.empty((radii.size, 3, 3, count, count))
     step = max(_BLOCK // (count * k.size), 1)
     for start in range(0, radii.size, step):
         some = radii[start : start + step]
         orders = np.moveaxis(even_orders(some[:, None] * k, count, odd), 0, 1)  # (radius, n, k)
         for i, j in zip(*np.triu_indices(3), strict=True):
-            entry = (orders * difference[i, j]) @ np.swapaxes(orders, -1, -2)
+            entry = (orders * added[i, j]) @ np.swapaxes(orders, -1, -2)
             found[start : start + step, i, j] = found[start : start + step, j, i] = entry
     if not odd and (spread := sideways(stack)):
         found[:, 2, 2, 0, 0] -= np.sum(weights * spread / k * np.exp(-k * stack.thickness / 2))

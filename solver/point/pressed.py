@@ -6,10 +6,31 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array, BoolArray
+from solver.film.electrodes import Reading
+from solver.halfplane.pressing import ContactError
 from solver.point.body import Film, HalfSpace, Loading
 from solver.point.contact import State
 from solver.point.pressure import SAMPLES, added_forms, climbed, halfspace_form, halfspace_peak
 from solver.point.table import Window
+
+
+@dataclass(frozen=True, eq=False)
+class Friction:
+    """What slides along x, and what the surfaces do of it.
+
+    Attributes
+    ----------
+    coefficient
+        eta; (case,).
+    coupling
+        k of the half-space of the top less that of the punch, units of the body; (case, 3).
+    punch
+        k_p of the punch [1/Pa], 0 of a rigid one; the same on one film.
+    """
+
+    coefficient: Array
+    coupling: Array
+    punch: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +51,15 @@ class Pressed:
         T [C] and J [Wb]; (case, 2).
     conducts
         Whether the punch conducts (electric, magnetic); (case, 2) or (2,).
+    reading
+        The electrode that is read; None: none.
+    friction
+        None where it is not asked for.
+
+    Raises
+    ------
+    ContactError
+        A disc that slides: friction makes its edge steeper than a square root.
     """
 
     body: HalfSpace | Film
@@ -38,6 +68,12 @@ class Pressed:
     force: Array
     charges: Array
     conducts: BoolArray
+    reading: Reading | None = None
+    friction: Friction | None = None
+
+    def __post_init__(self) -> None:
+        if self.body.shape.flat and self.friction is not None and np.any(self.friction.coefficient):
+            raise ContactError("friction: of a disc is not solved, its edge has a logarithm; must be 0")
 
     @property
     def units(self) -> Array:

@@ -9,8 +9,10 @@ import numpy as np
 from solver.arrays import Array
 from solver.point.pressed import Contact, Pressed
 from solver.point.pressure import finite
+from solver.point.sliding import Rim, Rubbed
 
 _INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
+_ENDS = tuple((f"{name}_trailing", f"{name}_leading") for name in _INTENSITIES)
 #: Of each field: potential, per force, charge per force at zero potential, stroke, blocked force, store.
 RESPONSES = (
     (
@@ -47,6 +49,34 @@ def quantities(pressed: Pressed) -> dict[str, Array]:
             out[_INTENSITIES[field]] = contact.intensities[:, 1 + field]
             out |= dict(zip(RESPONSES[field], _responses(pressed, contact, tangent, field), strict=True))
     return out
+
+
+def sliding_quantities(pressed: Pressed, rim: Rim | None) -> dict[str, Array]:
+    """What friction adds to them, those of ``solver.names.POINT_SLIDING``, SI; (case,) each.
+
+    Parameters
+    ----------
+    pressed
+        Cases with friction.
+    rim
+        The surface beside their contacts; None without c12.
+
+    Raises
+    ------
+    ContactError
+        As :func:`quantities`.
+    """
+    contact = pressed.charged
+    if pressed.body.shape.flat:  # pressed alone: what slides is refused
+        return {}
+    rubbed = Rubbed(contact)
+    out = {"contact_offset": rubbed.offset}
+    size = np.sqrt(np.pi * contact.radius)
+    for field in (0, 1):
+        if np.all(pressed.conducts[..., field]):
+            own, more = contact.intensities[:, 1 + field], size * rubbed.strengths[:, 1 + field]
+            out |= dict(zip(_ENDS[field], (own + more, own - more), strict=True))
+    return out | ({} if rim is None else {"trailing_tension": rubbed.tension(rim)})
 
 
 def _responses(pressed: Pressed, contact: Contact, tangent: Array, field: int) -> tuple[Array, ...]:

@@ -125,4 +125,6 @@ def surface_fields(pressed: Pressed, positions: Array) -> dict[str, Array]:
     along = Along(pressed.charged, positions)
     normal, electric, magnetic = np.moveaxis(along.tractions(), 1, 0)
     out = {"contact_pressure": 0.0 - normal, "electric_displacement": electric, "magnetic_induction": magnetic}
+    if isinstance(pressed.body, Film) and pressed.body.kind.film.electroded:
+        del out["electric_displacement"]  # the electrode's, also beside the punch
     return out | (along.stresses(pressed.body) if isinstance(pressed.body, HalfSpace) else {})

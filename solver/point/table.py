@@ -12,6 +12,7 @@ import numpy as np
 
 from approximation.chebyshev import coefficients, mapped_points
 from solver.arrays import Array
+from solver.film.electroded import surface
 from solver.film.table import LEAST, MOST
 from solver.film.windows import Kind
 from solver.point.contact import State
@@ -58,7 +59,7 @@ class PointKind:
     @property
     def compliance(self) -> Array:
         """N of the contact in the units of the stack; (3, 3)."""
-        return contact_compliance(self.film.stack().media[0].compliance[1:, 1:], self)
+        return contact_compliance(surface(self.film.stack())[1:, 1:], self)
 
     def stiffness(self, added: Array) -> Stiffness:
         """Of the half-space and of what the layers add to loads, edges and their rates (..., 3, 3, 4)."""

@@ -109,6 +109,15 @@ class Rings:
 
     def power(self, exponent: float) -> Array:
         """(2/pi) int_1^r (s^exponent - 1) ds / sqrt(r^2 - s^2) at the nodes r; (n,)."""
+        if exponent not in self._powers:
+            self._powers[exponent] = self._power(exponent)
+        return self._powers[exponent]
+
+    @cached_property
+    def _powers(self) -> dict[float, Array]:
+        return {}
+
+    def _power(self, exponent: float) -> Array:
         found = np.zeros(self.grid.count)
         for _, rows, other, share in self._rules():
             found[rows] += np.sum(share * np.expm1(exponent * np.log1p(2 * np.sinh(other / 2) ** 2)), -1)

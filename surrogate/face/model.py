@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from approximation.arrays import Array, Flags
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.labels import Attrs
-from surrogate.data.points import Points, Queries, named_points, outside, require_inside
+from surrogate.data.points import EVEN, Points, Queries, named_points, outside, require_inside
 from surrogate.face.physical import Physical, in_blocks
 from surrogate.face.summary import page, text
 from surrogate.intervals.conformal import MINIMUM, calibrate
@@ -271,19 +271,33 @@ class GaussianProcess(Physical, Predictive):
         dataset : Dataset
             Held-out cases, inputs and true outputs over one dimension; 10,000 spread over the box are a good number,
             3,000 leave corners of two inputs about 5 % short, and 500 give the right marginal coverage. They must not
-            serve for validation as well.
+            serve for validation as well. Where some are drawn towards the ends of the box, the variable
+            `evenly_drawn`, over the same dimension, is 1 for those that are spread evenly and 0 for these.
 
         Raises
         ------
         ValueError
             Missing variables, NaN, a case outside the box, or fewer than 40 cases.
         """
+        return self.calibrate_under(dataset, None)
+
+    def calibrate_under(self, dataset: xr.Dataset, outer: Array | None) -> Self:
+        """As `calibrate`, for a model that stands on this one.
+
+        Parameters
+        ----------
+        dataset
+            As for `calibrate`.
+        outer : ndarray, shape (e, n), or None
+            Scaled coordinates of the cases in the inputs by which that model is asked.
+        """
         points, truth = self.cases(dataset)
         named = named_points(points, self.inputs_)
         require_inside(named.X, self.inputs_)
-        if len(named.X) < MINIMUM:
+        even = np.ones(len(named.X), dtype=bool) if EVEN not in dataset else dataset[EVEN].values.ravel() > 0
+        if np.count_nonzero(even) < MINIMUM:
             raise ValueError(
-                f"calibration needs at least {MINIMUM} cases, got {len(named.X)}; about 10,000 make it local"
+                f"calibration needs at least {MINIMUM} cases, got {np.count_nonzero(even)}; about 10,000 make it local"
             )
         t = unit_coordinates(self.inputs_, named.X)
         like = named.labelled(np.zeros(len(named.X)), {})
@@ -296,7 +310,8 @@ class GaussianProcess(Physical, Predictive):
         single = np.repeat(np.eye(self.parts)[..., None], len(self.outputs_), axis=2)  # weights of one part alone
         parts = [in_blocks(t, partial(self.variance, weights=weights)) for weights in single]
         groups = sharing(t)
-        self.calibration_ = calibrate(self.corrected(dataset, true - mean, t, groups), parts, t, groups)
+        left = self.corrected(dataset, true - mean, t, groups)
+        self.calibration_ = calibrate(left, parts, t, groups, even, outer)
         return self
 
     def uncalibrated(self) -> Self:

@@ -18,7 +18,7 @@ from surrogate.gp.correction import Correction
 from surrogate.gp.factors import ChebyshevFactor
 from surrogate.gp.tensortrain import TensorTrain
 from surrogate.intervals.conformal import Calibration
-from surrogate.intervals.guard import SLABS
+from surrogate.intervals.guard import SLABS, Guard
 
 # 0 in the lowest slab, 2 in the highest, 1 between: places in the guard of corners.
 _EDGE = np.array([0, *[1] * (SLABS - 2), 2])
@@ -68,7 +68,7 @@ class SinglePoint:
     """
 
     def __init__(self, process: Process) -> None:
-        self._inputs = [_mapping(one) for one in process.inputs]
+        self._inputs = [mapping(one) for one in process.inputs]
         self._offset, self._scale = process.offset, process.scale
         self._rows = _Rows(process)
         self._lay_out_mean(process)
@@ -207,7 +207,40 @@ class _SingleStretch:
         return np.asarray(np.sqrt(variance + self._floor) * np.exp(scale))
 
 
-def _mapping(one: Input) -> tuple[float, float, Callable[[float], float], float]:
+class SingleGuard:
+    """As `Guard.at` at one point.
+
+    Parameters
+    ----------
+    guard : Guard
+        Over the inputs.
+    inputs : sequence of Input
+        The inputs.
+    """
+
+    def __init__(self, guard: Guard, inputs: Sequence[Input]) -> None:
+        d, outputs = len(inputs), guard.slabs.shape[-1]
+        pooled = np.zeros(outputs) if guard.pooled is None else guard.pooled
+        parts = (guard.slabs.reshape(-1, outputs), guard.corners.reshape(-1, outputs), pooled[None])
+        self._cells = np.concatenate(parts)
+        self._inputs = [mapping(one) for one in inputs]
+        self._pairs = {pair: SLABS * d + 9 * k for k, pair in enumerate(combinations(range(d), 2))}
+
+    def __call__(self, point: Sequence[float]) -> Array:
+        """Return the guard at a point of the box, (p,)."""
+        slab = []
+        for x, (_, _, way, width) in zip(point, self._inputs, strict=True):
+            slab.append(min(max(int(way(x) / width * SLABS), 0), SLABS - 1))
+        cells = [SLABS * k + own for k, own in enumerate(slab)]
+        outer = [k for k, own in enumerate(slab) if own in (0, SLABS - 1)]
+        if len(outer) > 1:
+            edge = [2 if own else 0 for own in slab]
+            cells += [self._pairs[i, j] + 3 * edge[i] + edge[j] for i, j in combinations(outer, 2)]
+            cells.append(-1)
+        return np.asarray(np.maximum.reduce(self._cells[cells]))
+
+
+def mapping(one: Input) -> tuple[float, float, Callable[[float], float], float]:
     """The ends of an input; on its scale, the distance of a value from the lower end, and that of the upper end."""
     low, high = one.low, one.high
     if one.scale == "log":

@@ -22,7 +22,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from approximation.arrays import Array, Indices
+from approximation.arrays import Array, Flags, Indices
 from surrogate.intervals.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
 from surrogate.intervals.guard import SLABS, Guard, fill, unguarded
 from surrogate.intervals.quantile import quantile_regression
@@ -53,6 +53,12 @@ _DIMS = {
     "corner_guard": ("pair", "edge", "other_edge", "output"),
     "quantile": ("probability", "output"),
 }
+# Of a model over groups: the same over the inputs that it is asked by.
+_OUTER_DIMS = {
+    "outer_guard": ("outer_input", "slab", "output"),
+    "outer_corner_guard": ("outer_pair", "edge", "other_edge", "output"),
+    "outer_pooled_guard": ("output",),
+}
 
 
 @dataclass(frozen=True)
@@ -76,6 +82,9 @@ class Calibration:
         Further scales in slabs and corners of the box.
     distribution : Tabulated
         Distribution of (truth - mean) / std.
+    outer : Guard, optional
+        Beyond all this, over the inputs of a model that stands on this one: what it has more needs no share of its own
+        in `std` and `stretch`, which know these inputs not.
     """
 
     weights: Array
@@ -85,6 +94,7 @@ class Calibration:
     trend_range: Array
     guard: Guard
     distribution: Tabulated
+    outer: Guard | None = None
 
     def std(self, variance: Array, t: Array) -> Array:
         """Return calibrated standard deviations (p, B) from weighted variances (p, B) at scaled coordinates (d, B)."""
@@ -109,18 +119,24 @@ class Calibration:
             trend_range=self.trend_range[:, chosen],
             guard=self.guard.only(chosen),
             distribution=self.distribution.only(chosen),
+            outer=None if self.outer is None else self.outer.only(chosen),
         )
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the arrays by name."""
         plain = {name: getattr(self, name) for name in ("weights", "floor", "trend", "trend_degree", "trend_range")}
         guard = {"guard": self.guard.slabs, "corner_guard": self.guard.corners}
+        if self.outer is not None and self.outer.pooled is not None:
+            further = self.outer.slabs, self.outer.corners, self.outer.pooled
+            guard |= dict(zip(_OUTER_DIMS, further, strict=True))
         return {**plain, **guard, "quantile": self.distribution.quantiles}
 
     def state(self) -> dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]:
         """Return the arrays with their dimensions, for a file: none that is empty, as the corners of one input."""
         state: dict[str, tuple[tuple[str, ...], NDArray[np.generic]]] = {
-            f"calibration_{name}": (_DIMS[name], array) for name, array in self.arrays().items() if array.size
+            f"calibration_{name}": ((_DIMS | _OUTER_DIMS)[name], array)
+            for name, array in self.arrays().items()
+            if array.size
         }
         return {**state, "calibration_cases": ((), np.array(self.distribution.cases))}
 
@@ -156,10 +172,30 @@ class Calibration:
         guard = Guard(arrays["guard"], arrays["corner_guard"])
         distribution = Tabulated(arrays["quantile"], cases)
         weights, floor, trend, within = (arrays[name] for name in ("weights", "floor", "trend", "trend_range"))
-        return cls(weights, floor, trend, degree.astype(np.intp), within, guard, distribution)
+        return cls(weights, floor, trend, degree.astype(np.intp), within, guard, distribution, _outer(stored, outputs))
 
 
-def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: Indices) -> Calibration:
+def _outer(stored: xr.Dataset, outputs: int) -> Guard | None:
+    """The outer guard in a file, None where it has none; ValueError where it does not fit."""
+    found = {name: stored[f"calibration_{name}"].values for name in _OUTER_DIMS if f"calibration_{name}" in stored}
+    if not found:
+        return None
+    guard, pooled = (found.get(name, np.zeros(0)) for name in ("outer_guard", "outer_pooled_guard"))
+    empty = unguarded(len(guard), outputs, pooled=True)
+    corners = found.get("outer_corner_guard", empty.corners)  # none of one input
+    if (guard.shape, corners.shape, pooled.shape) != (empty.slabs.shape, empty.corners.shape, (outputs,)):
+        raise ValueError("the calibration's outer guard does not fit the model")
+    return Guard(guard, corners, pooled)
+
+
+def calibrate(
+    errors: Array,
+    parts: Sequence[Array],
+    t: Array,
+    groups: Indices,
+    even: Flags | None = None,
+    outer: Array | None = None,
+) -> Calibration:
     """Calibrate on held-out cases.
 
     Parameters
@@ -172,18 +208,32 @@ def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: Indices) 
         Scaled coordinates of the cases.
     groups : ndarray of int, shape (n,)
         As `sharing` has them; no group is in two folds of the cross-fitting.
+    even : ndarray of bool, shape (n,), optional
+        Cases that are spread evenly over the box, by default all: the quantiles are those of these alone.
+    outer : ndarray, shape (e, n), optional
+        Scaled coordinates of the inputs by which a model that stands on this one is asked: there is a guard over these
+        too, one of all their corners together among it.
     """
+    even = np.ones(t.shape[1], dtype=bool) if even is None else even
     weights, floor, logarithms = _sizes(errors, parts)
     known = np.flatnonzero(np.isfinite(logarithms).all(axis=1))
     degrees, trend = _fitted(logarithms[known], t, groups)
     A = values(degrees, t).T
     guard, whole = unguarded(len(t), len(errors)), np.zeros((len(degrees), len(errors)))
     whole[:, known] = trend
+    further = None if outer is None else unguarded(len(outer), len(errors), pooled=True)
     for p in known:
         scores = _cross_fitted(A, logarithms[p], whole[:, p], groups)
-        fill(guard, int(p), scores, float(np.quantile(scores, NOMINAL)), t, groups)
+        level = float(np.quantile(scores[even], NOMINAL))
+        fill(guard, int(p), scores, level, t, groups, even)
+        if further is not None and outer is not None:
+            beyond = scores - guard.only([int(p)]).at(t)[:, 0]
+            fill(further, int(p), beyond, level, outer, groups, even)
         logarithms[p] = scores
-    distribution = _distribution(np.sign(errors) * np.exp(logarithms - guard.at(t).T))
+    logarithms -= guard.at(t).T
+    if further is not None and outer is not None:
+        logarithms -= further.at(outer).T
+    distribution = _distribution((np.sign(errors) * np.exp(logarithms))[:, even])
     # in standard deviations from here on
     one = np.ptp(distribution.ends(ONE_STD), axis=0) / 2
     one = np.where(one > 0, one, 1.0)
@@ -191,7 +241,7 @@ def calibrate(errors: Array, parts: Sequence[Array], t: Array, groups: Indices) 
     fitted = A @ whole
     within = np.stack([fitted.min(axis=0), fitted.max(axis=0)])
     table = replace(distribution, quantiles=distribution.quantiles / one)
-    return Calibration(weights, floor, whole, degrees, within, guard, table)
+    return Calibration(weights, floor, whole, degrees, within, guard, table, further)
 
 
 def _sizes(errors: Array, parts: Sequence[Array]) -> tuple[Array, Array, Array]:

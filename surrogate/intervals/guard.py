@@ -10,7 +10,7 @@ from typing import Self
 
 import numpy as np
 
-from approximation.arrays import Array, Indices
+from approximation.arrays import Array, Flags, Indices
 from surrogate.intervals.distribution import NOMINAL
 
 SLABS = 10
@@ -31,10 +31,13 @@ class Guard:
     corners : ndarray, shape (d (d - 1) / 2, 3, 3, p)
         Where both of two inputs are in their outermost slabs, pairs in the order of `itertools.combinations`. Index 0
         is the lower one, 2 the upper one, and 1 anything between, where the guard is zero.
+    pooled : ndarray, shape (p,), optional
+        In any of these corners, from the cases of all together: of each alone few tell.
     """
 
     slabs: Array
     corners: Array
+    pooled: Array | None = None
 
     def at(self, t: Array) -> Array:
         """Return the guard at scaled coordinates t within the box, (d, B): (B, p)."""
@@ -48,20 +51,25 @@ class Guard:
             i, j = np.array(list(combinations(range(len(t)), 2))).T
             corners = self.corners[np.arange(i.size)[:, None], edge[i][:, rows], edge[j][:, rows]]
             guard[rows] = np.maximum(guard[rows], corners.max(0))
+            if self.pooled is not None:
+                guard[rows] = np.maximum(guard[rows], self.pooled)
         return guard
 
     def only(self, columns: Sequence[int]) -> Self:
         """Return that of some outputs."""
-        return replace(self, slabs=self.slabs[..., list(columns)], corners=self.corners[..., list(columns)])
+        chosen = list(columns)
+        pooled = None if self.pooled is None else self.pooled[chosen]
+        return replace(self, slabs=self.slabs[..., chosen], corners=self.corners[..., chosen], pooled=pooled)
 
 
-def unguarded(inputs: int, outputs: int) -> Guard:
-    """Return the guard that adds nothing, as arrays to fill."""
+def unguarded(inputs: int, outputs: int, pooled: bool = False) -> Guard:
+    """Return the guard that adds nothing, as arrays to fill; `pooled`: with one of all corners together."""
     pairs = inputs * (inputs - 1) // 2
-    return Guard(np.zeros((inputs, SLABS, outputs)), np.zeros((pairs, 3, 3, outputs)))
+    together = np.zeros(outputs) if pooled else None
+    return Guard(np.zeros((inputs, SLABS, outputs)), np.zeros((pairs, 3, 3, outputs)), together)
 
 
-def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, groups: Indices) -> None:
+def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, groups: Indices, even: Flags) -> None:
     """Set the guard of one output so that the scores of every cell hold.
 
     Parameters
@@ -76,15 +84,27 @@ def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, group
         Scaled coordinates of the cases.
     groups : ndarray of int, shape (n,)
         Number of the group of every case; those of one share some coordinates, and tell as much of a cell as one.
+    even : ndarray of bool, shape (n,)
+        Cases that are spread evenly: a slab holds of these too, of which others may be the many.
     """
-    for place, cell in _cells(slabs(t)):
-        slab, own = len(place) == 2, np.sort(scores[cell])
-        array, fewest, share = (
-            (guard.slabs, SLAB_PLACES, SLAB_LEVEL) if slab else (guard.corners, CORNER_PLACES, CORNER_LEVEL)
-        )
-        if len(np.unique(groups[cell])) >= fewest:
-            rank = min(len(own), int(np.ceil((len(own) + 1) * share)))
-            array[(*place, output)] = max(0.0, float(own[rank - 1]) - level)
+
+    def needed(cell: Indices, fewest: int, share: float) -> float:
+        if len(np.unique(groups[cell])) < fewest:
+            return 0.0
+        own = np.sort(scores[cell])
+        rank = min(len(own), int(np.ceil((len(own) + 1) * share)))
+        return max(0.0, float(own[rank - 1]) - level)
+
+    slab = slabs(t)
+    for place, cell in _cells(slab):
+        if len(place) == 2:
+            both = cell, cell[even[cell]]
+            guard.slabs[(*place, output)] = max(needed(own, SLAB_PLACES, SLAB_LEVEL) for own in both)
+        else:
+            guard.corners[(*place, output)] = needed(cell, CORNER_PLACES, CORNER_LEVEL)
+    if guard.pooled is not None:
+        corner = np.flatnonzero((_edge(slab) != 1).sum(axis=0) > 1)
+        guard.pooled[output] = needed(corner, CORNER_PLACES, CORNER_LEVEL)
 
 
 def slabs(t: Array) -> Indices:

@@ -32,6 +32,8 @@ class Predictive(ABC):
     calibration_: Calibration | None
     level_: float = NOMINAL
     _made_labels: Labels | None = None
+    # ends of one level, with what they were made from: a query alone asks for the same again and again
+    _made_ends: tuple[Calibration | None, float, Array] | None = None
 
     @abstractmethod
     def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
@@ -100,7 +102,7 @@ class Predictive(ABC):
         """
         level = self.checked_level(level)
         named, (mean, std), flags = self._asked(points, True, extrapolate)
-        away = self.distribution.ends(level)[..., None]
+        away = self._ends(level)[..., None]
         ends = {"lower": mean + away[0] * std, "upper": mean + away[1] * std}
         values = {f"{name}_{end}": ends[end][k] for k, name in enumerate(self.outputs_) for end in ends}
 
@@ -189,8 +191,15 @@ class Predictive(ABC):
         """
         level = self.checked_level(level)
         mean, std = self.predict_array(X, return_std=True, extrapolate=extrapolate)
-        lower, upper = self.distribution.ends(level)
+        lower, upper = self._ends(level)
         return mean + lower * std, mean + upper * std
+
+    def _ends(self, level: float) -> Array:
+        """Ends of the central interval of a level in standard deviations, (2, p) or (2, 1)."""
+        made = self._made_ends
+        if made is None or made[0] is not self.calibration_ or made[1] != level:
+            made = self._made_ends = (self.calibration_, level, self.distribution.ends(level))
+        return made[2]
 
     def checked_level(self, level: float | None) -> float:
         """Return a level that the calibration cases tell, by default `level_`; ValueError as `check_level`."""

@@ -9,10 +9,12 @@ import xarray as xr
 
 from approximation.arrays import Array
 from surrogate.data.inputs import Input, stored_inputs, unit_coordinates
+from surrogate.data.points import EVEN
 from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
 from surrogate.face.plain import plain_inputs
 from surrogate.gp.gridgp import KERNELS, GridGP, Kernel
+from surrogate.gp.single import SingleGuard
 from surrogate.transforms.groups import Grouping
 from surrogate.transforms.outputs import Scales, Scaling
 from surrogate.transforms.transformed import Transformed
@@ -109,6 +111,9 @@ class GroupedGP(Transformed):
             raise ValueError("the process over the axes has other inputs or outputs")
         self.outputs_, self.attrs_ = self.reduced_.outputs_, self.reduced_.attrs_
         self.calibration_ = self.reduced_.calibration_
+        outer = None if self.calibration_ is None else self.calibration_.outer
+        if outer is not None and len(outer.slabs) != len(self.grouping.inputs):
+            raise ValueError("the calibration's outer guard has other inputs")
         self._scales = self.grouping.scales(self.outputs_)
 
     def _check_axes(self, X: xr.Dataset) -> None:
@@ -131,7 +136,11 @@ class GroupedGP(Transformed):
             axis.name: (columns[0].dims, column.reshape(columns[0].shape))
             for axis, column in zip(self.grouping.axes, values.T, strict=True)
         }
-        self.reduced_.calibrate(self.grouping.reduced(cases, self.outputs_).assign(axes))
+        held = self.grouping.reduced(cases, self.outputs_).assign(axes)
+        if EVEN in dataset:
+            held = held.assign({EVEN: dataset[EVEN].reset_coords(drop=True)})
+        box = unit_coordinates(self.inputs_, np.stack([column.values.ravel() for column in columns], axis=1))
+        self.reduced_.calibrate_under(held, box)
         self.calibration_ = self.reduced_.calibration_
         return self
 
@@ -194,12 +203,19 @@ class GroupedGP(Transformed):
 
     def _alone(self, reduced: Single) -> Single:
         ends, axes, scales = [(own.low, own.high) for own in self.inputs_], self.grouping.products, self._scales
+        outer = None if self.calibration_ is None else self.calibration_.outer
+        guard = None if outer is None else SingleGuard(outer, self.inputs_)
 
         def answer(point: Sequence[float], with_std: bool) -> tuple[Array, Array | None] | None:
             if not all(low <= x <= high for x, (low, high) in zip(point, ends, strict=True)):
                 return None
             learnt = reduced(axes.at(point), with_std)
-            return None if learnt is None else scales.at(point, *learnt)
+            if learnt is None:
+                return None
+            mean, std = learnt
+            if guard is not None and std is not None:
+                std *= np.exp(guard(point))
+            return scales.at(point, mean, std)
 
         return answer
 
@@ -207,7 +223,12 @@ class GroupedGP(Transformed):
         """Return means and calibrated deviations at points (B, d), from those over the axes: (p, B) each."""
         learnt, spread = self.reduced_.mean_std(self.grouping.products.values(X), with_std)
         mean = self._scales.untransform(learnt, X)
-        return mean, None if spread is None else spread * self._scales.sizes(X, mean)
+        return mean, None if spread is None else spread * self._scales.sizes(X, mean) * self._guarded(X)
+
+    def _guarded(self, X: Array) -> Array | float:
+        """What calibrated deviations are multiplied by at points (n, d), by where these are in the box: (p, n)."""
+        outer = None if self.calibration_ is None else self.calibration_.outer
+        return 1.0 if outer is None else np.exp(outer.at(np.clip(unit_coordinates(self.inputs_, X), -1, 1)).T)
 
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
         """Return means and, with weights (parts, p), variances without the calibration: (p, B) each."""
@@ -232,7 +253,7 @@ class GroupedGP(Transformed):
         X = self.physical(t)
         mean, std = self.mean_std(X, True)
         own = self.reduced_.physical_slopes(self.grouping.products.values(X), self.reduced_.slope_stds)
-        return self._together(X, own, mean, std)
+        return self._together(X, own * self._guarded(X), mean, std)
 
     def slope_variances(self, t: Array, weights: Array) -> Array:
         """Return the weighted variances of the derivatives, (d, p, B), without the calibration."""

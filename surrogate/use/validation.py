@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from approximation.arrays import Array, Flags
-from surrogate.data.inputs import unit_coordinates
+from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 from surrogate.use.baseline import baseline
@@ -16,6 +16,8 @@ from surrogate.use.baseline import baseline
 DECILES = 10
 #: Levels whose intervals are judged.
 LEVELS = (0.5, 0.8, 0.9, NOMINAL, 0.99)
+# Draws of ideal intervals whose mean is shown.
+DRAWS = 5
 # A corner with fewer cases says nothing of its coverage.
 CORNER_CASES = 20
 # What is shown without the calibration too.
@@ -168,6 +170,38 @@ def worst_corner(t: Array, inside: Flags) -> Array:
         if np.count_nonzero(corner) >= CORNER_CASES:
             worst = np.fmin(worst, inside[:, corner].mean(axis=1))
     return worst
+
+
+def ideal(model: Mapping[str, Input], cases: Mapping[str, xr.DataArray], outputs: int) -> dict[str, Any]:
+    """Return what intervals would show on some cases that hold every case with the same probability.
+
+    The least of many parts falls short by chance alone: this is by how much, in the mean of some draws.
+
+    Parameters
+    ----------
+    model : mapping of str to Input
+        The box, as `GaussianProcess.box`.
+    cases : mapping of str to DataArray
+        The value of every input, over `case`.
+    outputs : int
+        Number of outputs, of which the least and the largest are told.
+
+    Returns
+    -------
+    dict
+        `low` and `high`, a share for each of `LEVELS`; `worst_decile_coverage` and `worst_corner_coverage`.
+    """
+    X = np.stack([np.asarray(cases[name].values, dtype=np.float64) for name in model], axis=1)
+    t, random = unit_coordinates(tuple(model.values()), X), np.random.default_rng(0)
+    found = []
+    for _ in range(DRAWS):
+        u = random.uniform(size=(outputs, len(X)))
+        inside, shares = u < NOMINAL, np.stack([(u < level).mean(axis=1) for level in LEVELS])
+        deciles = min(float(_by_decile(column, inside).min()) for column in t)
+        found.append([deciles, float(worst_corner(t, inside).min()), *shares.min(axis=1), *shares.max(axis=1)])
+    decile, corner, *ends = np.mean(found, axis=0).tolist()
+    low, high = ends[: len(LEVELS)], ends[len(LEVELS) :]
+    return {"low": low, "high": high, "worst_decile_coverage": decile, "worst_corner_coverage": corner}
 
 
 def distance(transform: Array) -> Array:

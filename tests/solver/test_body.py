@@ -25,21 +25,25 @@ from solver.face.factors import checked
 from solver.face.filmfactors import kinds_of
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, CONTACTS, FACTORS, PROFILES
 
+READ = {"collector": 1, "patch_size": 1e-4, "patch_pitch": 2e-4}
 CASES = {
     HALF_PLANE.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5},
-    FILM.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5, "thickness": 5e-4, "base": "steel"},
+    FILM.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5, "thickness": 5e-4, "base": "steel", **READ},
     HALF_PLANE_IN_AIR.name: {"material": "PZT-4", "radius": 0.05, "load": 1e5, "surroundings": "air"},
     FILM_IN_AIR.name: {
         "material": "PZT-4", "radius": 0.05, "load": 1e5, "surroundings": "air", "thickness": 5e-4, "base": "steel",
     },
-    HALF_SPACE.name: {"material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5},
+    HALF_SPACE.name: {"material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "friction": 0.0},
     POINT_FILM.name: {
-        "material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "thickness": 5e-4, "base": "steel",
+        "material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1e5, "friction": 0.0,
+        "thickness": 5e-4, "base": "steel",
+        **READ,
     },
 }  # fmt: skip
 CASES |= {
     HALF_SPACE_IN_AIR.name: CASES[HALF_SPACE.name] | {"surroundings": "air"},
-    POINT_FILM_IN_AIR.name: CASES[POINT_FILM.name] | {"surroundings": "air"},
+    POINT_FILM_IN_AIR.name: {name: one for name, one in CASES[POINT_FILM.name].items() if name not in READ}
+    | {"surroundings": "air"},
 }
 
 
@@ -66,7 +70,7 @@ def test_every_kind_names_what_exists() -> None:
         assert {kind.loads.force, *kind.loads.charges} <= FACTORS.keys()
         assert set(kind.tabled) <= FACTORS.keys()
         followed = {FOLLOWS[name].region for name in kind.peaks if name in FOLLOWS}
-        assert followed <= set(kind.regions) <= set(REGIONS)
+        assert not kind.regions or followed <= set(kind.regions) <= set(REGIONS)
         assert kind.contact in CONTACTS
 
 

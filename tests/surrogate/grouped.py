@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+from approximation.arrays import Array
 from surrogate import Group, Grouping, Input, Scaling
 from surrogate.transforms.inputs import span
 
@@ -61,7 +62,17 @@ def factorial(rough: float = 0.0) -> xr.Dataset:
     return world(x, rough).assign_coords(x.coords)
 
 
-def cases(count: int, seed: int, rough: float = 0.0) -> xr.Dataset:
-    unit = np.random.default_rng(seed).uniform(-1, 1, (len(INPUTS), count))
+def cases(count: int, seed: int, rough: float = 0.0, to_ends: int = 0) -> xr.Dataset:
+    """Cases spread evenly, and so many more that are drawn towards the ends of the box."""
+    random = np.random.default_rng(seed)
+    unit = random.uniform(-1, 1, (len(INPUTS), count))
+    if to_ends:
+        even = np.repeat([1, 0], [count, to_ends])
+        unit = np.concatenate([unit, 2 * random.beta(0.3, 0.3, (len(INPUTS), to_ends)) - 1], axis=1)
+        return _cases(unit, rough).assign(evenly_drawn=("case", even))
+    return _cases(unit, rough)
+
+
+def _cases(unit: Array, rough: float) -> xr.Dataset:
     x = xr.Dataset({one.name: ("case", one.from_unit(row)) for one, row in zip(INPUTS, unit, strict=True)})
     return x.merge(world(x, rough))

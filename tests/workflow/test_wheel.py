@@ -6,6 +6,8 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOMS, ROOT
 
@@ -30,7 +32,11 @@ def test_the_installed_program_runs_a_study_from_anywhere(copy: Callable[[str], 
         held = {name for name in wheel.namelist() if ".dist-info/" not in name}
         wheel.extractall(site)
     files = {file for room in (*ROOMS, "meecontact") for file in (ROOT / room).rglob("*") if file.is_file()}
-    assert held == {str(file.relative_to(ROOT)) for file in files if "__pycache__" not in file.parts}
+    wanted = {str(file.relative_to(ROOT)) for file in files if "__pycache__" not in file.parts}
+    wanted |= {
+        f"meecontact/studies/{file.name}" for file in (*ROOT.glob("config/*.yaml"), source / "config/small.yaml")
+    }
+    assert held - {"meecontact/studies/small.yaml"} == wanted - {"meecontact/studies/small.yaml"}
 
     study = tmp_path / "studies/mine.yaml"
     (study.parent / "materials").mkdir(parents=True)
@@ -38,12 +44,32 @@ def test_the_installed_program_runs_a_study_from_anywhere(copy: Callable[[str], 
     (study.parent / "materials/own.yaml").write_text(MATERIAL, encoding="utf-8")
     work.mkdir()
     installed = Project(work, modules=site)
-    done = installed.run("meecontact", "run", "quickstart", check=False)
+    done = installed.run("meecontact", "run", "quickstar", check=False)
     assert done.returncode == 2
-    assert "has no config/*.yaml; go to a folder that has one, or give the path of a study's file" in done.stderr
+    assert "has no config/*.yaml; go to a folder that has one" in done.stderr
+    assert "did you mean 'quickstart'?" in done.stderr
     assert not list(work.iterdir())
+    done = installed.run("meecontact", "run", "quickstart", "-n")
+    assert "results/quickstart/report.html" in done.stdout + done.stderr
     done = installed.run("meecontact", "run", "../studies/mine.yaml", "--cores", "2")
     assert str(site / "workflow/profiles/default") in done.stderr
     assert done.stdout.endswith("report: results/mine/report.html\n")
     assert "Effects of a material of our own" in (work / "results/mine/report.html").read_text(encoding="utf-8")
     assert sorted(file.name for file in work.iterdir()) == [".snakemake", "logs", "results"]
+
+
+SOLVE = """
+import sys
+sys.modules |= dict.fromkeys(("matplotlib", "snakemake", "pygments"))  # as if they were not installed
+from workflow.cli.main import main
+print(main(["solve", "cases.csv", "-o", "out.nc"]), main(["run", "quickstart"]))
+"""
+
+
+@pytest.mark.process
+def test_cases_are_solved_without_what_runs_need(tmp_path: Path) -> None:
+    (tmp_path / "cases.csv").write_text("material,radius,load\nPZT-4,5 cm,10 kN/m\n", encoding="utf-8")
+    done = Project(tmp_path, modules=ROOT).run("python", "-c", SOLVE)
+    assert done.stdout == "0 2\n"
+    assert "meecontact: run: snakemake and matplotlib not installed; pip install 'meecontact[run]'" in done.stderr
+    assert (tmp_path / "out.nc").is_file()

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from solver import units
 from solver.halfplane.special import DIGAMMA_SERIES
 from solver.material.constants import UNITS, VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
 from solver.material.laws import made
@@ -11,7 +12,6 @@ from solver.material.library import find, materials
 from solver.material.punches import punches
 from solver.names import ALL_QUANTITIES, FACTORS, LIMITS
 from workflow.calculator.films import FILMS, top_of
-from workflow.language import units
 from workflow.language.titles import title
 
 _SYMBOLS = ("m", "g", "s", "A", "K", "N", "Pa", "J", "C", "V", "F", "T", "Wb", "H", "Ohm")

@@ -13,9 +13,9 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from solver import units
 from solver.names import CHOICES, MATERIALS
 from storage.files import regular
-from workflow.language import units
 from workflow.language.factors import FACTORS
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, number
@@ -71,7 +71,8 @@ class Table:
 def read_cases(path: Path, more: Mapping[str, str] = MappingProxyType({})) -> Table:
     """Read a table of cases: a header of factor names, then one row a case; a cell may be empty.
 
-    A number's name may have its unit behind it, as ``thickness [um]``; the table holds SI units. What begins with # is
+    A number may have its unit behind it, as ``20 um``, or its column has it, as ``thickness [um]``;
+    the table holds SI units. What begins with # is
     a remark.
 
     Parameters
@@ -190,7 +191,16 @@ def _number(path: Path, line: int, name: str, text: str, more: Mapping[str, str]
     try:
         value = number(text) * scale
     except ValueError:
-        raise InputError(f"{path}: line {line}: {name}: {text!r} is not {allowed}") from None
+        value = _with_unit(path, line, name, text, more.get(name) or FACTORS[name].units, allowed)
     if not np.isfinite(value):
         raise InputError(f"{path}: line {line}: {name}: {value:g} is not {allowed}")
     return value
+
+
+def _with_unit(path: Path, line: int, name: str, text: str, own: str, allowed: str) -> float:
+    """A cell that bears its own unit, whatever the column's."""
+    try:
+        return units.in_si(text, own)
+    except ValueError as error:
+        wrong = str(error) if "mismatch" in str(error) else f"{text!r} is not {allowed}"
+        raise InputError(f"{path}: line {line}: {name}: {wrong}") from None

@@ -42,6 +42,7 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
         Unknown or bad study, unknown profile, a tolerance that no budget reaches, or results that Snakemake finds up
         to date but that are of another state of the study.
     """
+    _require_programs()
     _check_folder(Path.cwd())
     name = location.given(text)
     study = studies.named(name)
@@ -49,7 +50,7 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
     if study.verification:
         _check_verifiable(name)
     options = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(_profile(profile))]
-    if name != text:
+    if location.by_path(name):
         options += ["--config", f"study={location.address(name)}"]
     if profile == "default":
         options += ["--cores", cores]
@@ -109,6 +110,23 @@ def _profile(name: str) -> Path:
     if name not in found:
         raise InputError(f"--profile: {name!r} is unknown; {nearest(name, sorted(found))}")
     return found[name]
+
+
+def _there(name: str) -> bool:
+    """Whether a package is installed."""
+    try:
+        return find_spec(name) is not None
+    except ValueError:  # it was put out of reach in this process
+        return False
+
+
+def _require_programs() -> None:
+    """What a run needs beside what solves cases."""
+    missing = [name for name in ("snakemake", "matplotlib") if not _there(name)]
+    if missing:
+        raise InputError(
+            f"run: {' and '.join(missing)} not installed; pip install 'meecontact[run]' installs what runs need"
+        )
 
 
 def _snakemake(arguments: list[str]) -> int:

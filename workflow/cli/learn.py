@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from storage.files import output, regular
-from workflow.cli.words import say, surrogate_file
+from workflow.cli.words import quantity, say, surrogate_file
 from workflow.study.reading import InputError, number, one_line
 
 if TYPE_CHECKING:
@@ -41,6 +41,16 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
         help="'voltage_gain=3%%', 'depth_offset=0.1um': what readings may be off by, all alike; one standard deviation",
     )
     command.add_argument(
+        "--plan", type=int, metavar="N", help="say which N further measurements tell most of the constants"
+    )
+    command.add_argument(
+        "--for", dest="wanted", action="append", metavar="NAME,...", help="constants that --plan is for"
+    )
+    command.add_argument(
+        "--errors", action="append", metavar="QUANTITY=1%,...", help="what --plan may measure, and its error"
+    )
+    command.add_argument("--within", action="append", metavar="FACTOR=LOW:HIGH,...", help="where --plan may measure")
+    command.add_argument(
         "-o", "--output", type=Path, metavar="OUT.nc", help=f"default: {CORRECTED} beside the surrogate"
     )
     command.add_argument("--json", action="store_true", help="print JSON instead of words")
@@ -59,7 +69,7 @@ def learn(options: argparse.Namespace) -> None:
     from surrogate.transforms.measured.corrected import CorrectedGP
     from workflow.cli import questions
     from workflow.cli.measuredtable import read_measured
-    from workflow.learning import measured
+    from workflow.learning import measured, plan
     from workflow.study import uncertainty
 
     regular(options.on)
@@ -69,14 +79,26 @@ def learn(options: argparse.Namespace) -> None:
         raise InputError(f"{options.on}: is corrected already; learn from all rows at once, on the surrogate before")
     rows = read_measured(options.measured, study, model)
     asked = uncertainty.uncertain(study, _uncertain(options.uncertain))
+    instruments = _instruments(options.instrument, study)
+    if options.plan is None and any((options.wanted, options.errors, options.within)):
+        raise InputError("--for, --errors and --within say what --plan N is to do; --plan is not given")
+    known = [one.name for one in asked] + [one.name for one in instruments]
+    wanted, errors, box = _names(options.wanted), _errors(options.errors), _box(options.within)
+    if options.plan is not None:
+        plan.check(model, options.plan, wanted, known, errors, box)
     try:
-        corrected, taught = measured.learn(study, model, rows, asked, say, _instruments(options.instrument, study))
+        corrected, taught = measured.learn(study, model, rows, asked, say, instruments)
+        further = (
+            plan.plan(corrected, options.plan, wanted or known, errors, box, instruments)
+            if options.plan is not None
+            else None
+        )
     except InputError as error:
         raise InputError(f"{options.measured}: {error}") from None
     save(corrected, path)
-    print(
-        json.dumps(taught.plain, indent=2, allow_nan=False) if options.json else "\n".join(map(one_line, taught.lines))
-    )
+    plain = taught.plain | ({"plan": further.plain} if further else {})
+    lines = taught.lines + (further.lines if further else [])
+    print(json.dumps(plain, indent=2, allow_nan=False) if options.json else "\n".join(map(one_line, lines)))
     say(f"wrote {path}: `meecontact query {path}` answers with it")
 
 
@@ -131,3 +153,44 @@ def _instruments(words: list[str] | None, study: "Study") -> "list[Instrument]":
             raise InputError(f"--instrument: {name}: {text!r} is not a positive size with a unit, as '0.1 um'")
         found.append(Instrument(quantity, False, absolute, ALL_QUANTITIES[quantity].units))
     return found
+
+
+def _names(words: list[str] | None) -> list[str]:
+    return [" ".join(part.split()) for word in words or [] for part in word.split(",")]
+
+
+def _errors(words: list[str] | None) -> dict[str, tuple[float, float]]:
+    """``QUANTITY=1%`` or ``QUANTITY=0.1um`` between commas: absolute error in SI, and its share of the value."""
+    from workflow.language.sizes import size
+
+    found = {}
+    for name, text in _pairs("--errors", words):
+        try:
+            found[name] = size(name, text)
+        except (KeyError, ValueError) as error:
+            raise InputError(f"--errors: {name}: {error}") from None
+    return found
+
+
+def _box(words: list[str] | None) -> dict[str, tuple[float, float]]:
+    """``FACTOR=LOW:HIGH`` between commas, with units."""
+    from workflow.language.factors import FACTORS
+
+    found = {}
+    for name, text in _pairs("--within", words):
+        low, colon, high = text.partition(":")
+        if not colon or name not in FACTORS:
+            raise InputError(f"--within: {name}={text}: is not of the form FACTOR=LOW:HIGH, as load=10kN/m:20kN/m")
+        units = FACTORS[name].units
+        found[name] = (quantity(f"--within: {name}", low, units), quantity(f"--within: {name}", high, units))
+    return found
+
+
+def _pairs(option: str, words: list[str] | None) -> list[tuple[str, str]]:
+    pairs = []
+    for part in (one for word in words or [] for one in word.split(",")):
+        name, equals, text = (each.strip() for each in part.partition("="))
+        if not equals or not text:
+            raise InputError(f"{option}: {part.strip()!r} is not of the form NAME=VALUE")
+        pairs.append((name, text))
+    return pairs

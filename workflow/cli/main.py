@@ -6,6 +6,7 @@ import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import version
+from itertools import product
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
@@ -156,6 +157,7 @@ def _parser() -> _Parser:
     command.add_argument("--tolerance", action="append", metavar="NAME=5%|10um,...", help="how far off as built")
     command.add_argument("--robust", nargs=1, metavar="'mean - 2 std'", help="default: 'worst case'")
     command.add_argument("--limit", action="append", metavar="'trailing_tension <= 50 MPa'")
+    _add_si(command)
     command.add_argument("--json", action="store_true", help="print JSON instead of a table")
     command.set_defaults(run=_design)
 
@@ -208,7 +210,8 @@ def _solve(options: argparse.Namespace) -> None:
     out = _solved(options, lambda factors, own: solve(factors, positions, materials=own, peaks=options.peaks), points)
     names = [str(name) for name in out.coords]
     around = out["surroundings"].values.flat if "surroundings" in names else [CHOICES["surroundings"][0]]
-    kinds = [kind_of(names, surroundings=one) for one in dict.fromkeys(around)]
+    pressed = out["profile"].values.flat if "profile" in names else [CHOICES["profile"][0]]
+    kinds = [kind_of(names, *one) for one in product(dict.fromkeys(pressed), dict.fromkeys(around))]
     asked = list(dict.fromkeys(name for kind in kinds for name in kind.quantities))
     missing = [name for name in asked if name not in out]
     if missing:
@@ -249,7 +252,7 @@ def _design(options: argparse.Namespace) -> None:
 
     with busy("searching"):
         answer = questions.ask(options.results, vars(options))
-    print(table.as_json(answer) if options.json else _shown(table.as_text(answer)))
+    print(table.as_json(answer) if options.json else _shown(table.as_text(answer, si=options.si)))
 
 
 def _invert(options: argparse.Namespace) -> None:

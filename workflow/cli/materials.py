@@ -61,6 +61,7 @@ def _described(material: Material, half: HalfPlane) -> str:
     texts = (("source", material.source), ("note", material.note))
     lines = [f"{_in_line(material.name)}: admissible"]
     lines += [f"{label}: {_in_line(text)}" for label, text in texts if text]
+    lines += ["a conductor: one potential inside, its permittivity has no part"] if material.conductor else []
     lines.append("constants")
     lines += [_constant(material, name) for name in UNITS if not np.isnan(getattr(material, name))]
     for variant, other in zip(material.variants(), material.alternatives, strict=True):

@@ -59,9 +59,9 @@ def listed(kind: str | None) -> str:
 
 
 def _studies() -> str:
-    """Name and title of every study of the current folder."""
+    """Name and title of every study of the current folder, or else of those that come with the program."""
     rows = {}
-    for file in sorted(location.FOLDER.glob("*.yaml")):
+    for file in sorted(location.FOLDER.glob("*.yaml")) or sorted(location.BUNDLED.glob("*.yaml")):
         lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
         title = next((line.partition(":")[2] for line in lines if line.startswith("title:")), "")
         rows[file.stem] = (one_line(title.strip().strip("\"'")),)

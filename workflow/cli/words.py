@@ -5,7 +5,7 @@ from argparse import ArgumentTypeError
 from collections.abc import Mapping
 from pathlib import Path
 
-from workflow.language.units import in_si
+from solver.units import in_si
 from workflow.study.reading import InputError, number, one_line
 
 

@@ -1,24 +1,29 @@
 """The factorial of a study: its axes, its exact cases, and random cases in the same box."""
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from approximation.arrays import Array
 from solver import solve, solve_curves
 from solver.names import ALL_QUANTITIES
 from surrogate import Grouping, Input, chebyshev_levels
+from surrogate.data.points import EVEN
 from workflow.dataset import similar
 from workflow.language.factors import FACTORS
 from workflow.study import categories, representatives
 from workflow.study.model import Study
+from workflow.study.sections import Axis
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
 #: Random cases of films that share the values for which the solver makes tables: these cost 0.1 to 1 s, a case 0.1 ms,
 #: but of these values few places tell little.
 TOGETHER = 10
+#: Parameters of the beta distribution of shares of a range that are drawn towards its ends.
+TOWARDS_ENDS = 0.3, 0.3
 
 
 def inputs(study: Study) -> list[Input]:
@@ -83,7 +88,11 @@ def cases(study: Study, name: str) -> xr.Dataset:
     """
     number, key = SAMPLES[name]
     drawn = points(study, getattr(study.validation, key), (study.validation.seed, number))
-    return exact(study, drawn, curves=name == "calibration" and not study.groups)
+    if name != "calibration" or not study.groups or study.regions:
+        return exact(study, drawn, curves=name == "calibration" and not study.groups)
+    with_ends, even = towards_ends(study, drawn, (study.validation.seed, number, 1))
+    told = {"long_name": "1 where a case is spread evenly over the box, 0 where it is drawn towards its ends"}
+    return exact(study, with_ends).assign_coords({EVEN: ("case", even, told)})
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
@@ -104,14 +113,40 @@ def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETH
         if name in study.tabled and together > 1:
             places = -(-count // together)
             u = np.repeat((random.permutation(places) + u[:places]) / places, together)[:count]
-        if axis.scale == "log":
-            values = axis.low * (axis.high / axis.low) ** u
-        elif axis.scale == "logit":
-            values = Input(name, axis.low, axis.high, axis.scale).from_unit(2 * u - 1)
-        else:
-            values = axis.low + (axis.high - axis.low) * u
-        found[name] = xr.DataArray(np.clip(values, axis.low, axis.high), dims="case")
+        found[name] = xr.DataArray(_along(name, axis, u), dims="case")
     return found
+
+
+def towards_ends(
+    study: Study, drawn: Mapping[str, xr.DataArray], seed: Sequence[int]
+) -> tuple[dict[str, xr.DataArray], np.ndarray[Any, np.dtype[np.int8]]]:
+    """Random factors with as many again that lie towards the ends, and which of them are the former: 1, others 0.
+
+    Groups have their ends in corners of the factors' box, which even cases hardly reach. All that share the factors
+    for which the solver makes tables follow one another.
+    """
+    random = np.random.default_rng(list(seed))
+    count = next(iter(drawn.values())).size
+    tables = np.stack([drawn[name].values for name in study.tabled or study.factors])
+    place = np.unique(tables, axis=1, return_index=True, return_inverse=True)[1:]
+    order = np.argsort(np.tile(place[0][place[1].reshape(-1)], 2), kind="stable")  # as they came
+    found = {}
+    for name, axis in study.factors.items():
+        u = random.beta(*TOWARDS_ENDS, size=count)
+        values = drawn[name].values if name in study.tabled else _along(name, axis, u)
+        found[name] = xr.DataArray(np.concatenate([drawn[name].values, values])[order], dims="case")
+    return found, (order < count).astype(np.int8)
+
+
+def _along(name: str, axis: Axis, u: Array) -> Array:
+    """Values of a factor at shares of its range, in the scale of its axis."""
+    if axis.scale == "log":
+        values = axis.low * (axis.high / axis.low) ** u
+    elif axis.scale == "logit":
+        values = Input(name, axis.low, axis.high, axis.scale).from_unit(2 * u - 1)
+    else:
+        values = axis.low + (axis.high - axis.low) * u
+    return np.clip(values, axis.low, axis.high)
 
 
 def exact(

@@ -62,6 +62,12 @@ def _figures(pressing: str, capacitance: str, blocked: str, *, per_metre: bool) 
             "load over the smallest detectable one",
             f"{pressing}{whole} * abs(charge_sensitivity) / {noise}",
         ),
+        (
+            "position_resolution",
+            "m",
+            "distance that the noise hides of a place between two patches, from the difference of their charges",
+            f"sqrt(2) * charge_noise / (abs(patch_charge_gradient) * {pressing}{whole})",
+        ),
         ("drive_field", "V m-1", "driving voltage over the thickness", "abs(drive_voltage) / thickness"),
         ("stroke", "m", "stroke of the driving voltage at fixed load", "stroke_per_volt * drive_voltage"),
         (

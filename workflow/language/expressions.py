@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from solver import units
 from solver.names import ALL_QUANTITIES
-from workflow.language import units
 from workflow.language.constants import CONSTANTS
 from workflow.language.factors import FACTORS
 

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
+from solver.units import in_si
 from workflow.language.expressions import units_of
 from workflow.language.factors import FACTORS
-from workflow.language.units import in_si
 
 _NUMBERS = ("low", "high", "choices", "uniform", "normal", "triangular")  # of a range or a distribution
 #: Bare numbers of a device from which a forgotten unit is more likely than a meant number, and the unit that is meant.

@@ -2,7 +2,7 @@
 
 import re
 
-from workflow.language import units
+from solver import units
 from workflow.language.expressions import units_of
 from workflow.language.numbers import shown
 

@@ -10,7 +10,8 @@ import re
 from dataclasses import dataclass
 from math import isfinite
 
-from workflow.language import grammar, units
+from solver import units
+from workflow.language import grammar
 from workflow.language.constants import BORNE, Meeting
 from workflow.language.expressions import Expression
 

@@ -65,12 +65,12 @@ def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
     """How far inside the trailing edge what conduction adds to sigma_xx exceeds the trailing tension [m].
 
     In the case that decides a limit of ``trailing_tension``; None without such a limit or such a singularity, which air
-    beside the contact takes away. There
+    beside the contact takes away, and of points. There
     sigma_xx grows as K / sqrt(1 - X^2): K is its regular part at the edge.
     """
     limits = [limit for limit in answer.limits if "trailing_tension" in limit.statement.expression.names()]
     own = study.narrowed(answer.kinds)
-    if not limits or not own.kind.inside:
+    if not limits or not own.kind.inside or own.kind.contact == "point":
         return None
     solved = factorial.exact(own, dict(limits[0].worst), [_EDGE], peaks=(), regular=True)
     tension = float(solved["trailing_tension"])

@@ -16,6 +16,7 @@ _WIDTH, _HEIGHT = 560, 250
 _SURFACE = 128.0  # height of the surface in the picture
 _WHOLE, _NEAR = (14.0, 206.0), (236.0, 546.0)  # from x to x: the punch whole, and its contact
 _TOP, _LOW = 26.0, 222.0  # of either part
+_WORDS = 46  # letters that have room below the film
 _DEVICE = 84.0  # height of a whole punch
 _WIDER = 2.6  # times the contact that the magnified part shows, or more
 _DEEP = 62.0  # of the magnified film, at most
@@ -226,6 +227,7 @@ def _dimensions(device: Device) -> list[str]:
         return [*parts, _text(_NEAR[0] + 8, _LOW - 10, "half-space" if device.point else "half-plane", SOFT, "start")]
     interface = _SURFACE + device.thickness * device._near_scale
     place, below = _NEAR[1] - 14, ", grounded electrode between" if device.grounded else ""
+    below = below if len(device.base + below) <= _WORDS else ", electrode"
     words = (_SURFACE + interface) / 2 + 5 if interface - _SURFACE > _LINE else interface + _LINE - 4
     return [
         *parts,

@@ -6,6 +6,8 @@ from typing import Any
 
 from markupsafe import Markup
 
+from solver import find
+from solver.film.stack import RIGID
 from solver.material.punches import RIGID_PUNCH
 from solver.names import CHOICES, PROFILES
 from workflow.design.told import asides
@@ -148,6 +150,9 @@ def _below(layers: int, base: str) -> str:
 def _grounded(study: Study, case: Case) -> bool:
     """Whether an electrode lies below the film, or below the top one of its layers."""
     usual = CHOICES["interface_electric"][0]
+    below = study.body[1].material if len(study.body) > 1 else case.get("base")
+    if isinstance(below, str) and below != RIGID and find(below, study.own_materials).conductor:
+        return True
     if study.body:
         return (study.body[0].below.electric or (usual if len(study.body) == 1 else "bonded")) == "grounded"
     return study.kind.layered and case.get("interface_electric", usual) == "grounded"

@@ -133,7 +133,7 @@ def page(
         content["surface"] = tables.surface(folder / "surface_validation.nc") if study.surrogate.fields else None
         content["levels"] = tables.levels(Path(levels[0])) if levels else None
         content["sobol"] = tables.sobol(folder, coupling.outputs(study))
-        content["validation"] = tables.validation(folder, coupling.outputs(study))
+        content["validation"] = tables.validation(folder, study)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = [row for row in by_quantity(study, times) if row["name"] in told]
         found = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]

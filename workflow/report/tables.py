@@ -5,13 +5,18 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
+
 from solver.names import ALL_QUANTITIES, Contact
 from storage.netcdf import read_whole
+from surrogate.use.validation import ideal
+from workflow.dataset import factorial
 from workflow.dataset.slabs import CARD
 from workflow.design.verdict.answer import Answer
 from workflow.language import titles
 from workflow.report import sentences
 from workflow.report.verdict import findings
+from workflow.study import coupling
 from workflow.study.categories import titled
 from workflow.study.datum import meaning
 from workflow.study.model import Study
@@ -94,9 +99,14 @@ def levels(path: Path) -> dict[str, Any]:
     return {"rows": rows, "predicted": float(errors.max()), **data.attrs}
 
 
-def validation(folder: Path, told: Sequence[str]) -> dict[str, Any]:
-    """Errors and intervals of every output that is told, on fresh cases."""
-    data = read_whole(folder / "validation.nc").sel(output=list(told))
+def _ideal(data: xr.Dataset, study: Study) -> dict[str, Any]:
+    box = {one.name: one for one in factorial.inputs(study)}
+    return ideal(box, {name: data[name] for name in box}, data.sizes["output"])
+
+
+def validation(folder: Path, study: Study) -> dict[str, Any]:
+    """Errors and intervals of every output that is told, on fresh cases, and what ideal intervals would show on these."""
+    data = read_whole(folder / "validation.nc").sel(output=coupling.outputs(study))
     tolerance = float(data.attrs["tolerance"])
     rows: list[dict[str, Any]] = [
         {
@@ -133,6 +143,7 @@ def validation(folder: Path, told: Sequence[str]) -> dict[str, Any]:
         "kinked": kinked,
         "rows": rows,
         "levels": levels,
+        "ideal": _ideal(data, study),
         "tolerance": tolerance,
         "logarithms": str(data.attrs.get("logarithms", "")).split("; ") if "logarithms" in data.attrs else [],
         "worst": worst,

@@ -20,7 +20,7 @@ def check_quantities(study: Contents) -> None:
             raise ValueError(f"dataset: peaks: these cases have no {name!r}; they have {known}")
     for name in study.surrogate.outputs:
         if name in study.absent or ALL_QUANTITIES[name].sparse:
-            raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}")
+            raise ValueError(f"surrogate: outputs: some of these cases have no {name!r}{_instead(study, name)}")
         if name in ALL_PEAKS.keys() - study.searched:
             raise ValueError(f"surrogate: outputs: {name!r} needs dataset: peaks: true")
     for name in study.surrogate.log or []:
@@ -103,7 +103,20 @@ def check_tolerance(study: Contents, where: str, name: str, target: Target) -> N
 
 def lack(study: Contents, name: str) -> str:
     """Why no case has a quantity or factor, where the body is why."""
-    return "is a film's: a half-plane has none" if name in _OF_FILMS and not study.kind.layered else ""
+    if name in _OF_FILMS and not study.kind.layered:
+        return f"is a film's: a {study.kind.unbounded} has none"
+    return f"is not one of surrogate.outputs{told}" if (told := _instead(study, name)) else ""
+
+
+def _instead(study: Contents, name: str) -> str:
+    """What cases have in place of a quantity that bodies of their kind never have."""
+    kind = study.kind
+    if name not in ALL_PEAKS or name in kind.peaks:
+        return ""
+    if not kind.peaks:
+        return f": no {kind.name} has a quantity of its inside"
+    alike = [one for one in kind.peaks if one.endswith(name.removeprefix("film_").removeprefix("base_"))]
+    return f": a {kind.name} has {' and '.join(alike)}" if alike else ""
 
 
 def check_values(study: Contents, where: str, name: str, values: Sequence[float | str]) -> None:

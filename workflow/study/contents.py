@@ -246,9 +246,10 @@ class Contents(Strict):
     def regions(self) -> list[str]:
         """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
 
-        None where it stands on a cross approximation, which knows no largest stresses.
+        None where it stands on a cross approximation, which knows no largest stresses, and under points, whose largest
+        stresses are learned as other quantities are.
         """
-        if self.crossed or not self.surrogate.curves:
+        if self.crossed or not self.surrogate.curves or not self.kind.regions:
             return []
         followed = [FOLLOWS[name].region for name in self.outputs if name in FOLLOWS]
         return list(dict.fromkeys(followed))

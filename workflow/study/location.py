@@ -12,9 +12,12 @@ from pathlib import Path
 from urllib.request import url2pathname
 
 from workflow.language.spelling import nearest
+from workflow.run.sources import ROOT
 from workflow.study.reading import InputError
 
 FOLDER = Path("config")
+#: Studies that come with the program, for folders that have no study of the name.
+BUNDLED = ROOT / "meecontact/studies"
 _ADDRESS = "file://"
 _GIVEN = "MEECONTACT_STUDIES"  # in the environment: JSON, absolute paths by name
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,99}")  # it names folders, and is a wildcard of the Snakefile
@@ -23,7 +26,8 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,99}")  # it names folders, and i
 def given(text: str) -> str:
     """The name of a study that is given by its name or by the path or the `address` of its file (``.yaml``, ``.yml``).
 
-    This process and those that it starts find a path again under the name.
+    A name that ``config/`` here has not is that of a study which comes with the program. This process and those
+    that it starts find a path again under the name.
 
     Raises
     ------
@@ -32,7 +36,10 @@ def given(text: str) -> str:
     """
     path = Path(url2pathname(text.removeprefix(_ADDRESS))) if text.startswith(_ADDRESS) else Path(text)
     if path.suffix not in (".yaml", ".yml"):
-        return text
+        bundled = BUNDLED / f"{text}.yaml"
+        if not _NAME.fullmatch(text) or text in _here() or text in _paths() or not bundled.is_file():
+            return text
+        path = bundled
     if not path.is_file():
         reason = "not a file" if path.exists() else "No such file"
         raise InputError(f"{path}: {reason}; a study is given by its name in {FOLDER}/, or by the path of its file")
@@ -60,16 +67,27 @@ def location(name: str) -> Path:
     """
     if name in (paths := _paths()):
         return Path(paths[name])
-    known = sorted(file.stem for file in FOLDER.glob("*.yaml"))
+    known = _here()
     if name in known:
         check_name(name, f"study: {name!r}")
         return FOLDER / f"{name}.yaml"
     if known:
         raise InputError(f"study: {name!r} is unknown; {nearest(name, known)}; or the path of a study's file")
+    bundled = sorted(file.stem for file in BUNDLED.glob("*.yaml"))
     raise InputError(
-        f"study: {name!r} is unknown: {Path.cwd()} has no {FOLDER}/*.yaml; "
-        "go to a folder that has one, or give the path of a study's file"
+        f"study: {name!r} is unknown: {Path.cwd()} has no {FOLDER}/*.yaml; go to a folder that has one, "
+        f"give the path of a study's file, or one that comes with the program; {nearest(name, bundled)}"
     )
+
+
+def _here() -> list[str]:
+    """Names of the studies of this folder."""
+    return sorted(file.stem for file in FOLDER.glob("*.yaml"))
+
+
+def by_path(name: str) -> bool:
+    """Whether a study was given by a path, or comes with the program: jobs are told where it is."""
+    return name in _paths()
 
 
 def of_results(folder: Path) -> Path:

@@ -11,8 +11,8 @@ import yaml
 from solver import Material, MaterialError
 from solver.material.constants import UNITS
 from solver.names import LIMITS
+from solver.units import in_si
 from storage.files import regular
-from workflow.language.units import in_si
 
 _LARGEST = 1 << 20  # bytes; a study or a material is a few kB
 _DEEPEST = (

@@ -170,16 +170,14 @@ def check_fields(study: Contents) -> None:
     for where, given in drawn.items():
         if AIR in np.atleast_1d(given.get("surroundings", "")):
             raise ValueError(f"{where}: surroundings: {AIR!r} has no fields, which effects draw; must be insulated")
-    if effects and not study.kind.inside:
+    if effects and study.kind.contact == "point":
         for name in ("film", "interior"):
             if getattr(effects, name):
                 raise ValueError(f"effects: {name}: is not drawn of a point; a film stands in the baseline")
-    if study.kind.inside:
-        return
     without = f"cases with surroundings: {AIR!r} have none" if study.kind.air else "point contacts have none"
-    if study.surrogate.fields:
+    if study.surrogate.fields and (study.kind.air or study.kind.contact == "point"):
         raise ValueError(f"surrogate: fields: {without}; must be 0")
-    if study.dataset.peaks:
+    if study.dataset.peaks and not study.kind.peaks:
         raise ValueError(f"dataset: peaks: {without}; must be false")
 
 

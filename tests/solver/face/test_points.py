@@ -1,15 +1,17 @@
 """Point contacts through the face: half-spaces, films, mixed tables, refusals."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import solver
-from solver.names import FACTORS, POINT_QUANTITIES
+from solver.names import FACTORS, POINT_QUANTITIES, POINT_SLIDING
 from solver.similarity import FACTOR_WEIGHTS, QUANTITY_WEIGHTS
 
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
+DISC: dict[str, Any] = {"profile": "disc", "width": 1e-4, "radius": None}
 COATED = BALL | {"thickness": 1e-4, "base": "steel"}
 
 
@@ -77,7 +79,7 @@ def test_quantities_scale_as_they_are_said_to() -> None:
         ({"charge": 1e-9}, "charge: the profile sphere has none; give total_charge [C]"),
         ({"datum": 0.1}, "datum: the profile sphere has none; only contacts along a line have it"),
         ({"speed": 1.0}, "speed: the profile sphere has none; only contacts along a line have it"),
-        ({"friction": 0.3}, "friction: of point contacts is not solved; must be 0"),
+        ({"friction": 0.3} | DISC, "friction: of a disc is not solved, its edge has a logarithm; must be 0"),
         ({"force": -1.0}, "force: -1 is not a finite number > 0 [N]"),
         ({"force": 1e12, "thickness": 1e-6, "base": "rigid"}, "contact: wider than the resolved range"),
         ({"thickness": 1e-4}, "base: missing"),
@@ -88,14 +90,68 @@ def test_quantities_scale_as_they_are_said_to() -> None:
 )
 def test_bad_cases_are_refused_in_one_line(changed: dict[str, Any], message: str) -> None:
     with pytest.raises(solver.FactorError) as refusal:
-        solver.solve(BALL | changed)
+        solver.solve({name: value for name, value in (BALL | changed).items() if value is not None})
     assert str(refusal.value).startswith(message)
     assert "\n" not in str(refusal.value)
 
 
-def test_fields_inside_below_points_are_refused() -> None:
-    with pytest.raises(solver.FactorError, match=r"^fields: "):
-        solver.solve_interior(BALL, [0.0], [-1.0])
+def test_what_friction_adds_is_given_where_it_is_a_factor() -> None:
+    """Zero at rest, in proportion to friction; trailing and leading edge lie about their mean."""
+    found = solver.solve(COATED | {"friction": [0.0, 0.2, 0.4]})
+    assert set(found.data_vars) == {*POINT_QUANTITIES, *POINT_SLIDING, "nominal_field"}
+    assert found["contact_offset"][0] == 0
+    mean, trailing, leading = (found[f"electric_edge_intensity{end}"] for end in ("", "_trailing", "_leading"))
+    np.testing.assert_allclose(trailing + leading, 2 * mean, rtol=1e-12)
+    assert np.all(np.abs(trailing - leading)[1:] > 0.01 * np.abs(mean)[1:])
+    for name in ("contact_offset", "trailing_tension"):
+        steps = np.diff(found[name].values)
+        assert steps[1] == pytest.approx(steps[0], rel=1e-9)
+    assert set(solver.solve(COATED).data_vars) == {*POINT_QUANTITIES, "nominal_field"}
+
+
+def test_rough_sliding_is_told_with_the_size_of_what_is_neglected() -> None:
+    with pytest.warns(
+        solver.PrecisionWarning, match=r"^friction: 0.8 with the angle 0.19 is solved to its first order"
+    ):
+        solver.solve(BALL | {"friction": 0.8})
+
+
+def test_fields_inside_follow_their_cases() -> None:
+    """Cases of two materials, two forces and friction, together and alone; tractions meet those of the surface."""
+    factors = BALL | {"material": ["PZT-4", "BaTiO3"], "friction": [0.0, 0.3]}
+    together = solver.solve_interior(factors, [-0.5, 0.0, 2.0], [0.0, -0.4], fields=["stress_yy", "von_mises"])
+    alone = solver.solve_interior(BALL | {"friction": 0.3}, [-0.5, 0.0, 2.0], [0.0, -0.4], fields=["von_mises"])
+    np.testing.assert_allclose(
+        together["von_mises"].sel(material="BaTiO3", friction=0.3), alone["von_mises"], rtol=1e-8
+    )
+    surface = solver.solve(factors, [-0.5, 0.0, 2.0])
+    np.testing.assert_allclose(together["stress_yy"].isel(y=0), -surface["contact_pressure"], rtol=1e-9, atol=1.0)
+
+
+def test_a_rigid_base_has_no_fields_and_others_their_own() -> None:
+    film = COATED | {"base": ["rigid", "steel"]}
+    found = solver.solve_interior(film, [0.0], [-0.5, -3.0], fields=["stress_yy", "electric_displacement_y"])
+    below = found.isel(y=1).sel(base="rigid")
+    assert np.isnan(below["stress_yy"]).all()
+    assert found["stress_yy"].sel(base="steel")[..., 0].max() < 0
+    assert abs(found["electric_displacement_y"].sel(base="steel")[..., 1, 0]) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ("stress_xx", "half a material: c12: missing; stress_xx needs it [Pa]"),
+        ("von_mises", "half a material: c12: missing; von_mises needs it [Pa]"),
+        ("electric_potential", "fields: 'electric_potential' is not given inside a body under a point contact"),
+    ],
+)
+def test_what_is_not_given_inside_is_told_in_one_line(asked: str, message: str) -> None:
+    lacking = replace(solver.find("BaTiO3"), c12=np.array(np.nan), name="half a material")
+    case = BALL | {"material": lacking}
+    assert "stress_yy" in solver.solve_interior(case, [0.0], [-1.0])
+    with pytest.raises((solver.FactorError, solver.MaterialError)) as refusal:
+        solver.solve_interior(case, [0.0], [-1.0], fields=[asked])
+    assert str(refusal.value) == message
 
 
 def test_a_graded_film_is_refused() -> None:

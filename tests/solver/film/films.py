@@ -11,6 +11,9 @@ from solver.film.table import Table, table
 from solver.halfplane.profile import Profile
 
 BTO, CFO, STEEL = solver.find("BaTiO3"), solver.find("CoFe2O4"), solver.find("steel")
+SILICON = solver.find("silicon")
+#: As stiff as steel, but a dielectric: isotropic, its roots coincide.
+ELASTIC = solver.Material.isotropic(200e9, 0.3)
 FIBROUS = solver.fibrous(BTO, CFO, 0.5)
 ON_STEEL = Stack((Layer(FIBROUS, 0.2e-3, magnetic="grounded"),), STEEL)
 

@@ -9,7 +9,8 @@ import solver
 from solver.arrays import Array
 from solver.film.contact import FilmContact
 from solver.film.interior import interior_fields
-from solver.film.peaks import DEPTH, PeakTable
+from solver.film.net import DEPTH
+from solver.film.peaks import PeakTable
 from solver.film.stack import Layer, Stack, StackError
 from solver.film.table import table
 from solver.halfplane.profile import Profile

@@ -5,11 +5,11 @@ import pytest
 import xarray as xr
 from numpy.polynomial.chebyshev import chebval2d, chebvander2d
 from scipy.integrate import quad
-from scipy.stats import norm
+from scipy.stats import binom, norm
 
 from surrogate import GridGP, Input
 from surrogate.use.baseline import chebyshev_interpolation
-from surrogate.use.validation import crps, pit, validate
+from surrogate.use.validation import LEVELS, crps, ideal, pit, validate
 from tests.surrogate import functions
 
 
@@ -32,6 +32,21 @@ def test_pit_and_coverage_of_a_right_model_are_uniform_and_nominal() -> None:
     np.testing.assert_allclose(np.quantile(values, [0.1, 0.5, 0.9]), [0.1, 0.5, 0.9], atol=0.01)
     assert pit(np.ones(1), np.ones(1), np.zeros(1)) == 0.5
     assert pit(np.ones(1), np.zeros(1), np.zeros(1)) == 1.0
+
+
+def test_ideal_parts_fall_short_by_chance_alone() -> None:
+    """The least of 10 deciles of 50 cases each, of one input and one output: by the distribution of binomial counts."""
+    box, cases = {"x": Input("x", 0, 1)}, {"x": xr.DataArray(np.linspace(0, 1, 500), dims="case")}
+    found = ideal(box, cases, 1)
+    at_least = 1 - binom.cdf(np.arange(-1, 50), 50, 0.95)  # P(count >= k), k = 0 .. 50
+    mean = (at_least[1:] ** 10).sum() / 50
+    assert found["worst_decile_coverage"] == pytest.approx(mean, abs=0.02)
+    assert np.isnan(found["worst_corner_coverage"])  # of one input there is none
+    np.testing.assert_allclose(found["low"], LEVELS, atol=0.03)
+    assert found["low"] == found["high"]
+    many = ideal(box, cases, 40)
+    assert many["worst_decile_coverage"] < found["worst_decile_coverage"] - 0.03
+    assert all(low < high for low, high in zip(many["low"], many["high"], strict=True))
 
 
 def test_the_table_is_that_of_the_definitions() -> None:

@@ -10,6 +10,7 @@ import solver
 from storage.netcdf import read_whole
 from tests.workflow.cli.test_main import complaint
 from workflow.cli import main
+from workflow.language import grammar
 
 PUNCHES = """\
 material,radius,load,punch,punch_modulus [GPa],punch_poisson,thickness [mm],base
@@ -86,3 +87,48 @@ def test_a_table_mixes_surroundings_and_says_what_is_left_out(
         for name in ("contact_trailing", "voltage", "charge_sensitivity"):
             exact = float(solver.solve(case | own)[name])
             assert float(data[name][row]) == pytest.approx(exact, rel=1e-9), (row, name)
+
+
+ARRAY = """\
+material,profile,radius,force,thickness [mm],base,collector,patch_size,patch_pitch
+PVDF,sphere,0.01,1,0.1,rigid,1,1 mm,2 mm
+PVDF,sphere,0.01,1,0.1,rigid,{bad}
+"""
+
+
+@pytest.mark.parametrize(
+    ("bad", "says"),
+    [
+        ("2,1e-3,2e-3", "collector: 2 is not one of the 1 electrodes of "),
+        ("1,1e-3,9e-4", "patch_pitch: 0.0009 is less than patch_size: a patch would touch its neighbour"),
+        ("1,5,6", "patch_size: the patch reaches farther from the contact than is resolved, "),
+    ],
+)
+def test_electrodes_that_cannot_be_read_are_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], bad: str, says: str
+) -> None:
+    table = tmp_path / "array.csv"
+    table.write_text(ARRAY.format(bad=bad).replace("1 mm,2 mm", "1e-3,2e-3"), encoding="utf-8")
+    assert main.main(["solve", str(table), "-o", str(tmp_path / "out.nc")]) == 2
+    told = capsys.readouterr().err
+    assert says in told
+    assert told.count("\n") == 1
+    assert list(tmp_path.iterdir()) == [table]
+
+
+def test_the_place_between_two_patches_is_told_as_far_as_the_noise_lets_it() -> None:
+    """On a device: sqrt(2) of the charge noise over what the difference of both charges changes by a metre."""
+    cover = solver.Stack([solver.Layer(solver.find("PDMS"), 1e-3, "grounded"), solver.Layer(solver.find("PVDF"), 1e-4)])
+    case: dict[str, Any] = {"profile": "sphere", "radius": 0.01, "force": 0.5, "punch": "skin", "body": cover}
+    read = {"electric": "insulating", "magnetic": "insulating", "collector": 2, "patch_size": 2e-3}
+    gradient = float(solver.solve(case | read | {"patch_pitch": 4e-3})["patch_charge_gradient"])
+    step = 1e-6
+    places = np.array([2e-3 - step, 2e-3 + step, -2e-3 - step, -2e-3 + step])
+    found = solver.solve(case | read | {"patch_position": places})["patch_charge_per_force"].values
+    moved = (
+        0.5 * ((found[3] - found[2]) - (found[1] - found[0])) / (2 * step)
+    )  # of the difference, by the contact's place
+    figure = grammar.parse("position_resolution", "point")
+    known = {"charge_noise": 1e-15, "patch_charge_gradient": gradient, "force": 0.5}
+    told = float(figure.evaluate({name: np.array(known[name]) for name in figure.names()}))
+    assert told == pytest.approx(np.sqrt(2) * 1e-15 / abs(moved), rel=1e-4)

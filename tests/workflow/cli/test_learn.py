@@ -125,6 +125,38 @@ def test_errors_that_are_not_positive_and_too_few_rows_are_refused(
         assert reason in capsys.readouterr().err
 
 
+def test_a_plan_says_which_measurements_tell_most(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = str(project / "planned.nc")
+    words = ("--plan", "4", "--errors", "depth=0.1%,voltage=5%", "--within", "load=2e4:0.05 MN/m", "-o", out)
+    assert asked(project, "--json", *words) == 0
+    plan = json.loads(capsys.readouterr().out)["plan"]
+    (stiffness,) = plan["constants"]
+    assert stiffness["name"] == "BaTiO3 stiffness"
+    assert stiffness["planned"] < stiffness["random"] < stiffness["now"] < 1
+    assert len(plan["rows"]) == 4
+    assert all(2e4 <= row["load"] <= 5e4 and row["output"].startswith("depth[") for row in plan["rows"])
+    for bad, reason in (
+        (("--plan", "0"), "--plan: 0 measurements; must be 1 to 100"),
+        (("--plan", "3", "--for", "steel e33"), "--for: 'steel e33' is not among the unknowns BaTiO3 stiffness"),
+        (("--plan", "3", "--errors", "charge=1%"), "--errors: 'charge' is none of depth, contact_trailing, voltage"),
+        (
+            ("--plan", "3", "--within", "load=1e3:2e4"),
+            "--within: load: 1000 to 20000; must ascend within [10000, 100000]",
+        ),
+        (("--plan", "3", "--within", "load=3"), "--within: load=3: is not of the form FACTOR=LOW:HIGH"),
+        (
+            (
+                "--for",
+                "BaTiO3 stiffness",
+            ),
+            "--plan is not given",
+        ),
+    ):
+        assert asked(project, *bad, "-o", str(project / "none.nc")) == 2
+        assert reason in capsys.readouterr().err
+    assert not (project / "none.nc").exists()
+
+
 def test_instruments_that_do_not_fit_are_refused(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = sorted(project.rglob("*"))
     for word, reason in (

@@ -4,9 +4,11 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from workflow.dataset import factorial
 from workflow.study import representatives
@@ -34,6 +36,30 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     path = tmp_path_factory.mktemp("similar") / "films.yaml"
     path.write_text(STUDY, encoding="utf-8")
     return load(path)
+
+
+def test_cases_for_calibration_reach_the_ends_of_groups(study: Study) -> None:
+    """As many again as the even ones, each at the place of one of them."""
+    held = factorial.learned(study, factorial.cases(study, "calibration"))
+    even = held["evenly_drawn"].values == 1
+    drawn = factorial.points(study, 40, (study.validation.seed, 2))
+    for name, column in drawn.items():
+        np.testing.assert_array_equal(held[name].values[even], column)
+    assert np.count_nonzero(even) == np.count_nonzero(~even) == 40
+    assert "evenly_drawn" not in factorial.cases(study, "validation")
+
+    def near(cases: np.ndarray[Any, np.dtype[np.bool_]]) -> float:
+        x = np.abs(held["charge"].values[cases] - 5e-7) / 1.5e-6
+        return float(np.mean(x > 0.9))
+
+    assert near(~even) > 3 * near(even)
+    mixture = study.model_copy(update={"factors": {**study.factors, "friction": study.factors["charge"]}})
+    drawn = factorial.points(mixture, 40, (5, 0)) | {"friction": xr.DataArray(np.repeat([0.3, 0.1], 20), dims="case")}
+    assert mixture.tabled == ["friction"]
+    found, flags = factorial.towards_ends(mixture, drawn, (5, 1))
+    np.testing.assert_array_equal(found["friction"], np.repeat([0.3, 0.1], 40))  # as they came, and together
+    assert flags.reshape(2, 2, 20)[:, 0].all()
+    assert not flags.reshape(2, 2, 20)[:, 1].any()
 
 
 def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study) -> None:

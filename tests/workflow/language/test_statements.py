@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from solver import units
 from solver.names import ALL_QUANTITIES, FACTORS
-from workflow.language import grammar, statements, statistics, units
+from workflow.language import grammar, statements, statistics
 from workflow.language.constants import FIGURES
 from workflow.language.expressions import units_of
 

@@ -30,7 +30,7 @@ SHARE = Input("share", 0.02, 0.9, "logit")
 
 def of_groups() -> GaussianProcess:
     model = GroupedGP(grouped.GROUPING).fit(grouped.factorial(0.2))
-    return model.calibrate(grouped.cases(400, 1, 0.2))
+    return model.calibrate(grouped.cases(300, 1, 0.2, to_ends=300))
 
 
 def of_curves() -> GaussianProcess:

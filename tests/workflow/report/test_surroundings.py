@@ -36,6 +36,17 @@ def test_air_is_compared_with_what_is_insulated_and_the_other_way_round(study: S
     assert surroundings.compared(oil, CASE)["quantities"]["voltage"][1] == own
 
 
+def test_a_ball_on_a_film_is_compared_too() -> None:
+    """Its capacitance is whole: 2.3 pF under a large ball on a thin film, and ten times as much in air."""
+    ball = load("config/point_sensor.yaml").narrowed({"base": "steel"})
+    found = surroundings.compared(ball, {"thickness": 5e-5, "radius": 0.05, "force": 0.1})
+    assert list(found["quantities"]) == ["voltage", "contact_capacitance", "charge_sensitivity"]
+    bare, air = found["quantities"]["contact_capacitance"]
+    assert air > 10 * bare
+    told = "contact capacitance 38.2 pF instead of 2.34 pF and charge per force 166 pC/N instead of 204 pC/N"
+    assert told in surroundings.told(found)
+
+
 def test_nothing_is_compared_without_a_device_or_where_air_means_nothing(bare: Study, study: Study) -> None:
     assert surroundings.compared(bare, CASE) == {}
     assert surroundings.compared(study.narrowed({"electric": "insulating"}), CASE) == {}

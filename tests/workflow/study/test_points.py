@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver.body import HALF_SPACE
-from solver.names import POINT_FIELDS, POINT_QUANTITIES
+from solver.names import POINT_FIELDS, POINT_QUANTITIES, POINT_SLIDING
 from workflow.dataset import effects, factorial, similar
 from workflow.language.constants import DEVICE, FIGURES_BY
 from workflow.report.figures import field_panels
@@ -92,12 +92,10 @@ def test_every_case_follows_from_the_group(study: Study) -> None:
             "profile: cylinder",
             "device: electrode_length: missing; must be a number with a unit [m]",
         ),
-        ("groups:", "dataset: {peaks: true}\ngroups:", "dataset: peaks: point contacts have none; must be false"),
         ("groups:", "surrogate: {fields: 8}\ngroups:", "surrogate: fields: point contacts have none; must be 0"),
         ("force * radius / thickness^3", "force / thickness^2", "groups: radius x"),
         ("peak_pressure <=", "trailing_tension <= 1 MPa, peak_pressure <=", "'trailing_tension' is not one of"),
         ("abs(signal_charge) <= 100 pC", "blocked_force <= 1 N", "device: drive_voltage: missing"),
-        ("punch: steel,", "punch: steel, friction: 0.3,", "friction: of point contacts is not solved"),
         ("punch: steel,", "punch: steel, datum: 1.0,", "datum: the profile sphere has none"),
         (
             "groups:",
@@ -112,6 +110,22 @@ def test_what_a_point_has_not_is_refused_in_one_line(tmp_path: Path, old: str, n
         load(written(tmp_path, BALL.replace(old, new, 1)))
     assert told in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+def test_largest_stresses_and_friction_are_asked_for_as_along_a_line(tmp_path: Path) -> None:
+    """Limits on stresses inside and behind a sliding ball; their exact values scale as the study says."""
+    text = BALL.replace("groups:", "dataset: {peaks: [film_peak_von_mises, base_peak_von_mises]}\ngroups:")
+    text = text.replace("punch: steel,", "punch: steel, friction: 0.2,")
+    text = text.replace(
+        "peak_pressure <=", "film_peak_von_mises <= 300 MPa, trailing_tension <= 90 MPa, peak_pressure <="
+    )
+    study = load(written(tmp_path, text))
+    assert {*POINT_SLIDING, "film_peak_von_mises"} <= set(study.quantities)
+    one = {"thickness": 50e-6, "radius": 10e-3, "force": 0.1}
+    other = one | {"thickness": 100e-6, "radius": 20e-3, "force": 0.4}
+    first, second = (factorial.exact(study, dict(case)) for case in (one, other))
+    for name in ("film_peak_von_mises", "base_peak_von_mises", "trailing_tension"):
+        assert float(second[name]) == pytest.approx(float(first[name]), rel=1e-9)
 
 
 def test_groups_of_a_power_are_refused(tmp_path: Path) -> None:

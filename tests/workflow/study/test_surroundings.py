@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from solver import solve
-from solver.body import FILM_IN_AIR, HALF_PLANE_IN_AIR
-from solver.names import GAP_QUANTITIES
+from solver.body import FILM_IN_AIR, HALF_PLANE_IN_AIR, POINT_FILM_IN_AIR
+from solver.names import GAP_QUANTITIES, POINT_GAP_QUANTITIES
 from solver.similarity import QUANTITY_WEIGHTS
 from workflow.language import grammar
 from workflow.study.model import Study, load
@@ -116,3 +116,32 @@ def test_a_device_in_air_is_read_by_its_capacitance_at_the_load(alone: Study, bo
     names = grammar.parse("circuit_capacitance", alone.meeting).names()
     assert "capacitance_at_load" in names
     assert "capacitance" not in names
+
+
+BALL = """\
+title: A ball on a film in air, by groups
+fixed: {material: PZT-4, profile: sphere, magnetic: insulating, surroundings: air, base: rigid}
+factors:
+  radius: {low: 0.02, high: 0.05, scale: log}
+  force: {low: 1.0, high: 4.0, scale: log}
+  thickness: {low: 2e-4, high: 4e-4, scale: log}
+groups:
+  force * radius / thickness^3: {levels: 2}
+  radius / thickness: {levels: 2}
+"""
+
+
+def test_a_ball_in_air_has_groups_and_figures_of_its_own(tmp_path: Path) -> None:
+    ball = study(BALL, tmp_path)
+    assert ball.kind is POINT_FILM_IN_AIR
+    assert not ball.stores_fields
+    assert {*POINT_GAP_QUANTITIES} <= {*ball.quantities}
+    assert ball.meeting == "point in air"
+    assert "contact_capacitance_at_force" in grammar.parse("circuit_capacitance", ball.meeting).names()
+    one, two = ({"radius": s * 0.02, "force": s**2 * 1.0, "thickness": s * 2e-4} for s in (1.0, 1.7))
+    found = [ball.solved(solve, {**ball.fixed, **case}) for case in (one, two)]
+    for name in ball.quantities:
+        by = 1.7 ** QUANTITY_WEIGHTS[name].size
+        assert float(found[1][name]) == pytest.approx(by * float(found[0][name]), rel=1e-10, abs=0)
+    with pytest.raises(InputError, match=r"is in no group.*make radius / thickness a group"):
+        study(BALL.replace("  radius / thickness: {levels: 2}\n", ""), tmp_path)

@@ -185,7 +185,7 @@ function show(values) {
     card.dataset.name = key;
     return card;
   }));
-  tell("band-words").textContent = film() ? "The tables of films are of the library's own constants: no band here." : others.length
+  tell("band-words").textContent = film() ? "The face between film and base is grounded. The tables of films are of the library's own constants: no band here." : others.length
     ? `The band is how far ${others.length} other published ${others.length === 1 ? "set of constants moves" : "sets of constants move"} a figure${rows.some(([key]) => own[key] && spread(key) > 0.0005 * Math.abs(own[key])) ? "" : "; here it moves none"}.`
     : "The library knows one published set of these constants: it has no band.";
   const { lines, known } = beyond(material, several), bad = lines.some((one) => one.bad), steep = geometry(own);

@@ -43,6 +43,7 @@ function ownMaterial(text, library) {
   const entries = text.trim().startsWith("{") ? fromJson(text) : fromLines(text), found = { limits: {}, alternatives: [], name: "own constants", source: "", note: "" };
   for (const [name, value] of entries) {
     if (["name", "source", "note"].includes(name)) found[name] = String(value).slice(0, 200);
+    else if (name === "conductor") continue; // of a layer's faces, which a half-space has not
     else if (Object.hasOwn(library.constants, name)) found[name] = finite(name, value, library.constants[name], library);
     else if (Object.hasOwn(library.limits, name)) {
       found.limits[name] = { value: finite(name, value, library.limits[name].units, library), source: "as pasted" };

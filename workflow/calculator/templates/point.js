@@ -88,7 +88,7 @@ function solvePoint(given) {
   if (profile === "sphere") out.peak_pressure = Math.max(...(film ? film.samples : [1]).map((x) => pressure(x)));
   [["electric_edge_intensity", "voltage", "voltage_per_force", "charge_sensitivity", "stroke_per_volt", "blocked_force_per_volt", "contact_capacitance"],
     ["magnetic_edge_intensity", "magnetic_potential", "magnetic_potential_per_force", "flux_sensitivity", "stroke_per_ampere", "blocked_force_per_ampere", "contact_permeance"]].forEach((names, q) => {
-    if (!conducts[q]) return;
+    if (!conducts[q] || (film && q)) return; // tables of films know no magnetic field
     const j = q + 1;
     [here.intensities[j], here.displacement[j], -free[j][0], grounded.loads[j] / force, tangent[0][j] / tangent[0][0], -tangent[0][j], -here.fixed[q][q]]
       .forEach((one, k) => { out[names[k]] = one; });

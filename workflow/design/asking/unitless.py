@@ -5,8 +5,8 @@ from math import log10
 import numpy as np
 from numpy.typing import NDArray
 
+from solver import units
 from workflow.design.asking.terms import Term
-from workflow.language import units
 from workflow.study.reading import InputError
 
 _FAR = 100.0  # ratio of a bound to the nearest value from which a forgotten unit is more likely than a meant number

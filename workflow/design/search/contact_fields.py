@@ -27,7 +27,7 @@ def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
     xarray.Dataset
         ``field_<name>`` over ``position`` for the names of ``SURFACE`` that the case has, ``inside_<name>`` over ``y``,
         ``x`` for the in-plane and, where the material has c12, von Mises stress. Nothing of what the solver does not
-        give: with air beside the contact, and inside bodies under a point.
+        give: with air beside the contact, and without c12 inside bodies under a point.
     """
     if not study.kind.fields:
         return xr.Dataset()
@@ -43,7 +43,7 @@ def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
 
     try:
         inside = below(["stress_xx", "von_mises"])
-    except MaterialError:  # no c12: no stress out of the plane
-        inside = below(["stress_xx"])
+    except MaterialError:  # no c12: no stress out of the plane, and under a point none in the surface
+        inside = xr.Dataset() if study.kind.contact == "point" else below(["stress_xx"])
     parts |= {f"inside_{name}": array.reset_coords(drop=True) for name, array in inside.data_vars.items()}
     return xr.Dataset(parts)

@@ -24,24 +24,30 @@ _COLUMNS = ("target", "kind", "name", "units", "predicted", "predicted_std", "ex
 _NUMBERS = ("predicted", "predicted_std", "exact", "limit", "margin")
 
 
-def as_text(answer: Answer) -> str:
-    """All that an engineer asks of one design, in lines."""
+def as_text(answer: Answer, *, si: bool = False) -> str:
+    """All that an engineer asks of one design, in lines; in engineering units unless ``si``."""
     notes = filter(None, (answer.flags, asides.spread(answer)))
     lines = [answer.goal, str(verdict(answer)), answer.status, f"polish: {answer.polish}"]
     lines += [f"note: {note}" for note in notes]
     lines += [f"  {one.category:44s} {one.kind:25s} {one.kind_role}" for one in answer.categories]
     for one in answer.variables:
         within = f", within {one.tolerance}" if one.tolerance else ""
-        lines.append(f"  {one.name:44s} {one.value:<14.8g} {FACTORS[one.name].units:10s} {one.role}{within}")
-    lines.append(f"  {'':44s} {'exact':14s} {'predicted':14s} margin")
+        lines.append(f"  {one.name:44s} {_value(one.value, FACTORS[one.name].units, si):25s} {one.role}{within}")
+    lines.append(f"  {'':44s} {'exact':25s} {'predicted':25s} margin")
     for term in answer.terms:
         margin = "" if np.isnan(term.margin) else f"{100 * term.margin:.3g} %"
-        lines.append(f"  {term.name:44s} {term.exact:<14.8g} {term.predicted:<14.8g} {margin:10s} {term.units}")
+        both = (f"{_value(value, term.units, si):25s}" for value in (term.exact, term.predicted))
+        lines.append(f"  {term.name:44s} {' '.join(both)} {margin}".rstrip())
     lines += ["best of every choice, on the surrogate"] if answer.choices else []
     for choice in answer.choices:
         flag = "" if choice.choice_feasible else "infeasible"
-        lines.append(f"  {choice.choice:44s} {choice.choice_objective:<14.8g} {flag}".rstrip())
+        units = answer.terms[0].units if answer.terms else ""
+        lines.append(f"  {choice.choice:44s} {_value(choice.choice_objective, units, si):25s} {flag}".rstrip())
     return "\n".join(lines)
+
+
+def _value(value: float, units: str, si: bool) -> str:
+    return f"{value:.8g} {units}".rstrip() if si else shown(value, units)
 
 
 def as_json(answer: Answer) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from solver.names import FIELDS, POINT_FIELDS
 from workflow.design.search.contact_fields import SURFACE
 from workflow.design.verdict.answer import Answer
 from workflow.language import titles
@@ -112,7 +113,8 @@ def _contact(answer: Answer) -> Figure:
     # apart, so that a colour bar below makes no gap above
     above, *under = figure.subfigures(len(rows), 1, height_ratios=rows, squeeze=False)[:, 0]
     X = fields["position"].values
-    along = "(x - c)/h" if inside else "r/a"
+    point = any(name in POINT_FIELDS.keys() - FIELDS.keys() for name in surface)
+    along, down = ("r/a", "y/a") if point else ("(x - c)/h", "y/h")
     for name, ax in zip(surface, above.subplots(1, len(surface), squeeze=False).flat, strict=True):
         values = fields[f"field_{name}"].values
         away = (np.abs(np.abs(X) - 1) > NEAR_EDGE) & (np.abs(X) < 3)
@@ -132,7 +134,7 @@ def _contact(answer: Answer) -> Figure:
             size, words = below(part, [ax], [field], "below")
             attach_map(ax, field["x"].values, field["y"].values, field.values / size, words)
             ax.set_xlabel(along)
-            ax.set_ylabel("y/h")
+            ax.set_ylabel(down)
     return figure
 
 

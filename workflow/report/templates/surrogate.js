@@ -160,7 +160,10 @@ function predict(model, t) {
     unknown *= model.variance.data[p];
     // largest values are calibrated over the inputs, by the size that the deviation of one smooth output then has
     if (spread) return calibrated(model, t, terms, p, unknown * (size(model.curves.witness[p]) * spread[p]) ** 2);
-    return calibrated(model, along, terms, p, unknown) * size(p);
+    const c = model.calibration; // groups have a guard over the inputs too
+    const outer = c && c.outer_guard
+      ? guarded(c.outer_guard, c.outer_corner_guard, c.outer_pooled_guard, t, p, count) : 0;
+    return calibrated(model, along, terms, p, unknown) * size(p) * Math.exp(outer);
   });
   const ends = (away) => mean.map((one, p) => one + away.data[p] * std[p]);
   return { mean, std, lower: ends(model.interval.lower), upper: ends(model.interval.upper) };
@@ -183,17 +186,25 @@ function trendTerms(c, t) {
 function calibrated(model, t, terms, p, variance) {
   const c = model.calibration, count = model.outputs.length;
   if (!c) return meaningful(Math.sqrt(variance));
-  const slabs = c.guard.shape[1];
-  const slab = withinBox(t).map((one) => Math.min(Math.max(Math.trunc(((one + 1) / 2) * slabs), 0), slabs - 1));
-  const edge = slab.map((one) => (one > 0) + (one === slabs - 1)); // 0 in the lowest slab, 2 in the highest
-  let scale = 0, guard = -Infinity, pair = 0;
+  let scale = 0;
   terms.forEach((term, m) => { scale += term * c.trend.data[m * count + p]; });
   scale = Math.min(Math.max(scale, c.trend_range.data[p]), c.trend_range.data[count + p]);
-  slab.forEach((one, k) => { guard = Math.max(guard, c.guard.data[(k * slabs + one) * count + p]); });
+  const guard = guarded(c.guard, c.corner_guard, null, t, p, count);
+  return meaningful(Math.sqrt(variance + c.floor.data[p]) * Math.exp(scale + guard));
+}
+
+// What the local scale needs beyond it (guard.py): the largest of slabs, of corners of two inputs, and of all corners together.
+function guarded(own, corners, pooled, t, p, count) {
+  const slabs = own.shape[1];
+  const slab = withinBox(t).map((one) => Math.min(Math.max(Math.trunc(((one + 1) / 2) * slabs), 0), slabs - 1));
+  const edge = slab.map((one) => (one > 0) + (one === slabs - 1)); // 0 in the lowest slab, 2 in the highest
+  let guard = -Infinity, pair = 0;
+  slab.forEach((one, k) => { guard = Math.max(guard, own.data[(k * slabs + one) * count + p]); });
   for (let i = 0; i < t.length; i++) {
     for (let j = i + 1; j < t.length; j++, pair++) {
-      guard = Math.max(guard, c.corner_guard.data[((pair * 3 + edge[i]) * 3 + edge[j]) * count + p]);
+      guard = Math.max(guard, corners.data[((pair * 3 + edge[i]) * 3 + edge[j]) * count + p]);
+      if (pooled && edge[i] !== 1 && edge[j] !== 1) guard = Math.max(guard, pooled.data[p]);
     }
   }
-  return meaningful(Math.sqrt(variance + c.floor.data[p]) * Math.exp(scale + guard));
+  return guard;
 }

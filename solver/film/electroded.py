@@ -1,0 +1,91 @@
+"""The surface of a stack as a punch meets it: bare, or a grounded electrode without stiffness (films, section 11).
+
+Under the electrode phi = 0 at the surface, and D_y is what the electrode takes: Y of the surface loses phi as at a
+grounded interface. With ``Y = Y0 + Delta``, p = Y0_ff and v = Y0_f / p, what the layers add keeps its digits:
+
+    Delta' = D - D_f D_f^T / (p + D_ff),   D = P Delta P^T,  P = I - (v - e) e^T.
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.reflection import held, low, waves
+from solver.film.stack import Stack
+from solver.halfplane.surface import HalfPlane
+
+_PHI = 2  # of (x, y, phi, psi)
+
+
+class Electroded(HalfPlane):
+    """A half-plane whose surface is a grounded electrode; phi is kept apart, with its own entry alone."""
+
+    @cached_property
+    def _bare(self) -> HalfPlane:
+        return HalfPlane(self.material, self.speed)
+
+    @cached_property
+    def compliance(self) -> Array:
+        """N of (y, phi, psi); (..., 3, 3)."""
+        own = self._bare.compliance
+        found = own - self._shares[..., 1:, None] * own[..., None, 1, :]
+        found[..., 1, :] = found[..., :, 1] = 0.0
+        found[..., 1, 1] = own[..., 1, 1]
+        return np.asarray(found)
+
+    @cached_property
+    def friction_coupling(self) -> Array:
+        """k of (y, phi, psi); (..., 3)."""
+        own = self._bare.friction_coupling
+        found = own - self._shares[..., 1:] * own[..., 1:2]
+        found[..., 1] = 0.0
+        return np.asarray(found)
+
+    @cached_property
+    def tangential_compliance(self) -> Array:
+        """(L^-1)_xx; (...)."""
+        return np.asarray(
+            self._bare.tangential_compliance + self._shares[..., 0] * self._bare.friction_coupling[..., 1]
+        )
+
+    @cached_property
+    def _shares(self) -> Array:
+        """v of (x, y, phi, psi); (..., 4)."""
+        N, k = self._bare.compliance, self._bare.friction_coupling
+        return np.concatenate([-k[..., 1:2], N[..., 1]], -1) / N[..., 1, 1, None]
+
+
+def met(stack: Stack) -> HalfPlane:
+    """The half-plane of the top layer as a punch meets it."""
+    half = stack.media[0].halfplane
+    return Electroded(half.material, half.speed) if stack.electroded else half
+
+
+def surface(stack: Stack) -> Array:
+    """Y0 of the top layer as a punch meets it, in the units of the stack; (4, 4)."""
+    own = stack.media[0].compliance
+    if not stack.electroded:
+        return own
+    found = held(own, (_PHI,))
+    found[_PHI, _PHI] = own[_PHI, _PHI]
+    return found
+
+
+def difference(stack: Stack, k: Array) -> Array:
+    """What the layers and the base add to :func:`surface`, at wavenumbers k [1/m]; (k, 4, 4)."""
+    added = waves(stack, k)[0].difference
+    if not stack.electroded:
+        return added
+    own = stack.media[0].compliance
+    share = np.eye(4)
+    share[:, _PHI] -= own[_PHI] / own[_PHI, _PHI] - share[:, _PHI]
+    D = share @ added @ share.T
+    found = D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (own[_PHI, _PHI] + D[:, _PHI, _PHI])[:, None, None]
+    found[:, _PHI, :] = found[:, :, _PHI] = 0.0
+    return np.asarray(found)
+
+
+def lowest(stack: Stack) -> Array:
+    """Finite part of Y of the surface as k goes to 0, as a punch meets it; (4, 4)."""
+    return held(low(stack), (_PHI,)) if stack.electroded else low(stack)

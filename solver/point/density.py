@@ -1,0 +1,111 @@
+"""What a contact's tractions are in Fourier space: densities over 0 <= b <= 1, as of a line contact (points, 7).
+
+A traction ``strength / x`` has the density of its strength, whatever b; that of the half-space's pressure is
+``rise (1 - b^e)``, and P_2n(x) / (abs(P_2n(0)) x) has (-1)^n P_2n(b).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.windows import Indices
+from solver.point.profile import Shape
+
+_HALF = 40  # nodes of the integral that a kink leaves beside the logarithm
+
+
+@dataclass(frozen=True, eq=False)
+class Density:
+    """Densities of (sigma_yy, D_y, B_y) without friction, lengths over a; columns of cases or causes.
+
+    Parameters
+    ----------
+    shape
+        The punch.
+    strengths
+        At the edge; (column, 3).
+    form
+        Sizes of the half-space's bounded part; (column, 3).
+    series
+        Coefficients that the layers add; (column, 3, n).
+    """
+
+    shape: Shape
+    strengths: Array
+    form: Array
+    series: Array
+
+    @property
+    def kinked(self) -> bool:
+        """Whether the profile is no polynomial of r^2."""
+        return not self.shape.flat and self.shape.exponent % 2 != 0
+
+    def part(self, columns: Indices) -> "Density":
+        """Some of the columns."""
+        return Density(self.shape, self.strengths[columns], self.form[columns], self.series[columns])
+
+    def at(self, b: Array) -> Array:
+        """phi; (column, 3, b)."""
+        legendre = np.polynomial.legendre.legvander(b, 2 * max(self._count - 1, 0))[:, ::2][:, : self._count]
+        own = self.strengths[..., None] + self._rise * self.form[..., None] * (1 - self._power(b))
+        return np.asarray(own + self._signed @ (legendre - 1).T)
+
+    def falling(self, b: Array) -> Array:
+        """-d phi / db; (column, 3, b)."""
+        e, count = self.shape.exponent, self._count
+        own = 0.0 if self.shape.flat else self._rise * e * self.form[..., None] * b ** (e - 1)
+        if not count:
+            return np.asarray(own + np.zeros((1, 1, b.size)))
+        legendre = np.zeros((*self.series.shape[:2], 2 * count - 1))
+        legendre[..., ::2] = self._signed
+        derived = np.polynomial.legendre.legder(legendre, axis=-1) if count > 1 else np.zeros((*legendre.shape[:2], 1))
+        return np.asarray(own - derived @ np.polynomial.legendre.legvander(b, derived.shape[-1] - 1).T)
+
+    def turned(self, b: Array) -> Array:
+        """(1/pi) PV int_-1^1 phi(s) / (b - s) ds without the part of the strengths, bounded; (column, 3, b).
+
+        What friction makes of a density: its Hilbert transform.
+        """
+        steep = np.arctanh(np.minimum(b, 1 - 1e-16))
+        found = self._rise * self.form[..., None] * (2 / np.pi) * self._turned_form(b, steep)
+        count = self._count
+        if count:
+            degree = 2 * count - 2
+            P = np.polynomial.legendre.legvander(b, max(degree, 1))
+            D = np.zeros((max(degree, 1) + 1, b.size))  # Q_n - P_n artanh, of the same recurrence
+            D[1] = -1.0
+            for n in range(1, degree):
+                D[n + 1] = ((2 * n + 1) * b * D[n] - n * D[n - 1]) / (n + 1)
+            legendre = (P.T[0 : degree + 1 : 2] - 1) * steep + D[0 : degree + 1 : 2]
+            found = found + (2 / np.pi) * self._signed @ legendre
+        return np.asarray(found)
+
+    def _turned_form(self, b: Array, steep: Array) -> Array:
+        """b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds; (b,)."""
+        if self.shape.flat:
+            return np.zeros_like(b)
+        e = self.shape.exponent
+        x, w = np.polynomial.legendre.leggauss(_HALF)
+        # s = v^4: powers of s are smooth in v
+        v = (1 + x) / 2
+        s, weights = v**4, 2 * w * v**3
+        log = np.log(s) - np.log(b)[:, None]
+        ratio = np.where(np.abs(log) > 1e-12, np.expm1(e * log) / np.expm1(2 * log), e / 2)
+        return np.asarray((1 - b**e) * steep + b ** (e - 1) * (ratio @ weights))
+
+    def _power(self, b: Array) -> Array:
+        return np.ones_like(b) if self.shape.flat else b**self.shape.exponent
+
+    @property
+    def _rise(self) -> float:
+        return 0.0 if self.shape.flat else self.shape.rise
+
+    @property
+    def _count(self) -> int:
+        return int(self.series.shape[-1])
+
+    @cached_property
+    def _signed(self) -> Array:
+        return np.asarray(self.series * (-1.0) ** np.arange(self._count))

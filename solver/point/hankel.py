@@ -1,0 +1,112 @@
+"""Hankel integrals of half-spaces in closed form below a density, up to the surface (points, 7).
+
+What a contact's tractions are in Fourier space is a density on 0 <= b <= 1, lengths over a, as of a line contact:
+
+    t(k) = int_0^1 phi(b) cos(kb) db  without friction,    t_1(k) = int_0^1 psi(b) sin(kb) db  of its cos(angle) part.
+
+A wave of the rate m then needs int t(k) exp(-k m z) J_n(kr) k dk: a sum over b of a closed function of m z -+ ib. It is
+sharp beside b = r near the surface, where panels in b shrink with the depth.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from solver.arrays import Array, ComplexArray
+
+_NODES = 14  # a panel: panels as long as they are away from what is singular beside them
+_KINKS = 14  # halvings of panels towards b = 0, where a cone's density is kinked, and b = 1, where friction's is steep
+#: The shallowest depth that rounding spares: what is above it is continued from below.
+LEAST = 1e-5
+
+
+@lru_cache
+def _gauss() -> tuple[Array, Array]:
+    return np.polynomial.legendre.leggauss(_NODES)
+
+
+@dataclass(frozen=True, eq=False)
+class Nodes:
+    """Nodes of panels on 0 to 1.
+
+    Attributes
+    ----------
+    b, weights
+        (node,).
+    beside
+        b - r, which b does not tell near the sharp place; (node,).
+    """
+
+    b: Array
+    weights: Array
+    beside: Array
+
+
+def nodes(radius: float = np.inf, near: float = 1.0, *, parts: int = 4, kinked: bool = False) -> Nodes:
+    """Nodes for a field point, or for waves.
+
+    Parameters
+    ----------
+    radius
+        r >= 0 of a field point.
+    near
+        Its depth: the length of the shortest panels beside b = r.
+    parts
+        Number of panels at least: the phase of a wave over 8.
+    kinked
+        Whether the density is kinked at 0 or steep at 1.
+    """
+    places = [np.asarray(np.linspace(0.0, 1.0, parts + 1), dtype=np.float64)]
+    if kinked:
+        away = np.asarray(0.5 ** np.arange(2, _KINKS), dtype=np.float64)
+        places += [away, 1 - away]
+    sharp = min(radius, 1.0)
+    offsets = np.concatenate(places) - sharp
+    if radius < 2:
+        least = max(near, radius - 1, LEAST) / 2
+        steps = least * 2.0 ** np.arange(int(np.ceil(np.log2(1 / least))) + 1)
+        offsets = np.concatenate([offsets, [0.0], steps, -steps])
+    ends = np.unique(offsets)
+    ends = ends[(ends >= -sharp) & (ends <= 1 - sharp)]
+    x, w = _gauss()
+    half = np.diff(ends)[:, None] / 2
+    offset = (ends[:-1, None] + half * (1 + x)).ravel()
+    return Nodes(sharp + offset, (half * w).ravel(), offset + (sharp - radius))
+
+
+def waves(
+    rates: ComplexArray, depth: Array, radius: float, at: Nodes, orders: int
+) -> tuple[ComplexArray, ComplexArray]:
+    """int exp(-k m z) J_n(kr) k cos(kb) dk and the same of sin(kb), n = 0 .. orders - 1; (n, rate, depth, b) each.
+
+    Parameters
+    ----------
+    rates
+        m, of positive real part; (rate,).
+    depth
+        z >= ``LEAST``; (depth,).
+    radius
+        r >= 0.
+    at
+        Nodes of r.
+    orders
+        Number of Bessel functions.
+    """
+    fall = (rates[:, None] * depth)[..., None]
+    far = radius + at.b
+    before = _powers(fall - 1j * at.b, (fall - 1j * at.beside) * (fall - 1j * far), radius, orders)
+    after = _powers(fall + 1j * at.b, (fall + 1j * at.beside) * (fall + 1j * far), radius, orders)
+    return (before + after) / 2, (before - after) / 2j
+
+
+def _powers(s: ComplexArray, square: ComplexArray, r: float, orders: int) -> ComplexArray:
+    """int exp(-k s) J_n(kr) k dk = u^n (n R + s) / R^3, R^2 = s^2 + r^2, u = r / (R + s); (n, ...)."""
+    R = np.sqrt(square)
+    u, inverse = r / (R + s), 1 / R
+    out: ComplexArray = np.empty((orders, *s.shape), np.complex128)
+    power: ComplexArray = np.square(inverse, dtype=np.complex128)
+    for n in range(orders):
+        out[n] = power * (n + s * inverse)
+        power = power * u
+    return out

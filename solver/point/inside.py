@@ -1,0 +1,336 @@
+"""Fields inside a half-space or a stack under point contacts, in the plane of symmetry (points, 7).
+
+Near the surface the half-space's part is closed (:mod:`solver.point.hankel`); what the layers below reflect, and
+everything deeper, decays and is integrated over the wavenumbers k with Bessel functions.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array, BoolArray, ComplexArray
+from solver.film.kernel import strip, wavenumbers
+from solver.film.reflection import LayerWaves, waves
+from solver.film.stack import Layer, Stack, StackError
+from solver.film.windows import Indices
+from solver.film.within import TURN, below, layer_waves, modal
+from solver.material.constants import Material
+from solver.point import hankel
+from solver.point.bessel import bessel_orders
+from solver.point.density import Density
+from solver.point.rows import ORDERS, rows_of, shear_rows
+from solver.point.shear import Sheared, ShearWaves
+
+_NEAR = 0.05  # of a: the depth above which the half-space's part is closed
+_MOST_PHASE = 8000.0  # and everywhere, where the integrals over k would be longer
+_PANEL = 8.0  # phase of a panel in b
+_STEP = 512  # wavenumbers at a time
+_ENTRIES = 1 << 22  # of a block of waves: bounded memory
+_ON = 1 + 1e-12  # a depth on an interface belongs to the layer above it
+_DEEP = 4.0  # of a: the layer that stands for a half-space
+_FARTHEST = 2000.0  # distance over the thickness of the top layer: bounded time
+
+#: psi of (sigma_yy, D_y, B_y), the part of cos(angle), at b, of some columns; (column, 3, b).
+Sines = Callable[[Array, Indices], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Tractions:
+    """Tractions of point contacts in the units of a body; columns of cases or causes.
+
+    Parameters
+    ----------
+    ratio
+        Contact radius over the unit of the body's lengths; (column,).
+    density
+        Of the part without friction.
+    friction
+        eta, along x; (column,).
+    sines
+        Of the part that friction adds in cos(angle), eta times it; None without friction.
+    """
+
+    ratio: Array
+    density: Density
+    friction: Array
+    sines: Sines | None = None
+
+    @property
+    def kinked(self) -> bool:
+        """Whether the densities are kinked at 0 or steep at 1."""
+        return self.density.kinked or self.sines is not None
+
+    def part(self, columns: Indices) -> "Tractions":
+        """Some of the columns."""
+        own = self.sines
+        sines = None if own is None else lambda b, some: own(b, columns[some])
+        return Tractions(self.ratio[columns], self.density.part(columns), self.friction[columns], sines)
+
+    def vectors(self, b: Array, columns: Indices) -> tuple[Array, Array | None]:
+        """(sigma_xy, sigma_yy, D_y, B_y) as densities: of 1, all in cos kb; of cos(angle), the first in cos kb.
+
+        Returns (column, 4, b) each, of some columns; none of the second without friction.
+        """
+        own = self.density.part(columns).at(b)
+        plain = np.concatenate([np.zeros_like(own[:, :1]), own], 1)
+        if self.sines is None:
+            return plain, None
+        return plain, np.concatenate([-self.friction[columns, None, None] * own[:, :1], self.sines(b, columns)], 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Inside:
+    """A body with fields inside.
+
+    Parameters
+    ----------
+    stack
+        Layers and base; a half-space is a layer on itself, see :func:`whole`.
+    plain
+        Whether it is a half-space.
+    """
+
+    stack: Stack
+    plain: bool = False
+
+    def fields(self, tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
+        """Fields of ``solver.halfplane.interior.LINEAR``, SI, NaN in a rigid base; (column, field, y, x).
+
+        Parameters
+        ----------
+        tractions
+            Of all columns.
+        X, Y
+            x/a and y/a <= 0; for all columns.
+        names
+            Of the fields; stresses in the surface need c12 everywhere.
+
+        Raises
+        ------
+        StackError
+            Points farther from the contact than is resolved.
+        """
+        out = np.zeros((tractions.ratio.size, len(names), Y.size, X.size))
+        ratios, which = np.unique(tractions.ratio, return_inverse=True)
+        closed = np.zeros((which.size, Y.size), dtype=bool)
+        for number, ratio in enumerate(ratios.tolist()):
+            columns = np.flatnonzero(which.ravel() == number)
+            depth = -Y * ratio
+            bodies = np.searchsorted(self._ends, depth)
+            near = (bodies == 0) & self._is_near(-Y, X)
+            closed[columns] = near
+            self._add_waves(out, tractions, columns, (X, depth, bodies, near), names)
+            if self.stack.rigid:
+                out[np.ix_(columns, np.arange(len(names)), np.flatnonzero(bodies == len(self.stack.layers)))] = np.nan
+        if np.any(rows := closed.any(0)):
+            own = self._closed(tractions, X, -Y[rows], names)
+            out[:, :, rows] += np.where(closed[:, None, rows, None], own, 0.0)
+        return out
+
+    def of_layers(self, tractions: Tractions, x: float, names: tuple[str, ...]) -> Array:
+        """What the layers add to fields on the surface at x/a; (column, field)."""
+        out = np.zeros((tractions.ratio.size, len(names), 1, 1))
+        points = np.array([x]), np.zeros(1), np.zeros(1, dtype=np.intp), np.ones(1, dtype=bool)
+        for ratio in np.unique(tractions.ratio):
+            self._add_waves(out, tractions, np.flatnonzero(tractions.ratio == ratio), points, names)
+        return out[..., 0, 0]
+
+    @cached_property
+    def _ends(self) -> Array:
+        return np.cumsum([layer.thickness for layer in self.stack.layers]) * _ON
+
+    def _is_near(self, depth: Array, X: Array) -> BoolArray:
+        """Where the half-space's part is closed, of depths over a."""
+        far = float(np.max(np.abs(X), initial=1.0)) + 1
+        return np.asarray(depth * self._slowest < max(_NEAR, 34 * far / _MOST_PHASE))
+
+    @cached_property
+    def _slowest(self) -> float:
+        return min(float(self.stack.media[0].slowest), self._shear.rate if self._shear else 1.0)
+
+    @cached_property
+    def _shear(self) -> Sheared | None:
+        """The shear waves of the top; none without c12."""
+        material = self.stack.top.material
+        return None if np.isnan(material.c12) else Sheared.of(material)
+
+    # -- waves ---------------------------------------------------------------------------------------------------------
+    def _add_waves(
+        self, out: Array, tractions: Tractions, columns: Indices,
+        points: tuple[Array, Array, Indices, BoolArray], names: tuple[str, ...],
+    ) -> None:  # fmt: skip
+        """Add what is integrated over k: the layers' part near the surface, and everything deeper."""
+        X, depth, bodies, near = points
+        ratio = float(tractions.ratio[columns[0]])
+        for number in np.unique(bodies).tolist():
+            if number == len(self.stack.layers) and self.stack.rigid:
+                continue
+            for reflected in (True, False) if number == 0 else (False,):
+                rows = np.flatnonzero((bodies == number) & (near == reflected))
+                if not rows.size or (reflected and self.plain):
+                    continue
+                width = strip(self.stack) / 2
+                if number == 0 and not reflected:
+                    width = self._slowest * float(np.min(depth[rows]))
+                reach = ratio * (1 + float(np.max(np.abs(X))))
+                if reach > _FARTHEST * max(width, strip(self.stack) / 2):
+                    raise StackError(f"x: {np.max(np.abs(X)):g} is farther from the contact than is resolved")
+                k, weights = wavenumbers(self.stack, 2 * reach, width)
+                step = max(_ENTRIES // (8 * rows.size * columns.size), 8)
+                for first in range(0, k.size, min(step, _STEP)):
+                    here = slice(first, first + min(step, _STEP))
+                    of = _Block(self, tractions, columns, k[here], weights[here] * k[here] * ratio**2)
+                    out[np.ix_(columns, np.arange(len(names)), rows)] += of.summed(
+                        X * ratio, depth[rows], number, names, reflected=reflected
+                    )
+
+    # -- near the surface ----------------------------------------------------------------------------------------------
+    def _closed(self, tractions: Tractions, X: Array, depth: Array, names: tuple[str, ...]) -> Array:
+        """The half-space's part; (column, field, depth, x)."""
+        medium, scale = self.stack.media[0], self.stack.scale
+        rates, parts = medium.modes
+        answers: ComplexArray = np.concatenate([medium.compliance, np.eye(4)]) @ parts  # (rate, 8, 4)
+        plain = rows_of(medium, scale, names, sliding=False)
+        moved = rows_of(medium, scale, names, sliding=True)
+        sliding = tractions.sines is not None
+        shear = self._shear if sliding else None
+        if shear is not None:
+            rates = np.append(rates, shear.rate)
+        count = len(answers)
+        depth, continued = _from_below(depth)
+        out = np.empty((tractions.ratio.size, len(names), len(continued), X.size))
+        for place, x in enumerate(X.tolist()):
+            at = hankel.nodes(abs(x), float(np.min(depth)), kinked=tractions.kinked)
+            cosines, sines = hankel.waves(rates, depth, abs(x), at, ORDERS if sliding else 3)
+            weights = at.weights
+            if x < 0:
+                cosines[1::2], sines[1::2] = -cosines[1::2], -sines[1::2]
+            first, second = tractions.vectors(at.b, np.arange(tractions.ratio.size))
+            own = _applied(plain[:3], answers, cosines[:3, :count], first * weights)
+            if second is not None:
+                second = second * weights
+                own = own + _applied(moved, answers[..., :1], cosines[:, :count], second[:, :1])
+                own = own + _applied(moved, answers[..., 1:], sines[:, :count], second[:, 1:])
+                if shear is not None:
+                    # k u is the compliance times tau, and both fall alike
+                    rows = shear_rows(shear, names) @ np.array([shear.compliance, 1.0])
+                    pulled = np.einsum("nzb,cb->nzc", cosines[:, count].real, -second[:, 0])
+                    own = own + np.einsum("nf,nzc->cfz", rows, pulled) / scale[0]
+            out[..., place] = own @ continued.T
+        return out
+
+
+def _from_below(depth: Array) -> tuple[Array, Array]:
+    """Depths at which to sum, and what takes values there to those at all depths; (sum,) and (depth, sum)."""
+    shallow = depth < hankel.LEAST
+    places = hankel.LEAST * np.arange(1, 4)
+    found = np.concatenate([places, depth[~shallow]]) if np.any(shallow) else depth
+    continued = np.zeros((depth.size, found.size))
+    continued[np.flatnonzero(~shallow), np.arange(found.size - np.count_nonzero(~shallow), found.size)] = 1.0
+    t = depth[shallow] / hankel.LEAST
+    if t.size:  # Lagrange's polynomials through 1, 2, 3
+        continued[shallow, :3] = np.stack([(t - 2) * (t - 3) / 2, (t - 1) * (3 - t), (t - 1) * (t - 2) / 2], -1)
+    return found, continued
+
+
+def _applied(rows: Array, answers: ComplexArray, integrals: ComplexArray, density: Array) -> Array:
+    """Real part of rows (n, field, 8) of answers (rate, 8, channel) to densities; (column, field, depth)."""
+    moments = np.tensordot(integrals, density, (3, 2))  # (n, rate, z, column, channel)
+    coefficients = np.einsum("nfs,rsi->nrfi", rows, answers)
+    return np.asarray(np.einsum("nrfi,nrzci->cfz", coefficients, moments, optimize=True).real)
+
+
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """Waves of some wavenumbers, with their shares of the integrals.
+
+    Attributes
+    ----------
+    inside, tractions
+        Of which body, of all columns.
+    columns
+        Those of one radius.
+    k, shares
+        Over the unit of the body's lengths; (k,).
+    """
+
+    inside: Inside
+    tractions: Tractions
+    columns: Indices
+    k: Array
+    shares: Array
+
+    @cached_property
+    def _tops(self) -> tuple[Array, Array | None]:
+        """Tractions at the surface, of 1 and of cos(angle), but for the sums over b; (k, 4, column) each."""
+        phases = self.k * float(self.tractions.ratio[self.columns[0]])
+        at = hankel.nodes(parts=int(np.max(phases) / _PANEL) + 4, kinked=self.tractions.kinked)
+        first, second = self.tractions.vectors(at.b, self.columns)
+        cosines = np.cos(phases[:, None] * at.b) * at.weights
+        top = np.einsum("kb,cib->kic", cosines, first, optimize=True)
+        if second is None:
+            return top, None
+        sines = np.sin(phases[:, None] * at.b) * at.weights
+        along = np.einsum("kb,cib->kic", cosines, second[:, :1], optimize=True)
+        down = np.einsum("kb,cib->kic", sines, second[:, 1:], optimize=True)
+        return top, np.concatenate([along, down], 1)
+
+    def summed(self, x: Array, depth: Array, number: int, names: tuple[str, ...], *, reflected: bool) -> Array:
+        """Fields at depths within one body, the base the last; (column, field, depth, x)."""
+        stack = self.inside.stack
+        medium = [*stack.media, stack.base_medium][number]
+        assert medium is not None
+        out = np.zeros((len(self.columns), len(names), depth.size, x.size))
+        orders = bessel_orders(self.k, x, 3 if self._tops[1] is None else ORDERS) * self.shares[:, None]
+        for sliding, top in enumerate(self._tops):
+            if top is None:
+                continue
+            states = self._states(top, depth, number, reflected=reflected)
+            rows = rows_of(medium, stack.scale, names, sliding=bool(sliding))
+            for n, J in enumerate(orders):
+                _add(out, rows[n], states, J)
+            if sliding and self.inside._shear is not None:
+                waved = ShearWaves(stack, self.k).at(number, depth, reflected=reflected)
+                pulled = np.einsum("skz,kc->kzsc", waved, -top[:, 0]) / stack.scale[0]
+                material = stack.layers[number].material if number < len(stack.layers) else stack.base
+                assert isinstance(material, Material)
+                for n, J in enumerate(orders):
+                    _add(out, shear_rows(Sheared.of(material), names)[n], pulled, J)
+        return out
+
+    def _states(self, top: Array, depth: Array, number: int, *, reflected: bool) -> Array:
+        """The real form [k u; t] at depths; (k, depth, 8, column)."""
+        stack, k, t = self.inside.stack, self.k, top[None].astype(np.complex128)
+        start = 0.0
+        for place, layer in enumerate(self._layers):
+            amplitude = layer.amplitude @ t
+            if place == number:
+                found = layer_waves(layer, k, (depth - start)[None], amplitude, np.eye(8), reflected=reflected)
+                return _real(found)
+            start += layer.thickness
+            t = below(layer, k, amplitude, stack.grounded[place])
+        assert stack.base_medium is not None
+        return _real(modal(stack.base_medium, k, (depth - start)[None], t, np.eye(8)))
+
+    @cached_property
+    def _layers(self) -> list[LayerWaves]:
+        return waves(self.inside.stack, self.k)
+
+
+def _real(turned: ComplexArray) -> Array:
+    return np.asarray((turned[0] * np.conj(TURN)[:, None]).real)
+
+
+def _add(out: Array, rows: Array, states: Array, J: Array) -> None:
+    """Add rows (field, s) of states (k, depth, s, column) times a Bessel function (k, x)."""
+    there = np.flatnonzero(rows.any(1))
+    if there.size:
+        taken = np.einsum("fs,kzsc->cfzk", rows[there], states, optimize=True)
+        out[:, there] += taken @ J
+
+
+def whole(material: Material) -> Inside:
+    """A half-space: a layer of contact radii on its own material."""
+    return Inside(Stack((Layer(material, _DEEP, "bonded", "bonded"),), material), plain=True)

@@ -1,0 +1,142 @@
+"""Largest stresses inside half-spaces, films and bases under points, in the plane of symmetry (points, 7).
+
+The nets, the measures and the search are those of the plane; a case is solved on its nets, no table lies between.
+"""
+
+from collections.abc import Set
+from dataclasses import dataclass
+
+import numpy as np
+
+from approximation.measure import ITSELF, Measure
+from approximation.summit import Top, highest
+from solver.arrays import Array
+from solver.curves import PRINCIPAL, SHEAR, VON_MISES
+from solver.film.net import DEPTH, Net, Nets, singular
+from solver.film.table import RangeError
+from solver.film.windows import Indices
+from solver.names import FILM_PEAKS, PEAKS
+from solver.point.body import Film
+from solver.point.inside import Inside, Tractions
+from solver.point.pressed import Pressed
+from solver.point.sliding import Rubbed
+
+_STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
+_CLOSE = 1e-8  # step of Newton's iteration in a panel's half-width
+_BOTTOM, _FAR = 6.0, 6.0  # of a: how deep and how far from the edge a half-space is searched
+_TOGETHER = 64  # cases at a time: bounded memory
+_INTERFACE = ("interface_shear", "interface_shear_position", "interface_tension", "interface_tension_position")
+
+
+@dataclass(frozen=True, eq=False)
+class _Searched:
+    """Stresses of cases of one radius on a net.
+
+    Attributes
+    ----------
+    net
+        Of lengths over ``ratio`` times the contact's radius.
+    ratio
+        Contact radius in the net's unit.
+    stresses
+        (case, field, depth, x).
+    """
+
+    net: Net
+    ratio: float
+    stresses: Array
+
+    @classmethod
+    def on(cls, inside: Inside, net: Net, tractions: Tractions, names: tuple[str, ...]) -> "_Searched":
+        """Of tractions of one radius."""
+        ratio = float(tractions.ratio[0])
+        sizes = np.array([ratio])
+        X, Y = net.positions(sizes, net.line)[0], -net.depths(sizes)[0]
+        return cls(net, ratio, inside.fields(tractions, X, Y, names))
+
+    def top(self, measure: Measure, first: int = 0) -> Top:
+        """Where a measure of the stresses from the first on is largest."""
+        return highest(self.stresses[:, first:], self.net.across, measure, _CLOSE)
+
+    def place(self, top: Top) -> Array:
+        """x/a of tops; (case,)."""
+        t = 2.0 * top.panel - len(self.net.across) + 1 + top.across
+        return np.asarray(self.net.positions(np.array([self.ratio]), t)[0])
+
+    def depth(self, top: Top) -> Array:
+        """Depth over a of tops; (case,)."""
+        return self.net.depth_at(self.ratio, top.down)
+
+    @property
+    def largest(self) -> tuple[Array, Array]:
+        """Von Mises and principal stress, 0 where none is tensile; (case,) each."""
+        return self.top(VON_MISES).value, np.maximum(self.top(PRINCIPAL).value, 0.0)
+
+
+def peaks(pressed: Pressed, inside: Inside, asked: Set[str]) -> dict[str, Array]:
+    """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each.
+
+    Parameters
+    ----------
+    pressed
+        Cases of one body.
+    inside
+        The body, all of it with c12.
+    asked
+        Their names.
+
+    Raises
+    ------
+    RangeError
+        A contact so wide that the film has no depth below 0.1 a.
+    """
+    tractions = Rubbed(pressed.charged).tractions
+    film = isinstance(pressed.body, Film)
+    found: dict[str, Array] = {}
+    for places in _by_radius(tractions.ratio):
+        own = tractions.part(places)
+        values = _of_film(inside, own, asked) if film else _of_halfspace(inside, own, pressed.charged.radius[places])
+        for name in values.keys() & asked:
+            found.setdefault(name, np.empty(tractions.ratio.size))[places] = values[name]
+    return {name: found[name] for name in (*PEAKS, *FILM_PEAKS) if name in found}
+
+
+def _by_radius(ratio: Array) -> list[Indices]:
+    """Cases of one radius, some at a time."""
+    alike = [np.flatnonzero(ratio == one) for one in np.unique(ratio)]
+    return [same[start : start + _TOGETHER] for same in alike for start in range(0, same.size, _TOGETHER)]
+
+
+def _of_halfspace(inside: Inside, tractions: Tractions, radius: Array) -> dict[str, Array]:
+    net = Net(0.4, 0.0, _FAR, *singular(inside.stack), (DEPTH, 0.0), (_BOTTOM, 0.0), 1.0, 1.0, 1.0)
+    searched = _Searched.on(inside, net, tractions, _STRESSES)
+    highest_stress = searched.top(VON_MISES)
+    return {
+        "peak_von_mises": highest_stress.value,
+        "peak_von_mises_depth": searched.depth(highest_stress) * radius,
+        "peak_principal_tension": np.maximum(searched.top(PRINCIPAL).value, 0.0),
+    }
+
+
+def _of_film(inside: Inside, tractions: Tractions, asked: Set[str]) -> dict[str, Array]:
+    stack, ratio = inside.stack, float(tractions.ratio[0])
+    nets, found = Nets(stack, ratio, ratio), dict[str, Array]()
+    if asked & set(_INTERFACE):
+        searched = _Searched.on(inside, nets.interface, tractions, ("stress_xy", "stress_yy"))
+        shear, pull = searched.top(SHEAR), searched.top(ITSELF, 1)
+        pulled = pull.value > 0
+        tension = np.where(pulled, pull.value, 0.0), np.where(pulled, searched.place(pull), np.nan)
+        found |= dict(zip(_INTERFACE, (shear.value, searched.place(shear), *tension), strict=True))
+    bodies = {"film": nets.film} if len(stack.layers) == 1 else {}  # panels through layers would meet their jumps
+    bodies |= {} if stack.rigid else {"base": nets.base}
+    for body, net in bodies.items():
+        names = tuple(f"{body}_peak_{of}" for of in ("von_mises", "principal_tension"))
+        if not asked & set(names):
+            continue
+        if body == "film" and ratio >= 0.99 / DEPTH * stack.thickness:
+            raise RangeError(
+                f"contact: radius over thickness {ratio / stack.thickness:g} is too wide for peaks; must be < "
+                f"{1 / DEPTH:g}"
+            )
+        found |= dict(zip(names, _Searched.on(inside, net, tractions, _STRESSES).largest, strict=True))
+    return found

@@ -1,0 +1,112 @@
+"""Which further measurements tell most of some constants: D-optimal on a posterior, greedily and by exchange.
+
+On a linear Gaussian model what a reading will tell does not depend on what it will show, so that a plan needs no
+measurement (V. V. Fedorov, Theory of Optimal Experiments (1972); one constant alone is its c-optimal case).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from approximation.arrays import Array, Indices
+from surrogate.transforms.measured.draws import Draw
+
+_EXCHANGES = 3  # rounds, at most
+
+
+def joint(draw: Draw, points: Array, output: Indices, slopes: Array) -> Array:
+    """Return the posterior covariance of constants and of what readings would show but for their errors.
+
+    Parameters
+    ----------
+    draw
+        The posterior.
+    points : ndarray, shape (m, d)
+        Scaled inputs of the readings.
+    output : ndarray of int, shape (m,)
+        Their outputs.
+    slopes : ndarray, shape (m, k)
+        Derivatives of what is shown by the constants.
+
+    Returns
+    -------
+    ndarray, shape (k + m, k + m)
+    """
+    shown, m = slopes.copy(), len(points)
+    own = np.zeros((m, m))
+    for q, one in draw.discrepancies.items():
+        at = np.flatnonzero(output == q)
+        cross = one.covariance(points[at])
+        shown[at] -= one.at(points[at])[1]
+        away = (points[at, None] - points[at]) / one.lengths
+        white = solve_triangular(one.factor, cross.T, lower=True)
+        own[np.ix_(at, at)] = one.amplitude**2 * np.exp(-0.5 * (away**2).sum(axis=-1)) - white.T @ white
+    across = draw.covariance @ shown.T
+    return np.block([[draw.covariance, across], [across.T, shown @ across + own]])
+
+
+def chosen(joints: Sequence[Array], noise: Array, wanted: Indices, count: int) -> list[int]:
+    """Return the readings that shrink the volume of some constants' posterior most, each once at most.
+
+    Parameters
+    ----------
+    joints : sequence of ndarray, shape (k + m, k + m) each
+        Of `joint`, at several draws: logarithms of volumes are averaged.
+    noise : ndarray, shape (m,)
+        Variances of the errors of readings.
+    wanted
+        Numbers of the constants.
+    count
+        How many readings, at most m.
+
+    Examples
+    --------
+    Of three readings of one constant the two that hang on it most:
+
+    >>> slopes = np.array([[0.1], [2.0], [-1.0]])
+    >>> both = np.block([[np.ones((1, 1)), slopes.T], [slopes, slopes @ slopes.T]])
+    >>> sorted(chosen([both], np.ones(3), np.array([0]), 2))
+    [1, 2]
+    """
+    plan: list[int] = []
+    now = list(joints)
+    for _ in range(count):
+        plan.append(_best(now, noise, wanted, plan))
+        now = [_after(one, noise, plan[-1:]) for one in now]
+    for _ in range(_EXCHANGES):
+        before = list(plan)
+        for place in range(count):
+            others = plan[:place] + plan[place + 1 :]
+            plan[place] = _best([_after(one, noise, others) for one in joints], noise, wanted, others)
+        if plan == before:
+            break
+    return plan
+
+
+def widths(joints: Sequence[Array], noise: Array, plan: Sequence[int], constants: int) -> Array:
+    """Return the posterior deviations of all constants after some readings, (k,); draws do not differ in their mean."""
+    variances = [np.diag(_after(one, noise, plan))[:constants] for one in joints]
+    return np.asarray(np.sqrt(np.mean(variances, axis=0)))
+
+
+def _best(now: Sequence[Array], noise: Array, wanted: Indices, taken: Sequence[int]) -> int:
+    """The reading that takes most of the logarithm of the volume."""
+    gain = np.zeros(len(noise))
+    for one in now:
+        k = len(one) - len(noise)
+        across = one[wanted, k:]
+        told = np.einsum("im,im->m", across, np.linalg.solve(one[np.ix_(wanted, wanted)], across))
+        gain -= np.log1p(-np.minimum(told / (np.diag(one)[k:] + noise), 1 - 1e-12))
+    gain[list(taken)] = -np.inf
+    return int(np.argmax(gain))
+
+
+def _after(one: Array, noise: Array, plan: Sequence[int]) -> Array:
+    """The covariance after readings."""
+    if not len(plan):
+        return one
+    k = len(one) - len(noise)
+    at = k + np.asarray(plan)
+    block = one[np.ix_(at, at)] + np.diag(noise[list(plan)])
+    return np.asarray(one - one[:, at] @ np.linalg.solve(block, one[at]))

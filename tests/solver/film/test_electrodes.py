@@ -1,0 +1,211 @@
+"""Electrodes in a stack: identities that hold whatever presses, and patches against fields and other ways to them."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.linalg import expm
+
+import solver
+from solver.arrays import Array
+from solver.film.electrodes import Electrode, electrodes
+from solver.film.stack import Layer, Stack, StackError
+from tests.solver.film.films import BTO, FIBROUS, SILICON
+
+PVDF, PZT, PDMS, GLASS, COPPER = (solver.find(name) for name in ("PVDF", "PZT-4", "PDMS", "glass", "copper"))
+BALL: dict[str, Any] = {"profile": "sphere", "radius": 0.01, "force": [0.1, 1.0], "magnetic": "insulating"}
+ROLLER: dict[str, Any] = {"radius": 0.05, "load": 2e4, "friction": 0.3, "datum": 0.1}
+COVERS = {"rubber": Layer(PDMS, 1e-3, "grounded"), "ceramic": Layer(FIBROUS, 2e-4, "grounded")}
+ACTIVE = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4, "grounded"), Layer(FIBROUS, 2e-4)], SILICON)
+
+
+def charge(found: xr.Dataset, name: str = "electrode_charge_per_force") -> Array:
+    return np.asarray(found[name].values)
+
+
+@pytest.mark.parametrize("cover", COVERS)
+@pytest.mark.parametrize("punch", [BALL, ROLLER], ids=["ball", "roller"])
+def test_full_electrodes_have_e33_over_c33_under_any_cover(cover: str, punch: dict[str, Any]) -> None:
+    own = punch | ({"load": 1e3} if cover == "rubber" and "load" in punch else {})
+    body = Stack([COVERS[cover], Layer(PVDF, 5e-5)])
+    found = solver.solve(own | {"body": body, "collector": [1, 2]}).transpose(..., "collector")
+    exact = float(PVDF.e33 / PVDF.c33)
+    assert charge(found).size
+    np.testing.assert_allclose(charge(found) / [exact, -exact], 1.0, rtol=1e-12)
+
+
+@pytest.mark.parametrize("punch", [BALL, ROLLER], ids=["ball", "roller"])
+def test_a_bare_film_between_electrodes_has_it_too(punch: dict[str, Any]) -> None:
+    film = {"material": "PZT-4", "thickness": 2e-4, "base": "rigid", "electrode": "top", "collector": [1, 2]}
+    found = solver.solve(punch | film).transpose(..., "collector")
+    exact = float(PZT.e33 / PZT.c33)
+    np.testing.assert_allclose(charge(found) / [exact, -exact], 1.0, rtol=1e-12)
+    assert "voltage" not in found
+
+
+def test_electrodes_and_punch_have_no_charge_together() -> None:
+    """The punch's charge, whatever it is, stands on the electrodes with the other sign."""
+    body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4), Layer(COPPER, 2e-5), Layer(PZT, 1e-4)], SILICON)
+    assert electrodes(body) == [(0,), (1, 2), (3,)]
+    for case, own in ((BALL | {"force": 1.0}, "total_charge"), (ROLLER, "charge")):
+        q = 1e-11 * float(case.get("load", 1.0))
+        found = charge(solver.solve(case | {own: q, "body": body, "collector": [1, 2, 3]}))
+        assert np.sum(found) == pytest.approx(-1e-11, rel=1e-10)
+        assert np.min(np.abs(found)) > 1e-13
+
+
+def test_what_small_waves_carry_tends_to_the_whole() -> None:
+    """Y = A + k C in closed form against the recursion at k H = 1e-6, over bases that are rigid, dielectric, active."""
+    for base in ("rigid", SILICON, BTO):
+        body = Stack([Layer(FIBROUS, 1e-4, "grounded"), Layer(BTO, 1e-4, "grounded"), Layer(PVDF, 2e-4)], base)
+        for number in range(1, len(electrodes(body)) + 1):
+            electrode = Electrode(body, number)
+            small = electrode.rows(np.array([1e-6 / body.thickness]))[0, 0, 1:]
+            np.testing.assert_allclose(electrode.whole, small, atol=1e-5 * np.max(np.abs(small)))
+
+
+@pytest.mark.parametrize("punch", [BALL | {"force": 0.3}, ROLLER], ids=["ball", "roller"])
+def test_strips_sum_to_the_electrode(punch: dict[str, Any]) -> None:
+    """Of 41 strips side by side, and one of all their width; that is all of it but for what lies beyond."""
+    body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)])
+    width = 5e-5
+    case = punch | {"body": body, "collector": 2, "patch": "strip"}
+    places = width * np.arange(-20, 21)
+    parts = charge(solver.solve(case | {"patch_size": width, "patch_position": places}), "patch_charge_per_force")
+    one = solver.solve(case | {"patch_size": 41 * width})
+    assert np.sum(parts) == pytest.approx(float(one["patch_charge_per_force"]), rel=1e-10)
+    assert float(one["patch_charge_per_force"]) == pytest.approx(float(one["electrode_charge_per_force"]), rel=1e-3)
+    endless = solver.solve(case | {"patch_size": 0.02})
+    assert charge(endless, "patch_charge_per_force") == pytest.approx(charge(endless), rel=1e-10)
+
+
+def test_strips_below_a_roller_collect_the_jump_of_the_field_inside() -> None:
+    plain = solver.solve(ROLLER | {"body": ACTIVE})
+    half = float(plain["contact_trailing"] + plain["contact_leading"]) / 2
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    for depth, number in ((1e-4, 1), (2e-4, 2)):
+        size, place = 2e-4, 5e-5
+        along = (place + size / 2 * nodes) / half
+        sides = [-(depth - 1e-13) / half, -(depth + 1e-13) / half]
+        inside = solver.solve_interior(ROLLER | {"body": ACTIVE}, along, sides, fields=["electric_displacement_y"])
+        above, below = inside["electric_displacement_y"].values
+        read = {"collector": number, "patch_size": size, "patch_position": place}
+        found = solver.solve(ROLLER | {"body": ACTIVE} | read)
+        expected = weights @ (above - below) * size / 2 / 2e4
+        assert float(found["patch_charge_per_force"]) == pytest.approx(expected, rel=1e-7)
+        middle = solver.solve_interior(ROLLER | {"body": ACTIVE}, [0.0], sides[:1], fields=["stress_yy"])
+        assert float(found["electrode_pressure"]) == pytest.approx(-float(middle["stress_yy"].squeeze()), rel=1e-7)
+
+
+def test_a_patch_s_charge_is_reciprocal_to_what_its_voltage_moves() -> None:
+    """u_y of the surface per phi of an electrode, by matrix exponentials of each layer, is the charge per sigma_yy."""
+    k = np.array([1e3, 3e3, 1e4])
+    rows = Electrode(ACTIVE, 2).rows(k)[:, 0]
+    for wave, row in zip(k, rows, strict=True):
+        assert ACTIVE.base_medium is not None
+        # [k u; t] going up, of the base's tractions (4) and of the charges of three electrodes (3)
+        columns, phi = np.concatenate([ACTIVE.base_medium.compliance, np.eye(4)]), []
+        for layer, medium in zip(ACTIVE.layers[::-1], ACTIVE.media[::-1], strict=True):
+            columns = np.concatenate([columns, np.eye(8)[:, [6]]], 1)
+            phi.append(np.pad(columns[2], (0, 7 - columns.shape[1])))
+            columns = expm(wave * layer.thickness * medium.system) @ columns
+        system = np.concatenate([columns[4:], phi])  # no traction on top, and phi of electrodes 3, 2, 1
+        driven = np.eye(7)[5]  # of electrode 2: k phi in these units
+        moved = columns[1] @ np.linalg.solve(system, driven)
+        assert abs(moved) > 1e-6
+        assert moved == pytest.approx(row[1], rel=1e-8)
+
+
+def test_discs_strips_and_neighbours_below_a_ball() -> None:
+    """A disc that holds all is the electrode; discs of one place fill a strip; the gradient is the difference's."""
+    body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)])
+    case = BALL | {"force": 0.3, "body": body, "collector": 2}
+    whole = solver.solve(case | {"patch_size": 0.05})
+    assert charge(whole, "patch_charge_per_force") == pytest.approx(charge(whole), rel=1e-10)
+    step, pitch = 1e-6, 3e-4
+    read = {"patch_size": 2e-4, "patch_pitch": pitch}
+    for patch in ("disc", "strip"):
+        found = solver.solve(case | read | {"patch": patch})
+        near = charge(
+            solver.solve(
+                case
+                | {
+                    "patch_size": 2e-4,
+                    "patch": patch,
+                    "patch_position": [0.0, pitch, pitch / 2 - step, pitch / 2 + step],
+                }
+            ),
+            "patch_charge_per_force",
+        )
+        assert float(found["crosstalk"]) == pytest.approx(near[1] / near[0], rel=1e-9)
+        assert float(found["patch_charge_gradient"]) == pytest.approx((near[2] - near[3]) / step, rel=1e-4)
+    # rings of discs about the middle against the strip: int over the strip of the density by discs' differences
+    radii = np.linspace(1e-7, 3e-3, 4001)
+    inside = charge(solver.solve(case | {"patch_size": 2 * radii}), "patch_charge_per_force")
+    middle, density = (radii[1:] + radii[:-1]) / 2, np.diff(inside)
+    share = np.where(middle < 1e-4, 1.0, 2 / np.pi * np.arcsin(np.minimum(1e-4 / middle, 1.0)))
+    strip = solver.solve(case | {"patch_size": 2e-4, "patch": "strip"})
+    assert inside[0] + density @ share == pytest.approx(float(strip["patch_charge_per_force"]), rel=1e-4)
+
+
+def test_a_thin_metal_on_top_tends_to_the_electrode_without_stiffness() -> None:
+    film = {"material": "PZT-4", "thickness": 1e-4, "base": "silicon", "electrode": "top"}
+    for punch in (BALL | {"force": 0.1}, ROLLER | {"load": 1e3, "magnetic": "insulating"}):
+        name = "contact_radius" if "force" in punch else "contact_trailing"
+        soft = solver.Material(**{**vars(solver.Material.isotropic(60e9, 0.3)), "conductor": np.array(True)})
+        coated = (Stack([Layer(soft, t), Layer(PZT, 1e-4)], SILICON) for t in (2e-6, 1e-6))
+        widths = [float(solver.solve(punch | {"body": body})[name]) for body in coated]
+        ideal = float(solver.solve(punch | film)[name])
+        assert abs(widths[1] / ideal - 1) < abs(widths[0] / ideal - 1) < 0.1
+
+
+READ = {"body": Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)]), "collector": 1}
+REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
+    "no such electrode": (BALL | READ | {"collector": 3}, "collector: 3 is not one of the 2 electrodes of"),
+    "half an electrode": (BALL | READ | {"collector": 1.5}, r"collector: 1.5 is not a whole number >= 1 \[1\]"),
+    "neighbours that touch": (
+        BALL | READ | {"patch_size": 1e-3, "patch_pitch": 9e-4},
+        "patch_pitch: 0.0009 is less than patch_size: a patch would touch its neighbour",
+    ),
+    "too large": (
+        BALL | READ | {"patch_size": 1.0},
+        "patch_size: the patch reaches farther from the contact than is resolved, ",
+    ),
+    "a patch of none": (
+        {"material": "BaTiO3", **BALL, "thickness": 1e-4, "base": "rigid", "patch_size": 1e-3},
+        "collector: missing; patch_size needs it",
+    ),
+    "a half-space": ({"material": "BaTiO3", **BALL, "collector": 1}, "collector: 1 without a film"),
+    "a disc below a line": (
+        ROLLER | READ | {"patch_size": 1e-3, "patch": "disc"},
+        "patch: 'disc' below a contact along",
+    ),
+    "patches on top": (
+        {
+            "material": "BaTiO3",
+            **BALL,
+            "thickness": 1e-4,
+            "base": "rigid",
+            "electrode": "top",
+            "collector": 1,
+            "patch_size": 1e-3,
+        },
+        "patch_size: of the electrode on top",
+    ),
+    "charge on top": (
+        {"material": "BaTiO3", **BALL, "thickness": 1e-4, "base": "rigid", "electrode": "top", "total_charge": 1e-9},
+        "total_charge: 1e-09 of a punch on an electrode",
+    ),
+    "air on top": (
+        {"material": "BaTiO3", **ROLLER, "thickness": 1e-4, "base": "rigid", "electrode": "top", "surroundings": "air"},
+        "electrode: 'top' without a film in insulated surroundings",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_bad_electrodes_are_refused_by_name(name: str) -> None:
+    factors, words = REFUSALS[name]
+    with pytest.raises((solver.FactorError, StackError), match=f"^{words}"):
+        solver.solve(factors)

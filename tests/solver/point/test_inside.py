@@ -1,0 +1,143 @@
+"""Fields inside below points: textbooks, balance, bodies that are the same, and integrals by another way."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.linalg import expm
+from scipy.special import jv
+
+import solver
+from solver.film.fourier import Medium
+from solver.material.constants import Material
+from solver.names import INTERIOR
+
+BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
+NU = 0.3
+STEEL = Material.isotropic(200e9, NU, name="isotropic")
+
+
+def inside(case: dict[str, Any], x: list[float], y: list[float], fields: list[str] | None = None) -> xr.Dataset:
+    return solver.solve_interior(case, x, y, fields=fields)
+
+
+def test_stresses_below_a_ball_are_huber_s() -> None:
+    """On the axis and on the surface, over the largest pressure (Johnson, Contact Mechanics, 1985, 3.4)."""
+    z = np.array([0.003, 0.04, 0.3, 0.48, 1.0, 6.0])
+    r = np.array([0.2, 0.9, 1.3, 4.0])
+    case = BALL | {"material": STEEL}
+    p0 = float(solver.solve(case)["peak_pressure"])
+    found = inside(case, [0.0, *r], [0.0, *-z], ["stress_xx", "stress_yy", "stress_zz", "von_mises"]) / p0
+    axis, surface = found.isel(x=0, y=slice(1, None)), found.isel(y=0, x=slice(1, None))
+    radial = -(1 + NU) * (1 - z * np.arctan(1 / z)) + 0.5 / (1 + z**2)
+    np.testing.assert_allclose(axis["stress_yy"], -1 / (1 + z**2), rtol=1e-11)
+    np.testing.assert_allclose(axis["stress_xx"], radial, rtol=1e-11)
+    np.testing.assert_allclose(axis["stress_zz"], radial, rtol=1e-11)
+    x = np.sqrt(np.maximum(1 - r**2, 0))
+    around = (1 - 2 * NU) / (3 * r**2) * (1 - x**3)
+    np.testing.assert_allclose(surface["stress_xx"], around - x, atol=1e-9)
+    np.testing.assert_allclose(surface["stress_zz"], -around - 2 * NU * x, atol=1e-9)
+
+
+@pytest.mark.parametrize("more", [{}, {"thickness": 1.2e-4, "base": "steel"}], ids=["half-space", "film"])
+def test_fields_are_in_balance_and_obey_the_material(more: dict[str, Any]) -> None:
+    """Differences: what does not hang on the angle balances in space; stresses and fields obey the material in both.
+
+    The parts of 1 and of cos(angle) are told apart by mirrored points.
+    """
+    step, X, Y = 5e-4, 0.7, -0.6
+    case = BALL | {"friction": 0.3} | more
+    at = [-X - step, -X, -X + step, X - step, X, X + step]
+    found = inside(case, at, [Y - step, Y, Y + step])
+
+    def parts(name: str) -> tuple[Any, Any]:
+        """Parts of 1 and of cos(angle) over (y, x) about X, as components along r."""
+        own = found[name].values.squeeze()
+        right, left = own[:, 3:], own[:, 2::-1]
+        return (right + left) / 2, (right - left) / 2
+
+    def along_r(name: str) -> tuple[Any, Any]:
+        own = found[name].values.squeeze()
+        right, left = own[:, 3:], -own[:, 2::-1]
+        return (right + left) / 2, (right - left) / 2
+
+    def dr(values: Any) -> float:
+        return float(values[1, 2] - values[1, 0]) / (2 * step)
+
+    def dy(values: Any) -> float:
+        return float(values[2, 1] - values[0, 1]) / (2 * step)
+
+    radial, hoop, normal = (parts(f"stress_{name}") for name in ("xx", "zz", "yy"))
+    shear, displacement = along_r("stress_xy"), along_r("electric_displacement_x")
+    size = float(np.abs(found["stress_yy"]).max())
+    first = 0  # without friction nothing hangs on the angle
+    assert abs(dr(radial[first]) + dy(shear[first]) + (radial[first] - hoop[first])[1, 1] / X) < 1e-4 * size
+    assert abs(dr(shear[first]) + dy(normal[first]) + shear[first][1, 1] / X) < 1e-4 * size
+    up = parts("electric_displacement_y")
+    flux = float(np.abs(up[first]).max())
+    assert abs(dr(displacement[first]) + dy(up[first]) + displacement[first][1, 1] / X) < 1e-4 * flux
+    field_r, field_y = along_r("electric_field_x"), parts("electric_field_y")
+    for part in (0, 1):  # the curl of the electric field is zero in both
+        assert abs(dy(field_r[part]) - dr(field_y[part])) < 1e-4 * float(np.abs(field_y[part]).max())
+    m = solver.find("BaTiO3")
+    at = [0.7, -0.3]
+    strained = ["strain_xx", "strain_yy", "strain_xy"]
+    here = inside(case, at, [Y], strained).squeeze(), inside(case, at, [Y]).squeeze()
+    xx, yy, xy = (here[0][name].values for name in strained)
+    stress, E, D = here[1], here[1]["electric_field_y"].values, here[1]["electric_displacement_y"]
+    zz = (stress["stress_yy"].values - m.c33 * yy + m.e33 * E) / m.c13 - xx
+    for name, one, other in (("stress_xx", xx, zz), ("stress_zz", zz, xx)):
+        np.testing.assert_allclose(stress[name], m.c11 * one + m.c12 * other + m.c13 * yy - m.e31 * E, rtol=1e-9)
+    np.testing.assert_allclose(D, m.e31 * (xx + zz) + m.e33 * yy + m.eps33 * E, rtol=1e-9, atol=1e-9 * flux)
+    along = stress["electric_field_x"].values
+    np.testing.assert_allclose(stress["stress_xy"], 2 * m.c44 * xy - m.e15 * along, rtol=1e-9)
+
+
+def test_film_of_its_base_s_own_material_is_the_half_space() -> None:
+    """With friction, all fields: near the surface, at the interface and below it."""
+    case = BALL | {"friction": 0.3}
+    film = case | {"thickness": 6.6e-5, "base": "BaTiO3", "interface_electric": "bonded"}
+    x, y = [-1.3, 0.0, 0.4, 2.5], [-0.01, -0.3, -0.95, -1.05, -4.0]
+    one, other = inside(case, x, y), inside(film, x, y)
+    assert set(one) == set(INTERIOR)
+    for name in one:
+        size = float(np.abs(one[name]).max())
+        np.testing.assert_allclose(other[name].squeeze(), one[name].squeeze(), atol=1e-11 * size, rtol=0)
+
+
+def test_closed_integrals_meet_those_over_the_wavenumbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Spheres and cones, sliding: all of it closed against as much over k as there is."""
+    for case in (BALL, BALL | {"profile": "cone", "slope": 0.01, "radius": None}):
+        own = {name: value for name, value in case.items() if value is not None} | {"friction": 0.2}
+        x, y = [-2.0, 0.0, 0.6], [-0.06, -0.5, -3.0]
+        usual = inside(own, x, y)
+        with monkeypatch.context() as changed:
+            changed.setattr("solver.point.inside._NEAR", 100.0)
+            closed = inside(own, x, y)
+        for name in usual:
+            np.testing.assert_allclose(closed[name], usual[name], atol=1e-10 * float(np.abs(usual[name]).max()), rtol=0)
+
+
+def test_stresses_of_a_film_are_integrals_of_its_system() -> None:
+    """On a rigid base: its 8 x 8 system by matrix exponentials, and the pressure's own transform, over k."""
+    h, x, y = 1e-4, 0.8, -0.7
+    case = BALL | {"thickness": h, "base": "rigid", "electric": "insulating", "magnetic": "insulating"}
+    a = float(solver.solve(case)["contact_radius"])
+    medium = Medium(solver.find("BaTiO3"), np.ones(4))
+    medium = Medium(solver.find("BaTiO3"), medium.halfplane.scale)
+    r = (np.arange(4000) + 0.5) / 4000  # b of the pressure's density, from the pressure by Abel: here its own samples
+    s = np.sin(np.pi / 2 * r)
+    pressure = solver.solve(case, s)["contact_pressure"].values
+    k, weights = np.polynomial.legendre.leggauss(120)
+    k, weights = 15 * (1 + k), 15 * weights  # over h; what is left at 30 is e^(-30 |y| a/h) and less
+    transform = np.array([np.mean(pressure * jv(0, q * s * a / h) * s * np.cos(np.pi / 2 * r)) for q in k]) * np.pi / 2
+    depth, found = -y * a / h, 0.0
+    for q, weight, t in zip(k, weights, transform, strict=True):
+        down = expm(-q * medium.system)  # of [k u; t] from the surface to the base: u = 0 there
+        traction = np.array([0.0, -t * medium.scale[1], 0.0, 0.0])
+        surface = np.concatenate([np.linalg.solve(down[:4, :4], -down[:4, 4:] @ traction), traction])
+        state = expm(-q * depth * medium.system) @ surface
+        found += weight * q * (a / h) ** 2 * state[5] / medium.scale[1] * jv(0, q * x * a / h)
+    solved = float(inside(case, [x], [y], ["stress_yy"])["stress_yy"].squeeze())
+    assert solved == pytest.approx(found, rel=1e-6)

@@ -1,0 +1,74 @@
+"""Sliding points to first order in friction: Hamilton's sphere, the half-space's shift, films by a second rule."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver.halfplane.surface import HalfPlane
+from solver.material.constants import Material
+from solver.point import sliding
+
+BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45])
+def test_trailing_tension_is_hamilton_s(poisson: float) -> None:
+    """Equal bodies do not shift: p0 [(1 - 2 nu)/3 + eta pi (4 + nu)/8] (Hamilton, 1983)."""
+    body = Material.isotropic(200e9, poisson, name="isotropic")
+    eta = np.array([0.0, 0.25, 0.5])
+    found = solver.solve(BALL | {"material": body, "punch": body, "friction": eta})
+    hamilton = found["peak_pressure"] * ((1 - 2 * poisson) / 3 + eta * np.pi * (4 + poisson) / 8)
+    np.testing.assert_allclose(found["trailing_tension"], hamilton, rtol=1e-13)
+    np.testing.assert_allclose(found["contact_offset"] / found["contact_radius"], 0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("punch", ["rigid", "steel"])
+def test_half_space_shifts_by_half_the_plane_s_angle(punch: str) -> None:
+    """c = -(a/pi) eta kappa/lambda, and a film of the base's own material alike."""
+    case = BALL | {"friction": 0.3, "punch": punch}
+    found = solver.solve(case)
+    half = HalfPlane(solver.find("BaTiO3"))
+    steel = punch == "steel"
+    N = half.compliance + steel * np.diag([2 * (1 - 0.3**2) / 210e9, 0.0, 0.0])
+    k = half.friction_coupling + steel * np.array([1.3 * 0.4 / 210e9, 0.0, 0.0])
+    inverse = np.linalg.inv(N)
+    angle = 0.3 * float(inverse[0] @ k)
+    offset = float(found["contact_offset"] / found["contact_radius"])
+    assert offset == pytest.approx(-angle / np.pi, rel=1e-3 if steel else 1e-12)  # the library's steel is near that
+    film = solver.solve(case | {"thickness": 4e-5, "base": "BaTiO3", "interface_electric": "bonded"})
+    for name in ("contact_offset", "electric_edge_intensity_trailing", "trailing_tension"):
+        assert float(film[name]) == pytest.approx(float(found[name]), rel=1e-10, abs=0)
+
+
+def test_tension_beside_the_trailing_edge_is_that_of_the_fields_inside() -> None:
+    for more in ({}, {"thickness": 1e-4, "base": "steel"}):
+        case = BALL | {"friction": 0.3} | more
+        edge = float(solver.solve(case)["trailing_tension"])
+        gaps = np.array([1e-3, 2e-3, 4e-3, 8e-3])
+        beside = solver.solve_interior(case, 1 + gaps, [0.0], fields=["stress_xx"])["stress_xx"].values.ravel()
+        rows = gaps[:, None] ** np.array([0.0, 0.5, 1.0, 1.5])  # what friction adds falls as a root
+        assert np.linalg.solve(rows, beside)[0] == pytest.approx(edge, rel=2e-4)
+
+
+def test_films_do_not_hang_on_the_number_of_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With half as many nodes in b again."""
+    case = BALL | {"thickness": 5e-5, "base": "rigid", "friction": 0.3}
+    names = ["contact_offset", "electric_edge_intensity_trailing", "magnetic_edge_intensity_leading"]
+    usual = solver.solve(case)[names]
+    monkeypatch.setattr(sliding, "_FIRST", 36)
+    sliding.sliding_window.cache_clear()
+    finer = solver.solve(case)[names]
+    sliding.sliding_window.cache_clear()
+    for name in names:
+        np.testing.assert_allclose(usual[name], finer[name], rtol=1e-9, atol=0)
+
+
+def test_friction_at_first_order_is_felt_by_what_a_mirror_tells_apart() -> None:
+    """Force, radius and depth do not change; the punch that is insulating has no D that slides."""
+    at_rest, slid = (solver.solve(BALL | {"friction": eta, "electric": "insulating"}) for eta in (0.0, 0.3))
+    for name in ("contact_radius", "depth", "peak_pressure"):
+        assert float(slid[name]) == float(at_rest[name])
+    assert "electric_edge_intensity_trailing" not in slid
+    assert float(slid["contact_offset"]) > 0

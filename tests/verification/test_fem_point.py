@@ -1,0 +1,34 @@
+"""The finite elements of a sphere with air: without it, and with a little of it, against figures of others."""
+
+import numpy as np
+import pytest
+
+import solver
+from verification.cases import constants
+from verification.oracles.fem_film import Layer
+from verification.oracles.fem_point import PointContact
+
+BTO = solver.find("BaTiO3")
+LAYER = Layer(constants(BTO) | {"c12": float(BTO.c12)}, 1e-4)
+SPHERE, RADIUS = 5e-3, 1e-4
+
+
+def contact(charge: float, permittivity: float = 0.0) -> PointContact:
+    """As wide as the film is thick."""
+    return PointContact([LAYER], None, SPHERE, RADIUS, charge, permittivity, order=6)
+
+
+def test_grounded_without_air_it_has_the_figures_of_two_other_programs() -> None:
+    """BaTiO3 on a rigid grounded base, a/h = 1 (docs/theory-points.md, section 4)."""
+    idle, charged = ((one.voltage, one.force, one.depth) for one in (contact(0.0), contact(1e-9)))
+    share = idle[0] / (idle[0] - charged[0])  # of the charge, in which everything is linear
+    force, depth = ((1 - share) * a + share * b for a, b in zip(idle[1:], charged[1:], strict=True))
+    assert force * SPHERE / RADIUS**3 == pytest.approx(2.154751e11, rel=1e-5)
+    assert abs(share * 1e-9 / force) == pytest.approx(142.2051e-12, rel=1e-5, abs=0)
+    assert depth * SPHERE / RADIUS**2 == pytest.approx(0.646322, rel=1e-5)
+
+
+def test_little_air_changes_little() -> None:
+    bare, little, air = (contact(0.0, permittivity) for permittivity in (0.0, 1e-6, 1.0))
+    np.testing.assert_allclose(little.voltage, bare.voltage, rtol=1e-6)
+    assert abs(air.voltage) < 0.9 * abs(bare.voltage)

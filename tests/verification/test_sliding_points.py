@@ -1,0 +1,22 @@
+"""Balls that slide on a grid: what the first order leaves out is of the second, and the grid tells a wrong answer."""
+
+import pytest
+
+from verification import sliding_points
+from verification.sliding_points import BALL, FILM, difference
+
+
+def test_what_is_neglected_grows_with_the_square_of_friction() -> None:
+    """The numbers of docs/limits.md."""
+    little, much = (difference(BALL, eta, 64) for eta in (0.3, 0.6))
+    assert little.force == pytest.approx(-7.5e-4, rel=0.05)
+    assert little.charge == pytest.approx(-1.5e-3, rel=0.05)
+    assert much.force / little.force == pytest.approx(4, rel=0.1)
+    assert much.charge / little.charge == pytest.approx(4, rel=0.1)
+    assert max(abs(little.force_moment), abs(little.charge_moment)) < 8e-3
+
+
+def test_a_film_s_first_order_is_that_of_the_grid_and_no_half_space_s(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert sliding_points.first_order(FILM) < sliding_points.TOLERANCE
+    monkeypatch.setattr("verification.oracles.sliding_point.SlidingSphere._layers", lambda _, r: (0.0 * r, 0.0 * r))
+    assert abs(difference(FILM, 0.05, 64).force_moment) > 0.1

@@ -1,0 +1,176 @@
+"""A sliding sphere on a grid of the surface: unilateral contact to every order of friction, by FFT and an active set.
+
+Uniform tractions on square cells move the surface by Boussinesq's potential of a square, in closed form, and friction
+by the integral of x/r^2 over it; what layers add is smooth and taken at the middles. Friction follows the pressure, the
+contact follows the gap: nothing is assumed of its shape, and nothing is of first order.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import irfft2, next_fast_len, rfft2
+from scipy.interpolate import CubicSpline
+from scipy.sparse.linalg import LinearOperator, gmres
+from scipy.special import j0, j1
+
+from solver.film.kernel import strip, wavenumbers
+from solver.film.reflection import waves
+from solver.film.stack import Stack
+from solver.halfplane.surface import HalfPlane
+from solver.material.constants import Material
+
+Array = NDArray[np.float64]
+_ACTIVE = 40  # solutions at most
+_PLACES = 400  # of the spline of what layers add
+
+
+@dataclass(frozen=True, eq=False)
+class SlidingSphere:
+    """A rigid, grounded sphere that conducts the electric field, pressed to a depth and slid.
+
+    Parameters
+    ----------
+    body
+        A material, or a stack.
+    radius
+        R [m].
+    depth
+        [m], absolute.
+    friction
+        eta.
+    width
+        Half the side of the square that is searched [m].
+    cells
+        Along a side.
+    """
+
+    body: Material | Stack
+    radius: float
+    depth: float
+    friction: float
+    width: float
+    cells: int
+
+    @cached_property
+    def _half(self) -> HalfPlane:
+        return HalfPlane(self.body.top.material if isinstance(self.body, Stack) else self.body)
+
+    @property
+    def _size(self) -> float:
+        return 2 * self.width / self.cells
+
+    @cached_property
+    def places(self) -> tuple[Array, Array]:
+        """x and y of the cells' middles [m]; (cells, cells) each."""
+        line = (np.arange(self.cells) + 0.5) * self._size - self.width
+        x, y = np.meshgrid(line, line, indexing="ij")
+        return x, y
+
+    @cached_property
+    def _units(self) -> Array:
+        """Of (y, phi): u = units u', t = t' / units."""
+        return np.asarray(self._half.scale[1:3])
+
+    @cached_property
+    def _transforms(self) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Kernels of (sigma_yy, D_y), (2, 2, ...), and of the friction that follows sigma_yy, (2, ...), transformed."""
+        span = np.arange(1 - self.cells, self.cells) * self._size
+        x, y = np.meshgrid(span, span, indexing="ij")
+        half = self._size / 2
+
+        def cell(whole: Any) -> Array:
+            return np.asarray(sum(a * b * whole(x + a * half, y + b * half) for a in (1, -1) for b in (1, -1)))
+
+        potential = cell(lambda x, y: x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))) / (2 * np.pi)
+        pulled = cell(lambda x, y: y * np.log(np.hypot(x, y)) + x * np.arctan(y / x) - y) / (2 * np.pi)
+        N, k = self._half.compliance[:2, :2] / np.outer(self._units, self._units), self._half.friction_coupling[:2]
+        k = k / (self._units * self._half.scale[0])
+        normal, along = N[..., None, None] * potential, k[:, None, None] * pulled
+        if isinstance(self.body, Stack):
+            r = np.hypot(x, y)
+            more, turned = self._layers(r)
+            normal, along = normal + more * self._size**2, along + turned * x / np.maximum(r, half) * self._size**2
+        lengths = [next_fast_len(3 * self.cells, real=True)] * 2
+        return rfft2(normal, lengths), rfft2(along, lengths)
+
+    def _layers(self, r: Array) -> tuple[Array, Array]:
+        """What layers add per traction at a distance: of 1 and of the cosine; (2, 2, ...) and (2, ...)."""
+        if not isinstance(self.body, Stack):
+            raise TypeError("a material has no layers")
+        places = np.linspace(0, float(np.max(r)) * 1.01, _PLACES)
+        k, weights = wavenumbers(self.body, float(places[-1]), strip(self.body))
+        difference = weights[:, None, None] * waves(self.body, k)[0].difference / (2 * np.pi)
+        own = CubicSpline(places, np.tensordot(j0(places[:, None] * k), difference[:, 1:3, 1:3], 1))
+        turned = CubicSpline(places, -np.tensordot(j1(places[:, None] * k), difference[:, 1:3, 0], 1))
+        return np.moveaxis(own(r), (-2, -1), (0, 1)), np.moveaxis(turned(r), -1, 0)
+
+    def _moved(self, t: Array) -> Array:
+        """(u_y, phi) of tractions (2, cells, cells), in units; the same."""
+        normal, along = self._transforms
+        lengths = [next_fast_len(3 * self.cells, real=True)] * 2
+        waved = rfft2(t, lengths)
+        found = irfft2(np.einsum("ij...,j...->i...", normal, waved) + self.friction * along * waved[0], lengths)
+        inside = slice(self.cells - 1, 2 * self.cells - 1)
+        return np.asarray(found[:, inside, inside])
+
+    @cached_property
+    def _sharpened(self) -> tuple[Array, Array]:
+        """|k| of the grid, and N^-1: nearly the inverse of what tractions move, by which GMRES is sooner done."""
+        k = 2 * np.pi * np.hypot(np.fft.fftfreq(2 * self.cells)[:, None], np.fft.rfftfreq(2 * self.cells))
+        N = self._half.compliance[:2, :2] / np.outer(self._units, self._units)
+        return np.asarray(k / self._size, dtype=np.float64), np.asarray(np.linalg.inv(N), dtype=np.float64)
+
+    def solved(self) -> dict[str, float]:
+        """Force [N], charge [C] and first moments of both along x [N m, C m], without signs of tension.
+
+        Raises
+        ------
+        RuntimeError
+            The contact is not found.
+        """
+        x, y = self.places
+        profile = (x**2 + y**2) / (2 * self.radius)
+        level = np.stack([(profile - self.depth) / self._units[0], np.zeros_like(x)])
+        inside = profile < self.depth / 2
+        seen = {inside.tobytes()}
+        t = np.zeros((2, self.cells, self.cells))
+        for _ in range(_ACTIVE):
+            t = self._under(inside, level, t)
+            gap = level[0] - self._moved(t)[0]
+            now = np.where(inside, t[0] < 0, gap < 0)
+            if now.tobytes() in seen:  # the same, or one of those in which cells of the rim touch by turns
+                area = self._size**2
+                load, charge = (t / self._units[:, None, None] * area).reshape(2, *x.shape)
+                return {
+                    "force": -float(load.sum()), "charge": -float(charge.sum()),
+                    "force_moment": -float((x * load).sum()), "charge_moment": -float((x * charge).sum()),
+                }  # fmt: skip
+            inside = now
+            seen.add(inside.tobytes())
+        raise RuntimeError("the contact of the grid is not found")
+
+    def _under(self, inside: NDArray[np.bool_], level: Array, start: Array) -> Array:
+        """Tractions on a given contact; (2, cells, cells)."""
+        k, inverse = self._sharpened
+        both = np.stack([inside, inside])
+
+        def spread(values: Array) -> Array:
+            t = np.zeros(both.shape)
+            t[both] = values
+            return t
+
+        def sharpened(values: Array) -> Array:
+            waved = rfft2(spread(values), [2 * self.cells] * 2)
+            own = irfft2(k * waved, [2 * self.cells] * 2)[:, : self.cells, : self.cells]
+            return np.asarray(np.einsum("ij,j...->i...", inverse, own)[both])
+
+        count = int(both.sum())
+        applied = LinearOperator((count, count), lambda values: self._moved(spread(values))[both], dtype=np.float64)
+        near = LinearOperator((count, count), sharpened, dtype=np.float64)
+        found, failed = gmres(applied, level[both], start[both], rtol=1e-7, M=near, restart=60, maxiter=4)
+        if failed:
+            raise RuntimeError("the equations of the grid are not solved")
+        return spread(found)

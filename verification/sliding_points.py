@@ -1,0 +1,82 @@
+"""Sliding balls of the first order in friction against a contact on a grid that knows every order."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import solver
+from verification.oracles.sliding_point import SlidingSphere
+
+TOLERANCE = 3e-3  # the grid of 128 x 128: half of it on 256 x 256
+_ANGLES = 24  # nodes of the moments, in the angle whose sine is r/a
+_BEYOND = 1.25  # half the side of the grid's square over the contact radius
+MATERIAL = "BaTiO3"
+BALL: dict[str, Any] = {
+    "material": MATERIAL, "profile": "sphere", "radius": 5e-3, "force": 10.0, "magnetic": "insulating",
+}  # fmt: skip
+FILM: dict[str, Any] = BALL | {"thickness": 6e-5, "base": "rigid"}
+
+
+@dataclass(frozen=True)
+class Difference:
+    """What the grid has over the first order, less 1, of a grounded ball at one depth.
+
+    Attributes
+    ----------
+    force, charge
+        Without friction's first order, which has no part in them.
+    force_moment, charge_moment
+        First moments about the axis of the ball, of the first order.
+    """
+
+    force: float
+    charge: float
+    force_moment: float
+    charge_moment: float
+
+
+def difference(case: dict[str, Any], friction: float, cells: int) -> Difference:
+    """Of a ball on a half-space or a film, at the depth that its force has at rest.
+
+    Force and charge are over those of the same grid at rest, so that only friction tells them apart.
+    """
+    grounded = case | {"total_charge": float(solver.solve(case)["charge_sensitivity"]) * case["force"]}
+    at_rest = solver.solve(grounded)
+    a, depth = float(at_rest["contact_radius"]), float(at_rest["depth"])
+    top = solver.find(case["material"])
+    layered = "thickness" in case
+    body = solver.Stack([solver.Layer(top, case["thickness"])], case["base"]) if layered else top
+    slid, still = (
+        SlidingSphere(body, case["radius"], depth, eta, _BEYOND * a, cells).solved() for eta in (friction, 0.0)
+    )
+    first = _moments(grounded | {"friction": friction}, a)
+    return Difference(
+        slid["force"] / still["force"] - 1,
+        slid["charge"] / still["charge"] - 1,
+        slid["force_moment"] / first[0] - 1,
+        slid["charge_moment"] / first[1] - 1,
+    )
+
+
+def _moments(case: dict[str, Any], a: float) -> tuple[float, float]:
+    """First moments of pressure and charge about the axis of the ball [N m, C m]."""
+    x, w = np.polynomial.legendre.leggauss(_ANGLES)
+    angle, weights = np.pi / 4 * (1 + x), np.pi / 4 * w
+    r = np.sin(angle)
+    found = solver.solve(case, np.concatenate([r, -r]))
+    offset = float(found["contact_offset"])
+
+    def moment(name: str, total: float, sign: float) -> float:
+        values = found[name].values.squeeze()
+        odd = (values[: r.size] - values[r.size :]) / 2
+        return total * offset + sign * np.pi * a**3 * float(np.sum(weights * np.cos(angle) * r**2 * odd))
+
+    charge = float(case["total_charge"])
+    return moment("contact_pressure", case["force"], 1.0), moment("electric_displacement", charge, -1.0)
+
+
+def first_order(case: dict[str, Any]) -> float:
+    """Largest difference of the moments at little friction, where the second order is below the grid's error."""
+    found = difference(case, 0.05, 128)
+    return max(abs(found.force_moment), abs(found.charge_moment))
