@@ -105,7 +105,7 @@ def _ideal(data: xr.Dataset, study: Study) -> dict[str, Any]:
 
 
 def validation(folder: Path, study: Study) -> dict[str, Any]:
-    """Errors and intervals of every output that is told, on fresh cases, and what ideal intervals would show on these."""
+    """Errors and intervals of every output that is told, on fresh cases, and what ideal intervals would show there."""
     data = read_whole(folder / "validation.nc").sel(output=coupling.outputs(study))
     tolerance = float(data.attrs["tolerance"])
     rows: list[dict[str, Any]] = [
