@@ -1,0 +1,61 @@
+"""Largest stresses below points: Huber's, those of a scan of the fields inside, and where there are none."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+import solver
+from solver.material.constants import Material
+
+NU = 0.3
+BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
+FILM = BALL | {"thickness": 1e-4, "base": "steel", "friction": 0.3}
+
+
+def test_von_mises_below_a_ball_is_huber_s() -> None:
+    """On the axis, where sigma_rr and sigma_yy are closed; the depth is that of the top."""
+    found = solver.solve(BALL | {"material": Material.isotropic(200e9, NU, name="isotropic")}, peaks=True)
+    top = minimize_scalar(
+        lambda z: -abs(1.5 / (1 + z**2) - (1 + NU) * (1 - z * np.arctan(1 / z))),
+        bounds=(0.3, 0.7), method="bounded", options={"xatol": 1e-9},
+    )  # fmt: skip
+    assert float(found["peak_von_mises"] / found["peak_pressure"]) == pytest.approx(-top.fun, rel=1e-9)
+    assert float(found["peak_von_mises_depth"] / found["contact_radius"]) == pytest.approx(top.x, rel=1e-6)
+
+
+def test_peaks_of_a_sliding_film_are_no_lower_than_a_scan_of_its_fields() -> None:
+    found = solver.solve(FILM, peaks=True)
+    a = float(found["contact_radius"])
+    depth = 1e-4 / a
+    x = np.concatenate([np.linspace(-3, 3, 61), [1.04, 1.08, 1.12, 1.16]])
+    names = ["von_mises", "principal_tension", "stress_xy", "stress_yy"]
+    film = solver.solve_interior(FILM, x, -np.geomspace(0.1, depth, 12), fields=names[:2])
+    for name in names[:2]:
+        peak, best = float(found[f"film_peak_{name}"]), float(film[name].max())
+        assert best <= peak * (1 + 1e-9)
+        assert best > 0.97 * peak
+    interface = solver.solve_interior(FILM, x, [-depth], fields=names[2:])
+    shear = float(np.abs(interface["stress_xy"]).max())
+    assert shear <= float(found["interface_shear"]) * (1 + 1e-9)
+    assert shear > 0.99 * float(found["interface_shear"])
+    place = float(found["interface_shear_position"])
+    there = solver.solve_interior(FILM, [place], [-depth], fields=["stress_xy"])["stress_xy"]
+    assert abs(float(there.squeeze())) == pytest.approx(float(found["interface_shear"]), rel=1e-6)
+
+
+def test_a_film_so_thin_that_nothing_is_below_a_tenth_of_the_radius_is_refused() -> None:
+    with pytest.raises(solver.FactorError, match=r"^contact: radius over thickness 1\d\.?\d* is too wide for peaks"):
+        solver.solve(BALL | {"thickness": 4e-6, "base": "steel"}, peaks=["film_peak_von_mises"])
+
+
+def test_peaks_need_c12_and_are_given_on_request_only() -> None:
+    assert not any("peak_von" in name for name in map(str, solver.solve(FILM)))
+    some = solver.solve(FILM | {"base": "rigid"}, peaks=["interface_shear", "base_peak_von_mises"])
+    assert "interface_shear" in some
+    assert "base_peak_von_mises" not in some
+    bare = replace(solver.find("BaTiO3"), c12=np.array(np.nan), name="bare")
+    with pytest.raises(solver.MaterialError, match=r"^bare: c12: missing; largest stresses under a point need it"):
+        solver.solve(BALL | {"material": bare}, peaks=True)
