@@ -7,11 +7,11 @@ import numpy as np
 import xarray as xr
 
 from approximation.arrays import Array
-from solver import solve, solve_curves
+from solver import FactorError, solve, solve_curves
 from solver.names import ALL_QUANTITIES
 from surrogate import Grouping, Input, chebyshev_levels
 from surrogate.data.points import EVEN
-from workflow.dataset import similar
+from workflow.dataset import refused, similar
 from workflow.language.factors import FACTORS
 from workflow.study import categories, representatives
 from workflow.study.model import Study
@@ -164,6 +164,11 @@ def exact(
     With the largest stresses that ``peaks`` names, by default those that the data set has; with the regular
     parts of the surface fields where ``regular``; with the curves that the surrogate learns where ``curves``. Without
     what is no number in some cases, which no file would hold.
+
+    Raises
+    ------
+    FactorError
+        A case that the solver refuses: why, and its factors.
     """
     grouped = bool(study.groups) and axes.keys() >= study.products.keys() and not axes.keys() >= study.factors.keys()
     over = list(study.products) if grouped else []
@@ -171,16 +176,19 @@ def exact(
     rest = {name: values for name, values in axes.items() if name not in over}
     rest |= {name: kinds for name, kinds in study.categories.items() if name not in axes}
     factors = {**study.fixed, **own, **rest}
-    solved = study.solved(
-        solve,
-        factors,
-        positions,
-        peaks=study.searched if peaks is None else peaks,
-        regular=regular,
-    )
-    if curves and study.regions:
-        found = study.solved(solve_curves, factors, study.regions)
-        solved = solved.merge(found, compat="override", join="exact", combine_attrs="override")
+
+    def whole(cases: Mapping[str, Any]) -> xr.Dataset:
+        searched = study.searched if peaks is None else peaks
+        found = study.solved(solve, cases, positions, peaks=searched, regular=regular)
+        if not (curves and study.regions):
+            return found
+        along = study.solved(solve_curves, cases, study.regions)
+        return found.merge(along, compat="override", join="exact", combine_attrs="override")
+
+    try:
+        solved = whole(factors)
+    except FactorError as error:
+        raise refused.named(study, whole, factors, error) from None
     if over:
         along = {name: (name, np.asarray(axes[name]), _axis_attrs(study, name)) for name in over}
         solved = solved.assign_coords(along).transpose(*over, ...)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from solver import FactorError
 from workflow.dataset import factorial
 from workflow.study import representatives
 from workflow.study.model import Study, load
@@ -60,6 +61,17 @@ def test_cases_for_calibration_reach_the_ends_of_groups(study: Study) -> None:
     np.testing.assert_array_equal(found["friction"], np.repeat([0.3, 0.1], 40))  # as they came, and together
     assert flags.reshape(2, 2, 20)[:, 0].all()
     assert not flags.reshape(2, 2, 20)[:, 1].any()
+
+
+def test_a_case_that_is_refused_is_named(study: Study) -> None:
+    axes = {"thickness": np.array([5e-4, 1e-6]), "load": 3e4, "radius": np.array([0.03, 0.05, 0.1]), "charge": 0.0}
+    with pytest.raises(FactorError) as caught:
+        factorial.exact(study, axes)
+    said = str(caught.value)
+    assert "contact: wider than the resolved range" in said
+    last = "; the case is thickness = 1e-06 m, radius = 0.03 m, load = 30000 N m-1, charge = 0 C m-1, base = steel"
+    assert said.endswith(last)
+    assert "\n" not in said
 
 
 def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study) -> None:
