@@ -12,12 +12,11 @@ from PIL import Image, ImageChops
 FOLDER = Path(__file__).parent
 REPORT = FOLDER.parent / "results/quickstart/report.html"
 #: What is shown, by the name of its picture: an element of the page, and how much of its height [px].
-SHOWN = {"answers": ("#answers", 900), "whatif": ("#whatif", 1560), "matters": ("#figure-sensitivity", 900)}
+SHOWN = {"answers": ("#answers", 900), "whatif": ("#whatif", 1760), "matters": ("#figure-sensitivity", 900)}
 _WIDTH, _EDGE = 1200, 8
 _ALONE = """<style>
   body {{ padding: 24px 12px !important }}
-  body *:not(:has({0})):not({0}):not({0} *) {{ display: none !important }}
-</style>"""
+</style><script>setTimeout(() => document.body.replaceChildren(document.querySelector("{0}")), 3000);</script>"""
 
 
 def shoot() -> None:

@@ -105,6 +105,18 @@ function correction(file, t, p) {
   }, 0);
 }
 
+// Section 4: the largest guard of slabs, of corners of two inputs, and, of the outer one, of all corners together.
+function guarded(own, corner, pooled, t, p) {
+  const slabs = own.sizes[1];
+  const slab = t.map((one) => clip(Math.floor(((one + 1) / 2) * slabs), 0, slabs - 1));
+  const edge = slab.map((one) => (one > 0) + (one === slabs - 1));
+  const pairs = t.flatMap((_, i) => t.slice(i + 1).map((_, j) => [i, i + 1 + j]));
+  const guards = slab.map((one, f) => own(f, one, p));
+  guards.push(...pairs.map(([i, j], k) => corner(k, edge[i], edge[j], p)));
+  if (pooled && edge.filter((one) => one !== 1).length > 1) guards.push(pooled(p));
+  return Math.max(...guards);
+}
+
 // Section 4: standard deviation of output p, and the ends of its interval in standard deviations.
 function spread(file, t, parts, p) {
   let unknown = 0, known = 1;
@@ -115,17 +127,12 @@ function spread(file, t, parts, p) {
   });
   const raw = unknown * file.variance(p) * file.output_scale(p) ** 2;
   if (!file.calibration_trend) return { std: Math.sqrt(raw), ends: [-Z95, Z95] };
-  const slabs = file.calibration_guard.sizes[1], corner = file.calibration_corner_guard;
-  const slab = t.map((one) => clip(Math.floor(((one + 1) / 2) * slabs), 0, slabs - 1));
-  const edge = slab.map((one) => (one > 0) + (one === slabs - 1));
-  const pairs = t.flatMap((_, i) => t.slice(i + 1).map((_, j) => [i, i + 1 + j]));
   const degree = file.calibration_trend_degree, T = t.map((one) => chebyshev(one, Math.max(...degree.values) + 1));
   const term = (j) => T.reduce((all, own, f) => all * own[degree(j, f)], file.calibration_trend(j, p));
   const sum = range(degree.sizes[0]).reduce((all, j) => all + term(j), 0);
   const trend = clip(sum, file.calibration_trend_range(0, p), file.calibration_trend_range(1, p));
-  const guards = slab.map((one, f) => file.calibration_guard(f, one, p));
-  guards.push(...pairs.map(([i, j], k) => corner(k, edge[i], edge[j], p)));
-  const std = Math.sqrt(raw + file.calibration_floor(p)) * Math.exp(trend + Math.max(...guards));
+  const guard = guarded(file.calibration_guard, file.calibration_corner_guard, null, t, p);
+  const std = Math.sqrt(raw + file.calibration_floor(p)) * Math.exp(trend + guard);
   return { std, ends: [LOWER, UPPER].map((place) => file.calibration_quantile(place, p)) };
 }
 
@@ -142,6 +149,10 @@ export function predict(whole, point) {
     const value = grouped ? clip(whole.axis_constant(k) * product(row("axis_power", k), x), low, high) : x[k];
     const on = SCALES[scale];
     return (2 * (on(value) - on(low))) / (on(high) - on(low)) - 1; // section 1
+  });
+  const box = x.map((value, k) => {
+    const on = SCALES[whole.scale(k)], low = whole.low(k);
+    return (2 * (on(value) - on(low))) / (on(whole.high(k)) - on(low)) - 1;
   });
   const parts = [];
   const state = file.contraction_order.values.reduce((before, f, position) => {
@@ -160,6 +171,8 @@ export function predict(whole, point) {
       mean += whole.added_coefficient(p) * Math.log(product(whole.added_power.values, relative));
       mean = scale * (sign ? sign * Math.exp(sign * mean) : mean);
       std *= sign ? Math.abs(mean) : scale;
+      const { calibration_outer_guard: slabs, calibration_outer_corner_guard: corners } = file;
+      if (slabs) std *= Math.exp(guarded(slabs, corners, file.calibration_outer_pooled_guard, box, p));
     }
     return [name, { mean, std, lower: mean + ends[0] * std, upper: mean + ends[1] * std, units: whole.output_units(p) }];
   }));

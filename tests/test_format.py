@@ -48,7 +48,7 @@ def root() -> GaussianProcess:
 def files(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """A calibrated grid, one over groups, and the page's example."""
     folder = tmp_path_factory.mktemp("format")
-    grouped = surrogate.GroupedGP(GROUPING).fit(factorial(0.2)).calibrate(cases(400, 1, 0.2))
+    grouped = surrogate.GroupedGP(GROUPING).fit(factorial(0.2)).calibrate(cases(300, 1, 0.2, to_ends=300))
     surrogate.save(grouped, folder / "grouped.nc")
     surrogate.save(root(), folder / "root.nc")
     grid = quickstart_run.folder / "results/quickstart/surrogate.nc"

@@ -63,6 +63,12 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
         refuse(arrays, name, ~bare & ~kinds.isin(read), "without a film in insulated surroundings")
     if "collector" not in arrays:
         return
+    if (
+        "friction" in arrays
+    ):  # what friction adds to a point's tractions has no charge in all, but moves that of patches
+        points = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "point"])
+        slides = arrays["friction"].drop_vars(arrays["friction"].coords) != 0
+        refuse(arrays, "friction", slides & points, "of a point contact above an electrode that is read; must be 0")
     refuse(arrays, "collector", plain["collector"] != np.floor(plain["collector"]), "is not a whole number >= 1 [1]")
     if "patch" in arrays:
         lines = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "line"])

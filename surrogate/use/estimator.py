@@ -1,5 +1,6 @@
 """A regressor for scikit-learn: arrays that form a factorial go to the grid process, others to the scattered one."""
 
+import warnings
 from collections.abc import Sequence
 from typing import Literal, Self, get_args, overload
 
@@ -17,15 +18,18 @@ from surrogate.gp.gridgp import GridGP
 from surrogate.gp.scattergp import KernelName, ScatterGP
 
 Design = Literal["auto", "factorial", "scattered"]
+_SAME = 1e-9  # of the range of an output, by which cases that stand twice may differ
+_NEARLY = 0.95  # of the combinations of all levels, from which on the rest is called missing
 
 
 class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # type: ignore[misc]  # untyped
     """Gaussian process regression of arrays and tables, one or more outputs, by scikit-learn's rules.
 
-    Cases that are every combination of the levels of their columns, each once and in any order, are fitted by `GridGP`
-    at a cost that grows little faster than their number, free of noise but for `nugget`; all others by `ScatterGP`: up
-    to 500 as free of noise, at the cube of their number, more with a noise that is estimated, at a cost that grows with
-    their number.
+    Cases that are every combination of the levels of their columns, in any order, are fitted by `GridGP` at a cost that
+    grows little faster than their number, free of noise but for `nugget`; a case that stands twice with the same
+    outputs counts once, and a warning says where a few combinations are missing. All others are fitted by `ScatterGP`:
+    up to 500 as free of noise, at the cube of their number, more with a noise that is estimated, at a cost that grows
+    with their number.
 
     Parameters
     ----------
@@ -114,11 +118,16 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         values = np.asarray(outputs, dtype=np.float64).reshape(len(columns), -1)
         levels = [np.unique(column) for column in columns.T]
         places = None if self.design == "scattered" else _places(columns, levels)
+        if places is None and self.design != "scattered":
+            columns, values = _once(columns, values)
+            places = _places(columns, levels)
         if places is None and self.design == "factorial":
             raise ValueError(
                 f"the {len(columns)} cases are no factorial: the columns have "
                 f"{' x '.join(str(len(some)) for some in levels)} levels, and every combination is needed once"
             )
+        if places is None and self.design == "auto":
+            _tell_missing(columns, levels)
         if self.inputs is not None:
             names = [one.name for one in self.inputs]
         self.model_ = (
@@ -189,6 +198,31 @@ def _places(columns: Array, levels: Sequence[Array]) -> Indices | None:
     indices = [np.searchsorted(some, column) for some, column in zip(levels, columns.T, strict=True)]
     places = np.ravel_multi_index(indices, sizes)
     return places if (np.bincount(places, minlength=len(columns)) == 1).all() else None
+
+
+def _once(columns: Array, values: Array) -> tuple[Array, Array]:
+    """The cases without those that stand several times with the same outputs; all of them where outputs differ."""
+    _, first, which = np.unique(columns, axis=0, return_index=True, return_inverse=True)
+    which = which.ravel()
+    if len(first) == len(columns):
+        return columns, values
+    apart = np.abs(values - values[first][which]).max(axis=0)
+    if (apart > _SAME * np.ptp(values, axis=0)).any():
+        return columns, values
+    return columns[first], values[first]
+
+
+def _tell_missing(columns: Array, levels: Sequence[Array]) -> None:
+    """Warn where cases are a factorial but for a few: as scattered ones they are learnt far less exactly."""
+    whole, there = float(np.prod([float(len(some)) for some in levels])), len(np.unique(columns, axis=0))
+    if columns.shape[1] > 1 and min(len(some) for some in levels) > 2 and _NEARLY * whole <= there < whole:
+        sizes = " x ".join(str(len(some)) for some in levels)
+        warnings.warn(
+            f"{whole - there:.0f} of the {whole:.0f} combinations of {sizes} levels are missing: "
+            "the cases are learnt as scattered ones, far less exactly than a factorial",
+            UserWarning,
+            stacklevel=3,
+        )
 
 
 def _outputs(names: Sequence[str], values: Array) -> list[str]:

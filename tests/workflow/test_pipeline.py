@@ -270,7 +270,7 @@ def test_any_intermediate_file_can_be_asked_for(copy: Callable[[str], Project]) 
 def test_snakemake_report_shows_the_figures_with_captions(ran: Project) -> None:
     ran.snakemake("--report", "snakemake-report.html", "--", REPORT)
     page = (ran.folder / "snakemake-report.html").read_text(encoding="utf-8")
-    for word in ("lies among all designs", "Exact surface fields while one factor varies", "parity"):
+    for word in ("lies among all designs", "Exact surface fields while one factor varies", "residuals"):
         assert word in page
 
 

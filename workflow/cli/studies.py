@@ -65,7 +65,7 @@ def _studies() -> str:
         lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
         title = next((line.partition(":")[2] for line in lines if line.startswith("title:")), "")
         rows[file.stem] = (one_line(title.strip().strip("\"'")),)
-    return _table(rows) if rows else f"none: there is no {location.FOLDER}/*.yaml here; meecontact init NAME writes one"
+    return _table(rows)
 
 
 def _factors() -> str:

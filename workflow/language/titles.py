@@ -81,6 +81,24 @@ def stated(one: statements.Objective | statements.Limit) -> str:
     return f"deviation of {words}{over}" if one.deviation else words
 
 
+def wanted(goals: Sequence[statements.Objective]) -> str:
+    """What a design is asked for, as the title of its card.
+
+    Examples
+    --------
+    >>> wanted([statements.objective("abs(charge_sensitivity)"), statements.objective("thickness", maximise=False)])
+    'Largest charge per force and smallest thickness'
+    >>> wanted([statements.objective("smallest_force", maximise=False)])
+    'Smallest detectable force'
+    """
+    return capital(listed([_superlative(goal) for goal in goals]))
+
+
+def _superlative(goal: statements.Objective) -> str:
+    words, most = stated(goal), "largest" if goal.maximise else "smallest"
+    return words if words.startswith(most) else f"{most} {words}"
+
+
 def units(one: statements.Objective | statements.Limit, si: str) -> str:
     """The unit in which a statement's values are told, for their own in SI: deviations are shares.
 
@@ -101,10 +119,10 @@ def bound(limit: statements.Limit, at: float, units: str) -> str:
     'tension behind the contact at most 50 MPa with probability 0.9'
     """
     chance = "" if limit.probability is None else f" with probability {limit.probability:g}"
-    return f"{stated(limit)} at {'most' if limit.upper else 'least'} {shown(at, units, 4)}{chance}"
+    return f"{stated(limit)} at {'most' if limit.upper else 'least'} {shown(at, units, 3)}{chance}"
 
 
-def value(name: str, number: float, digits: int = 4) -> str:
+def value(name: str, number: float, digits: int = 3) -> str:
     """A factor's or quantity's value with its unit.
 
     Examples

@@ -23,5 +23,9 @@ TITLES = {
     "drive_field": "driving field",
     "electric_displacement_y": "normal electric displacement",
     "magnetic_induction_y": "normal magnetic induction",
+    "electric_displacement_x": "tangential electric displacement",
+    "magnetic_induction_x": "tangential magnetic induction",
+    "electric_displacement": "normal electric displacement",
+    "magnetic_induction": "normal magnetic induction",
     "stress_xx": "stress along the surface",
 }

@@ -21,6 +21,7 @@ _DEVICE = 84.0  # height of a whole punch
 _WIDER = 2.6  # times the contact that the magnified part shows, or more
 _DEEP = 62.0  # of the magnified film, at most
 _TIPS = 10.0  # half of the least length that has room for two arrows
+_BAR = (4.0, 90.0)  # lengths of the bar that tells the scale
 _LINE = 22.0  # height of a line of text
 _POINTS = 97
 _FLAT, _POWERS = ("flat", "disc"), ("cone", "power")
@@ -217,6 +218,7 @@ def _dimensions(device: Device) -> list[str]:
     parts = [
         _text(middle + aside, _SURFACE - 50, name + size, INK),
         _text(_WHOLE[0], _HEIGHT - 10, "to scale", SOFT, "start"),
+        *_bar(device._whole_scale),
         _text(_NEAR[0], _HEIGHT - 10, f"the contact, at {number(device.magnified, 2)} times that scale", SOFT, "start"),
         *([_span(near if device.point else near - half, near + half, _SURFACE - 16)] if half > _TIPS else []),
         _text(near, _SURFACE - 24, extent, INK),
@@ -233,6 +235,17 @@ def _dimensions(device: Device) -> list[str]:
         _text(place - 8, words, f"film {shown(device.thickness, 'm', 3)}", INK, "end"),
         _text(_NEAR[0] + 8, _LOW - 10, escape(device.base) + below, SOFT, "start"),
     ]
+
+
+def _bar(scale: float) -> list[str]:
+    """A bar of 10 mm beside the words, or of as many times ten as can be seen, which says how large the punch is."""
+    length = 0.01
+    while length * scale > _BAR[1]:
+        length /= 10
+    while length * scale < _BAR[0]:
+        length *= 10
+    start, end, y = _WHOLE[0] + 62, _WHOLE[0] + 62 + length * scale, _HEIGHT - 14
+    return [_line(start, y, end, y, INK, 3), _text(end + 6, _HEIGHT - 10, shown(length, "m", 3), SOFT, "start")]
 
 
 def _line(

@@ -17,8 +17,10 @@ from workflow.design.verdict.term import Term
 from workflow.language import titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number
+from workflow.language.titles import capital, listed
 from workflow.report import device, surroundings
 from workflow.report.svg import element
+from workflow.study import coupling
 from workflow.study.datum import hanging
 from workflow.study.model import Study
 from workflow.study.target import Target
@@ -29,28 +31,26 @@ Case = Mapping[str, float | str]
 
 @dataclass(frozen=True)
 class Screen:
-    """What a target comes to, each part a piece of a plain sentence.
+    """What a target comes to: a card of three lines, and what stands behind its "why".
 
     Attributes
     ----------
-    name
-        The target's.
+    name, title
+        The target's key and title.
     code
         What is asked, as the study writes it.
-    body, punch
-        Which film or body, and which punch.
-    good
-        How good it is, over what.
-    limit
-        What stops it, and what would help.
-    cost
-        What errors in building cost; empty where nothing is known to.
-    sure
-        How sure all of that is.
-    beyond
-        Where it leaves what the theory holds for; empty where it does not.
-    around
-        What is beside the contact, and what other surroundings would change; empty where nothing is known of it.
+    build
+        What to build: the body, the punch, and their tolerances.
+    does
+        What that does: every goal with its band, and over what.
+    doubt
+        What the library doubts of a material in use; empty where it doubts nothing.
+    stops
+        What stops it.
+    breaks
+        Which limit breaks first; empty where there is no limit.
+    why
+        All else that is known of it, a sentence or more each.
     verdict
         In words.
     drawing
@@ -58,15 +58,14 @@ class Screen:
     """
 
     name: str
+    title: str
     code: str
-    body: str
-    punch: str
-    good: str
-    limit: str
-    cost: str
-    sure: str
-    beyond: str
-    around: str
+    build: str
+    does: str
+    doubt: str
+    stops: str
+    breaks: str
+    why: tuple[str, ...]
     verdict: Verdict
     drawing: Markup
 
@@ -90,26 +89,38 @@ def answered(
     around
         What other surroundings would change, as `workflow.report.surroundings.compared` gives it.
     """
-    kinds, varied = found.kinds, found.case
-    case: Case = {**study.fixed, **kinds, **varied}
-    told = verdict(found)
-    body, punch = body_in_words(study, case), punch_in_words(case)
+    own, told = study.narrowed(found.kinds), verdict(found)
+    case: Case = {**study.fixed, **found.kinds, **found.case}
+    built = f"{body_in_words(study, case)}; {punch_in_words(case)}"
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
-    drawn = device.draw(of_case(study, case, contact), f"{body}; {punch}")
+    why = (told.beyond, told.advice, told.idle, told.tolerance or cost(found), told.device, sure(found),
+           asides.spread(found), surroundings.told(around), told.sources)  # fmt: skip
+    title = study.titles[name]
     return Screen(
         name=name,
+        title=title,
         code=found.goal,
-        body=body,
-        punch=punch,
-        good=good(target, found, hanging(study.narrowed(kinds)), reference),
-        limit=_unbroken(told.why),
-        cost=_unbroken(cost(found)),
-        sure=_unbroken(sure(found)),
-        beyond=f"Beyond what the theory holds for: {found.flags}." if found.flags else "",
-        around=_unbroken(surroundings.told(around)),
+        build=built + asides.within(found),
+        does=_unbroken(good(target, found, hanging(own), reference)),
+        doubt=doubted(own),
+        stops=_unbroken(capital(told.stops)),
+        breaks=_unbroken(asides.first_to_break(found)),
+        why=tuple(_unbroken(one) for one in why if one),
         verdict=told,
-        drawing=element(drawn, f"device-{name}", f"{name.replace('_', ' ')}, drawn to scale: {body}; {punch}"),
+        drawing=element(
+            device.draw(of_case(study, case, contact), built), f"device-{name}", f"{title}, drawn to scale: {built}"
+        ),
     )
+
+
+def doubted(study: Study) -> str:
+    """What the library doubts of the materials in use, in words; empty where it doubts nothing."""
+    parts = [
+        f"{listed(sorted({name for other in one.alternatives for name in other.constants})) or 'all'} of {one.name}"
+        for one in coupling.materials(study)
+        if one.note.startswith("doubt")
+    ]
+    return f"in doubt: {listed(parts)}" if parts else ""
 
 
 def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.Device:
@@ -204,19 +215,20 @@ def _round(profile: str, case: Case) -> str:
 
 
 def good(target: Target, found: Answer, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:
-    """How good a design is: every goal with its value, its datum if it hangs on one, and over what."""
+    """What a design does: every goal's value with its band, its datum if it depends on one, and over what."""
     datum = f" (ground {titles.value('datum', reference)} away)"
     parts = [
-        f"{_joined(goal)} of {goal.title}{'' if hangs.isdisjoint(goal.statement.expression.names()) else datum}"
+        f"{goal.title}{'' if hangs.isdisjoint(goal.statement.expression.names()) else datum} {_with_band(goal)}"
         for goal in found.objectives
     ]
     together = ", the compromise of both" if len(parts) == 2 else ", the compromise of all" if len(parts) > 2 else ""
-    return titles.listed(parts) + together + _over(target)
+    return capital(listed(parts)) + together + _over(target)
 
 
-def _joined(goal: Term) -> str:
-    """The exact value of a goal, in one piece of a line."""
-    return goal.shown(goal.exact, 3).replace(" ", "\N{NO-BREAK SPACE}")
+def _with_band(goal: Term) -> str:
+    """The exact value of a goal with what the spread of the constants makes of it, in one piece of a line."""
+    band = f" ± {number(100 * goal.spread, 2)} %" if goal.spread > asides.SMALL else ""
+    return f"{goal.shown(goal.exact)}{band}".replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _over(target: Target) -> str:
@@ -228,7 +240,7 @@ def _over(target: Target) -> str:
         f"{titles.title(name)} {titles.value(name, low)} to {titles.value(name, high)}"
         for name, (low, high) in spans.items()
     ]
-    return f" {target.statistic.told} over {' and '.join(low_to_high)}"
+    return f", {target.statistic.told} over {' and '.join(low_to_high)}"
 
 
 def cost(found: Answer) -> str:
@@ -238,16 +250,16 @@ def cost(found: Answer) -> str:
         error = variable.sensitivity
         if variable.chosen and error.matters and error.cost > 0 and not variable.tolerance:
             parts.append(f"1 % of {variable.title} costs {_share(error.cost)}")
-    return f"{titles.capital('; '.join(parts))}." if parts else ""
+    return f"{capital('; '.join(parts))}." if parts else ""
 
 
 def sure(found: Answer) -> str:
-    """How sure the first goal's value is."""
-    goal, spread = found.terms[0], asides.spread_of_goal(found)
+    """How the first goal's value was found, and how far the surrogate was off."""
+    goal = found.terms[0]
     if not goal.exact:
-        return f"Solved exactly. {spread}".strip()
+        return "Solved exactly."
     inside = "within" if goal.inside else "outside"
-    return f"Solved exactly; the surrogate was off by {_share(goal.error)}, {inside} its interval. {spread}".strip()
+    return f"Solved exactly; the surrogate was off by {_share(goal.error)}, {inside} its interval."
 
 
 def _unbroken(text: str) -> str:

@@ -7,6 +7,7 @@ from surrogate import GaussianProcess
 from surrogate.use.export import exported
 from workflow.language.titles import title
 from workflow.report import firstscreen
+from workflow.study import coupling
 from workflow.study.categories import Kinds
 from workflow.study.datum import inner
 from workflow.study.model import Study
@@ -67,6 +68,8 @@ def fields(study: Study, model: GaussianProcess | None) -> dict[str, Any]:
     stored = exported(model) if known and model is not None else None
     pressure = any(closed_pressure(study, kinds) for kinds in study.combinations)
     names = [str(one["name"]) for one in stored["outputs"]] if stored else ["contact_pressure"] if pressure else []
+    own = coupling.fields(study)
+    names = [name for name in names if coupling.fields_of(FIELDS[name].units) <= own]
     return {
         "charts": [{"name": name, "title": title(name), "units": FIELDS[name].units} for name in names],
         "fields": None if stored is None else {key: stored[key] for key in _OF_MEANS if key in stored},

@@ -1,6 +1,7 @@
 """The report: one self-contained HTML page from the files of a study."""
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,9 +18,11 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, title
 from workflow.learning.timing import by_quantity
-from workflow.report import firstscreen, problem, sentences, tables, whatif
+from workflow.report import firstscreen, problem, ranked, sections, sentences, tables, whatif
+from workflow.report.figures import tornado
 from workflow.report.figures.design_kinds import kinds
 from workflow.report.svg import element, inlined
+from workflow.study import coupling
 from workflow.study.datum import hanging, length
 from workflow.study.model import Study
 
@@ -39,6 +42,8 @@ _MEANINGS = {
 }
 
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
+_COMMENT = re.compile(r"^\s*//.*\n|^ +", re.MULTILINE)
+_LEAST = 1e-5  # share that is told
 _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
 #: Scripts of the page, in the order in which they need each other.
 _SCRIPTS = (
@@ -82,6 +87,7 @@ def page(
         "words": _words,
         "title": title,
         "capital": capital,
+        "share": _share,
         "si": shown,
         "counted": counted,
     }
@@ -116,17 +122,20 @@ def page(
         "scripts": [_script(name) for name in _SCRIPTS],
         "effects": list(study.effects.vary) if study.effects else [],
         "effects_table": tables.effects(study, folder) if study.effects else [],
-        "changed": tables.CHANGED[study.kind.contact],
+        "spans": None,
+        "sobol": [],
         "verification": tables.verification(folder) if study.verification else None,
         "measurements": tables.measurements(folder) if study.measurements else [],
     }
     if study.factors:
-        content["dataset"] = tables.dataset(folder, hangs)
+        told = coupling.told(study)
+        content["dataset"] = tables.dataset(folder, hangs, coupling.quantities(study))
         content["surface"] = tables.surface(folder / "surface_validation.nc") if study.surrogate.fields else None
         content["levels"] = tables.levels(Path(levels[0])) if levels else None
+        content["sobol"] = tables.sobol(folder, coupling.outputs(study))
         content["validation"] = tables.validation(folder, study)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
-        content["times"] = by_quantity(study, times)
+        content["times"] = [row for row in by_quantity(study, times) if row["name"] in told]
         found = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
         solved = json.loads((folder / "solved.json").read_text(encoding="utf-8"))
         exact = [solved["designs"][target] for target in study.design]
@@ -141,7 +150,11 @@ def page(
         fields = load(folder / "surface.nc") if study.surrogate.fields else None
         content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, found, hangs, fields)
         content["whatif_json"] = whatif.as_json(content["whatif"])
+    if study.effects:
+        drawn = tornado.draw(ranked.spans(content["effects_table"]))
+        content["spans"] = element(drawn, "spans", "what each factor changes, the strongest first", 1.6)
     content["says"] = _says(study, folder, content)
+    content |= {"parts": sections.standing(content), "page": content}
     return environment.get_template("report.html.j2").render(content)
 
 
@@ -153,18 +166,18 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
         says |= {
             "dataset": sentences.dataset(study, content["dataset"]["cases"], content["dataset"]["rows"]),
             "surrogate": sentences.surrogate(validation["worst"], validation["tolerance"]),
-            "sensitivity": sentences.sensitivity(indices, study.aims),
+            "sensitivity": sentences.sensitivity(ranked.sensitivities(indices, study.aims)),
             "time": sentences.time(content["timing"]),
         }
     if content["surface"]:
         says["surface"] = sentences.surface(content["surface"])
     if content["answers"]:
-        reached = sentences.reached({one.name: one.verdict for one in content["answers"]})
+        reached = sentences.reached({one.title: one.verdict for one in content["answers"]})
         says |= {"reached": reached, "design": reached}
     if content["readouts"]:
         says["readout"] = sentences.readout(content["readouts"])
     if study.effects:
-        says["effects"] = sentences.strongest(content["effects_table"])
+        says["effects"] = sentences.strongest(ranked.spans(content["effects_table"]))
         says["varied"] = sentences.effects(study)
     if content["verification"]:
         says["speed"] = sentences.speed(content["verification"]["timings"])
@@ -218,8 +231,8 @@ def _figure(path: Path) -> dict[str, Any]:
 
 
 def _script(name: str) -> Markup:
-    """A script of ours, to stand inside the page."""
-    return Markup((TEMPLATES / name).read_text(encoding="utf-8"))
+    """A script of ours, to stand inside the page, without its comments and indents."""
+    return Markup(_COMMENT.sub("", (TEMPLATES / name).read_text(encoding="utf-8")))
 
 
 def _seconds(value: float) -> str:
@@ -228,6 +241,11 @@ def _seconds(value: float) -> str:
         if value >= size:
             return f"{number(value / size, 3)} {unit}"
     return f"{number(value / 1e-9, 3)} ns"
+
+
+def _share(part: float, digits: int) -> str:
+    """A share of a whole in percent; what is next to none is none."""
+    return f"{number(100 * part, digits) if abs(part) >= _LEAST else 0} %"
 
 
 def _words(name: str) -> str:

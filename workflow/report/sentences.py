@@ -4,14 +4,12 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-import xarray as xr
-
 from solver.names import ALL_QUANTITIES
 from workflow.design.told.words import UNREACHABLE, Verdict, unread
 from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, listed
+from workflow.report.figures.tornado import Chart
 from workflow.study.categories import parted
 from workflow.study.model import Study
 
@@ -21,7 +19,7 @@ _MOST_NAMED = 3  # categories that a sentence names
 
 def reached(verdicts: Mapping[str, Verdict]) -> str:
     """Which targets are reachable: the first line of a page where some are not."""
-    missed = [name.replace("_", " ") for name, one in verdicts.items() if one.kind == UNREACHABLE]
+    missed = [title for title, one in verdicts.items() if one.kind == UNREACHABLE]
     if not missed:
         return f"{'The target is' if len(verdicts) == 1 else f'All {len(verdicts)} targets are'} reachable."
     verb = "is" if len(missed) == 1 else "are"
@@ -60,37 +58,28 @@ def surface(rows: Sequence[Row]) -> str:
     return f"Largest error of a field {number(worst['max_error'], 2)} of its range: {worst['name']}."
 
 
-def sensitivity(indices: xr.Dataset, outputs: Sequence[str]) -> str:
-    """On which factor some outputs hang most: quantities, in each of their categories where these differ.
+def sensitivity(charts: Sequence[Chart]) -> str:
+    """On which factor some outputs depend most: quantities, in each of their categories where these differ.
 
     Parameters
     ----------
-    indices
-        ``total`` over output and input.
-    outputs
-        As the surrogate calls them, ``quantity`` or ``quantity[names]``.
+    charts
+        Of the outputs as the surrogate calls them, ``quantity`` or ``quantity[names]``: the figure under the sentence.
     """
     shares: dict[str, dict[str, dict[str, float]]] = {}  # by factor, quantity and names
-    for output in outputs:
-        totals = indices["total"].sel(output=output)
-        quantity, kind = parted(output)
-        first = str(totals["input"].values[int(totals.values.argmax())])
-        shares.setdefault(first, {}).setdefault(quantity, {})[kind] = 100 * float(totals.max())
-    kinds = Counter(parted(output)[0] for output in outputs)
+    for chart in charts:
+        quantity, kind = parted(chart.name)
+        shares.setdefault(chart.bars[0].name, {}).setdefault(quantity, {})[kind] = chart.bars[0].high
+    kinds = Counter(parted(chart.name)[0] for chart in charts)
     parts = []
-    for factor, hanging in shares.items():
-        names = [_hanging(name, own, whole=len(own) == kinds[name]) for name, own in hanging.items()]
-        sizes = [_size(own.values()) for own in hanging.values()]
-        if len(names) == 1:
-            parts.append(f"{names[0]} hangs most on {titles.title(factor)} ({sizes[0]})")
-            continue
-        said = listed([f"{name} ({size})" for name, size in zip(names, sizes, strict=True)])
-        parts.append(f"{said} hang most on {titles.title(factor)}")
-    text = "; ".join(parts)
-    return f"{capital(text)}: shares of the variance over the box, interactions included."
+    for factor, depending in shares.items():
+        names = [_depending(name, own, whole=len(own) == kinds[name]) for name, own in depending.items()]
+        said = [f"{name} ({_size(own.values())})" for name, own in zip(names, depending.values(), strict=True)]
+        parts.append(f"{listed(said)} depend{'s' if len(said) == 1 else ''} most on {titles.title(factor)}")
+    return f"{capital('; '.join(parts))}: shares of the variance over the box, interactions included."
 
 
-def _hanging(name: str, shares: Iterable[str], *, whole: bool) -> str:
+def _depending(name: str, shares: Iterable[str], *, whole: bool) -> str:
     """A quantity, and the categories that are meant where these are not all."""
     kinds, quantity = list(shares), titles.title(name) if name in ALL_QUANTITIES else name
     more = [f"{len(kinds) - _MOST_NAMED} more"] if len(kinds) > _MOST_NAMED else []
@@ -150,13 +139,9 @@ def effects(study: Study) -> str:
     return f"Varied one at a time: {'; '.join(spans)}."
 
 
-def strongest(rows: Sequence[Row]) -> str:
-    """Which factor of a parametric study moves each quantity of its summary most: the widest span of the table."""
-    parts = []
-    for name in dict.fromkeys(name for row in rows for name in row["spans"]):
-        row = max((row for row in rows if name in row["spans"]), key=lambda row: float(np.ptp(row["spans"][name])))
-        ends = " to ".join(titles.value(name, end, 3) for end in row["spans"][name])
-        parts.append(f"{titles.title(name)} changes most with {titles.title(row['name'])} ({ends})")
+def strongest(charts: Sequence[Chart]) -> str:
+    """Which factor of a parametric study moves each quantity most: the first bar of its chart."""
+    parts = [f"{one.title} changes most with {one.bars[0].title} ({one.bars[0].told})" for one in charts]
     return f"{capital('; '.join(parts))}."
 
 

@@ -1,6 +1,7 @@
 """What the page's tables hold, from the files of a run."""
 
 import json
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,12 @@ from storage.netcdf import read_whole
 from surrogate.use.validation import ideal
 from workflow.dataset import factorial
 from workflow.dataset.slabs import CARD
-from workflow.design.told import asides
 from workflow.design.verdict.answer import Answer
 from workflow.language import titles
 from workflow.report import sentences
 from workflow.report.verdict import findings
+from workflow.study import coupling
+from workflow.study.categories import titled
 from workflow.study.datum import meaning
 from workflow.study.model import Study
 from workflow.study.sections import CHECK_GROUPS
@@ -49,8 +51,8 @@ def verification(folder: Path) -> dict[str, Any]:
     }
 
 
-def dataset(folder: Path, hangs: frozenset[str]) -> dict[str, Any]:
-    """Range of every quantity, and size of the data set."""
+def dataset(folder: Path, hangs: frozenset[str], told: Collection[str]) -> dict[str, Any]:
+    """Range of every quantity that is told, and size of the data set."""
     data = read_whole(folder / "quantities.nc")
     card = json.loads((folder / CARD).read_text(encoding="utf-8"))
     rows = [
@@ -62,6 +64,7 @@ def dataset(folder: Path, hangs: frozenset[str]) -> dict[str, Any]:
             "high": float(array.max()),
         }
         for name, array in data.data_vars.items()
+        if name in told
     ]
     places = sum(one["levels"] for one in card["files"])  # of a cross approximation
     return {"rows": rows, "slabs": len(card["files"]), "bytes": card["bytes"], "cases": card["cases"], "places": places}
@@ -102,8 +105,8 @@ def _ideal(data: xr.Dataset, study: Study) -> dict[str, Any]:
 
 
 def validation(folder: Path, study: Study) -> dict[str, Any]:
-    """Errors and intervals of every quantity on fresh cases, and what ideal intervals would show on these."""
-    data = read_whole(folder / "validation.nc")
+    """Errors and intervals of every output that is told, on fresh cases, and what ideal intervals would show there."""
+    data = read_whole(folder / "validation.nc").sel(output=coupling.outputs(study))
     tolerance = float(data.attrs["tolerance"])
     rows: list[dict[str, Any]] = [
         {
@@ -167,6 +170,16 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
     return rows
 
 
+def sobol(folder: Path, told: Sequence[str]) -> list[dict[str, Any]]:
+    """Total Sobol' indices of every output that is told, by input."""
+    totals = read_whole(folder / "sensitivity.nc")["total"].sel(output=list(told)).transpose("output", "input")
+    inputs = [str(name) for name in totals["input"].values]
+    return [
+        {"title": titled(name), "totals": dict(zip(inputs, row, strict=True))}
+        for name, row in zip(told, totals.values.tolist(), strict=True)
+    ]
+
+
 def readout(name: str, path: Path) -> dict[str, Any]:
     """How often the intervals of a read-out hold, and how wide they are."""
     data = read_whole(path)
@@ -187,7 +200,6 @@ def design(answer: Answer) -> dict[str, Any]:
     """The card of a design."""
     return {
         "answer": answer,
-        "spread": asides.spread(answer),
         "several": len(answer.objectives) > 1,
         "compromise": "objective" in answer.pictures.dims,
     }

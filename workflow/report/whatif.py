@@ -23,6 +23,7 @@ from workflow.language.expressions import Call, Expression, Name, Number, Operat
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.report import live
+from workflow.study import coupling
 from workflow.study.categories import Kinds, output
 from workflow.study.datum import HANGING, meaning
 from workflow.study.model import Study
@@ -30,6 +31,8 @@ from workflow.study.target import Target
 
 #: Points of the box that tell the ranges of a surrogate in groups.
 _POINTS = 4096
+#: Figures of a device that stand beside the sliders as large numbers.
+_HEADLINES = ("signal_voltage", "smallest_force", "time_constant")
 
 
 def content(
@@ -63,9 +66,11 @@ def content(
         "surrogate": stored,
         "quantities": [
             {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs), "title": titles.title(name)}
-            for name in study.outputs
+            for name in coupling.told(study)
         ],
         "figures": figures(study),
+        "headlines": _HEADLINES,
+        "titles": {name: titles.title(name) for name in study.factors},
         "categories": study.categories,
         "kinds": [_kind(study, model, kind) for kind in study.combinations],
         "ranges": _ranges(study, model, factorial.learned(study, quantities)),
@@ -86,7 +91,7 @@ def content(
 def figures(study: Study) -> list[dict[str, Any]]:
     """Figures of the study's device that its quantities, its factors and the device's numbers tell, as formulas."""
     known = study.device.constants if study.device else {}
-    told = {*known, *study.outputs, *study.factors, *_held(study)}
+    told = {*known, *coupling.told(study), *study.factors, *_held(study)}
     figures = FIGURES_BY[study.meeting]
     formulas = {name: grammar.parse(name, study.meeting) for name in figures}
     return [
@@ -115,7 +120,7 @@ def _kind(study: Study, model: GaussianProcess, kinds: Kinds) -> dict[str, Any]:
     return {
         "names": kinds,
         "allowances": assessment.allowances(study, Predicted(model, kinds), study.outputs),
-        "columns": [model.outputs_.index(output(name, kinds)) for name in study.outputs],
+        "columns": [model.outputs_.index(output(name, kinds)) for name in coupling.told(study)],
         "pressure": live.closed_pressure(study, kinds),
         "body": live.body(study, kinds) if live.drawable(study) else None,
     }
@@ -159,6 +164,7 @@ def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str
         over.append(f"the tolerances of {titles.listed([titles.title(one) for one in target.tolerance])}")
     return {
         "name": name,
+        "title": study.titles[name],
         "limits": limits,
         "goal": _goal(target, answer, " and ".join(over), constants),
         "variables": target.continuous,
@@ -185,6 +191,8 @@ def _goal(target: Target, answer: Answer, over: str, constants: Mapping[str, flo
     worst = not target.statistic.drawn and bool(over)
     return {
         "title": titles.stated(first) + (f" at worst over {over}" if worst else ""),
+        "short": titles.stated(first),
+        "exact": answer.terms[0].exact if worst or not over else None,
         "tree": _tree(first.expression, constants),
         "units": answer.terms[0].shown_units,
         "maximise": first.maximise,

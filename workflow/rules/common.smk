@@ -9,11 +9,12 @@ from itertools import count
 
 from workflow.dataset import batches
 from workflow.design.told import unreached
+from workflow.report import sections as page_sections
 from workflow.run import crate, lock, provenance, sources
-from workflow.study import location, partition, planned
+from workflow.study import coupling, location, partition, planned
 from workflow.study import model as studies
 from workflow.study.contents import PHYSICS
-from workflow.study.sections import CHECK_GROUPS, CONVERGING
+from workflow.study.sections import CHECK_GROUPS
 
 # jobs look for modules where this process does
 sys.path.insert(0, str(provenance.ROOT))
@@ -69,26 +70,14 @@ def designs_of(wildcards):
     return expand("results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design)
 
 
-def effects_of(study):
-    if not study.effects:
-        return []
-    fields = ["effect", "interior"] if study.effects.interior else ["effect"]
-    return [f"{field}_{name}" for name in study.effects.vary for field in fields]
-
-
 def levels_of(wildcards):
     """The file of the chosen levels, where the study leaves some open."""
     return [f"results/{wildcards.study}/levels.nc"] if study_of(wildcards).open else []
 
 
 def figures_of(wildcards):
-    study = study_of(wildcards)
-    names = ["decay", "errors", "parity", "intervals", "sensitivity", "main_effects"] if study.factors else []
-    names = ["fields", *names] if study.factors and study.stores_fields else names
-    names += [f"readout_{name}" for name in study.readout]
-    names += effects_of(study)
-    names += [f"convergence_{group}" for group in CONVERGING if study.verification]
-    names += ["measurements"] if study.measurements else []
+    """The figures of the page's sections, but those of designs."""
+    names = page_sections.figures(study_of(wildcards))
     return expand("results/{study}/figures/{figure}.svg", study=wildcards.study, figure=names)
 
 
@@ -99,10 +88,20 @@ def results_of(wildcards):
     names += ["surface.nc", "surface_validation.nc"] if study.factors and study.surrogate.fields else []
     names += ["design.nc", "design.csv"] if study.design else []
     names += [f"readout/{name}.nc" for name in study.readout]
-    names += [f"fields/{name}.nc" for name in effects_of(study)]
+    names += [f"fields/{name}.nc" for name in page_sections.effects(study)]
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]
     names += ["measured/measurements.json", "measured/measurements.nc"] if study.measurements else []
     return expand("results/{study}/{file}", study=wildcards.study, file=names)
+
+
+def fields_felt(wildcards):
+    """A parameter: the fields of a study's cases."""
+    return sorted(coupling.fields(study_of(wildcards)))
+
+
+def outputs_told(wildcards):
+    """A parameter: what the surrogate calls the quantities that the page tells."""
+    return coupling.outputs(study_of(wildcards))
 
 
 CAPTIONS = sorted(f"workflow/report/captions/{file.name}" for file in (provenance.ROOT / "workflow/report/captions").glob("*.rst"))

@@ -12,6 +12,7 @@ rule figure_fields:
             labels={"figure": "surface fields"},
         ),
     params:
+        felt=fields_felt,
         code=provenance.code("workflow/scripts/figure_fields.py"),
     log:
         "logs/{study}/figure_fields.log",
@@ -35,11 +36,11 @@ rule figure_errors:
             category="Surrogate",
             labels={"figure": "errors"},
         ),
-        parity=report(
-            "results/{study}/figures/parity.svg",
-            caption="../report/captions/parity.rst",
+        residuals=report(
+            "results/{study}/figures/residuals.svg",
+            caption="../report/captions/residuals.rst",
             category="Surrogate",
-            labels={"figure": "parity"},
+            labels={"figure": "residuals"},
         ),
         intervals=report(
             "results/{study}/figures/intervals.svg",
@@ -48,6 +49,7 @@ rule figure_errors:
             labels={"figure": "intervals"},
         ),
     params:
+        told=outputs_told,
         code=provenance.code("workflow/scripts/figure_errors.py"),
     log:
         "logs/{study}/figure_errors.log",
@@ -73,6 +75,8 @@ rule figure_sensitivity:
         ),
     params:
         shown=lambda wildcards: study_of(wildcards).of_interest,
+        aims=lambda wildcards: study_of(wildcards).aims,
+        told=outputs_told,
         code=provenance.code("workflow/scripts/figure_sensitivity.py"),
     log:
         "logs/{study}/figure_sensitivity.log",
@@ -92,7 +96,7 @@ rule figure_design:
             labels={"figure": "{figure}", "target": "{target}"},
         ),
     params:
-        study=sections("design"),
+        study=sections(*PHYSICS, "design"),
         code=provenance.code("workflow/scripts/figure_design.py"),
     log:
         "logs/{study}/figure_design/{name}.log",
@@ -111,6 +115,7 @@ rule figure_effect:
             labels={"figure": "surface fields", "factor": "{name}"},
         ),
     params:
+        felt=fields_felt,
         code=provenance.code("workflow/scripts/figure_effect.py"),
     log:
         "logs/{study}/figure_effect/{name}.log",

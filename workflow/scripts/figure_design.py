@@ -1,15 +1,25 @@
 """Rule figure_design: the figures of one design target."""
 
+from dataclasses import replace
 from pathlib import Path
 
+from storage.files import write_text
 from workflow.design.verdict import netcdf
-from workflow.report.figures import design_plots, style
+from workflow.report import ranked
+from workflow.report.figures import design_plots, style, tornado
+from workflow.report.figures.design_kinds import kinds
 from workflow.run import joblog
-from workflow.study import planned
+from workflow.study import coupling, planned
 
 snakemake = joblog.start(globals())
-target = planned.study(snakemake).design[snakemake.wildcards.name]
+study = planned.study(snakemake)
+target = study.design[snakemake.wildcards.name]
 folder = Path(snakemake.output[0])
 folder.mkdir(exist_ok=True)
-for name, figure in design_plots.figures_of(netcdf.read(Path(snakemake.input[0])), target).items():
+answer = netcdf.read(Path(snakemake.input[0]))
+answer = replace(answer, pictures=coupling.kept(answer.pictures, coupling.fields(study)))
+if "bars" in kinds(target):
+    bars = tornado.draw(ranked.elasticities(answer))
+    write_text(folder / f"bars_{snakemake.wildcards.name}.svg", bars)
+for name, figure in design_plots.figures_of(answer, target).items():
     style.save(figure, folder / f"{name}_{snakemake.wildcards.name}.svg")

@@ -5,6 +5,8 @@ from pathlib import Path
 from storage.netcdf import read_whole
 from workflow.report.figures import field_panels, style
 from workflow.run import joblog
+from workflow.study import coupling
 
 snakemake = joblog.start(globals())
-style.save(field_panels.effect(read_whole(Path(snakemake.input[0]))), Path(snakemake.output[0]))
+data = coupling.kept(read_whole(Path(snakemake.input[0])), snakemake.params.felt)
+style.save(field_panels.effect(data), Path(snakemake.output[0]))

@@ -7,8 +7,8 @@ from workflow.report.figures import coefficients, coverage, style, surrogate_err
 from workflow.run import joblog
 
 snakemake = joblog.start(globals())
-validation = read_whole(Path(snakemake.input[0]))
+validation = read_whole(Path(snakemake.input[0])).sel(output=snakemake.params.told)
 style.save(coefficients.figure(validation), Path(snakemake.output.decay))
 style.save(surrogate_errors.errors(validation), Path(snakemake.output.errors))
-style.save(surrogate_errors.parity(validation), Path(snakemake.output.parity))
+style.save(surrogate_errors.residuals(validation), Path(snakemake.output.residuals))
 style.save(coverage.figure(validation), Path(snakemake.output.intervals))

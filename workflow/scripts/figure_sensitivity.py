@@ -2,11 +2,13 @@
 
 from pathlib import Path
 
+from storage.files import write_text
 from storage.netcdf import read_whole
-from workflow.report.figures import sobol, style
+from workflow.report import ranked
+from workflow.report.figures import sobol, style, tornado
 from workflow.run import joblog
 
 snakemake = joblog.start(globals())
-sensitivity = read_whole(Path(snakemake.input[0]))
-style.save(sobol.indices(sensitivity), Path(snakemake.output.indices))
+sensitivity = read_whole(Path(snakemake.input[0])).sel(output=snakemake.params.told)
+write_text(Path(snakemake.output.indices), tornado.draw(ranked.sensitivities(sensitivity, snakemake.params.aims)))
 style.save(sobol.main_effects(sensitivity, snakemake.params.shown), Path(snakemake.output.effects))

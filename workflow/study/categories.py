@@ -9,6 +9,8 @@ from itertools import product
 
 import xarray as xr
 
+from workflow.language import titles
+
 #: The name that every category takes.
 Kinds = dict[str, str]
 
@@ -38,6 +40,18 @@ def parted(output: str) -> tuple[str, str]:
     """
     quantity, _, names = output.removesuffix("]").partition("[")
     return quantity, names
+
+
+def titled(output: str) -> str:
+    """The same in words.
+
+    Examples
+    --------
+    >>> titled("voltage_sensitivity[steel]")
+    'voltage per load: steel'
+    """
+    quantity, names = parted(output)
+    return titles.title(quantity) + (f": {names}" if names else "")
 
 
 def apart(data: xr.Dataset, categories: Mapping[str, Sequence[str]], quantities: Iterable[str]) -> xr.Dataset:

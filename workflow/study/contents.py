@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import prod
@@ -16,6 +17,7 @@ from solver.body import Kind, kind_of
 from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, FIELDS
+from workflow.language import titles
 from workflow.language.constants import BORNE, DEVICE, Meeting
 from workflow.language.factors import FACTORS
 from workflow.study import grouped, layered
@@ -270,6 +272,13 @@ class Contents(Strict):
         asked = dict.fromkeys(name for goal in goals for name in goal.names())
         found = [name for name in asked if name in self.outputs] or self.outputs[:2]
         return [output(name, kinds) for name in found for kinds in self.combinations]
+
+    @property
+    def titles(self) -> dict[str, str]:
+        """Title of every target: the study's, or what is asked for, with the target's name where several ask that."""
+        found = {name: target.title or titles.wanted(target.objectives) for name, target in self.design.items()}
+        several = Counter(found.values())
+        return {name: f"{one} ({name.replace('_', ' ')})" if several[one] > 1 else one for name, one in found.items()}
 
     def solved(
         self, entrance: Callable[..., xr.Dataset], factors: Mapping[str, Any], *axes: Any, **options: Any

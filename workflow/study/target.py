@@ -1,5 +1,6 @@
 """One design question of a study, as its model: what is wanted, over which factors, under which limits."""
 
+import operator
 from functools import lru_cache
 from math import prod
 from typing import Annotated, Self
@@ -87,6 +88,9 @@ class Distribution(Strict):
 class Target(Strict):
     """One design question: what is wanted, over which factors, under which limits and uncertainties."""
 
+    title: str = Field(
+        "", max_length=80, description="what is asked for, in words; default: from its goal", exclude_if=operator.not_
+    )
     maximise: str | Texts = Field(default_factory=list, description="expression, or a list of them: a Pareto front")
     minimise: str | Texts = Field(default_factory=list, description="as maximise")
     over: Annotated[list[InputName], Field(min_length=1)] | Annotated[dict[InputName, Variable], BY_FACTOR] = Field(

@@ -163,6 +163,7 @@ def test_a_thin_metal_on_top_tends_to_the_electrode_without_stiffness() -> None:
 READ = {"body": Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)]), "collector": 1}
 REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
     "no such electrode": (BALL | READ | {"collector": 3}, "collector: 3 is not one of the 2 electrodes of"),
+    "a ball that slides": (BALL | READ | {"friction": 0.1}, "friction: 0.1 of a point contact above an electrode"),
     "half an electrode": (BALL | READ | {"collector": 1.5}, r"collector: 1.5 is not a whole number >= 1 \[1\]"),
     "neighbours that touch": (
         BALL | READ | {"patch_size": 1e-3, "patch_pitch": 9e-4},

@@ -44,5 +44,9 @@ def test_list_tells_every_name_once(monkeypatch: pytest.MonkeyPatch, tmp_path: P
     assert re.search(r"^quickstart +Which composite", studies.listed("studies"), re.MULTILINE)
     with pytest.raises(InputError, match=r"^list: 'material' is unknown; did you mean 'materials'\?"):
         studies.listed("material")
+    here = studies.listed("studies")
     monkeypatch.chdir(tmp_path)
-    assert studies.listed("studies") == "none: there is no config/*.yaml here; meecontact init NAME writes one"
+    assert studies.listed("studies") == here  # those that come with the program
+    (tmp_path / "config").mkdir()
+    (tmp_path / "config/mine.yaml").write_text("title: My own\n", encoding="utf-8")
+    assert studies.listed("studies").split() == ["mine", "My", "own"]

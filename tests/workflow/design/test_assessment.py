@@ -62,7 +62,7 @@ def test_a_punch_without_a_voltage_is_judged_and_drawn(ask: Ask, insulating: lis
     assert "voltage" not in exact_ranges(answer)
     assert answer.flags == answer.beyond.partition(" (bending")[0]
     assert "field" not in answer.flags  # but the tension
-    assert set(figures_of(answer, Target.model_validate(target))) == {"map", "slices", "bars", "contact"}
+    assert set(figures_of(answer, Target.model_validate(target))) == {"map", "slices", "contact"}
 
 
 @pytest.mark.parametrize(

@@ -97,7 +97,7 @@ def test_a_miss_says_by_how_much_and_what_would_help(matters: bool) -> None:
     told = words.verdict(answer)
     assert told.kind == words.UNREACHABLE
     assert told.stops == (
-        "tension behind the contact must be at most 50 MPa and comes to 91.75 MPa, 83.5 % beyond, in the least "
+        "tension behind the contact must be at most 50 MPa and comes to 91.8 MPa, 83.5 % beyond, in the least "
         "violated design."
     )
     assert told.advice == (

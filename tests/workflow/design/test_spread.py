@@ -56,7 +56,6 @@ def test_the_spread_of_a_design_is_that_of_materials_moved_by_hand(tmp_path: Pat
     np.testing.assert_allclose([term.spread for term in found.terms[:2]], np.sqrt(squares), rtol=1e-4)
     assert np.isnan(found.terms[2].spread)  # it counts over draws: no one case says what constants make of it
     goal = f"± {100 * np.sqrt(squares[0]):.2g} %"
-    assert asides.spread_of_goal(found) == f"The spread of the materials' constants moves it by {goal}."
     told = asides.spread(found)
     assert f"moves the goal by {goal} (most by BaTiO3 " in told
     assert told.count("tension behind the contact by") == 1
@@ -72,4 +71,4 @@ def test_what_has_no_uncertain_constant_has_no_spread(tmp_path: Path) -> None:
     found = targets.solve_target(study, "sensor", model)
     assert found.constants == ()
     assert np.isnan(found.terms[0].spread)
-    assert asides.spread(found) == asides.spread_of_goal(found) == ""
+    assert asides.spread(found) == ""

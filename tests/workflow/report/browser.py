@@ -14,11 +14,18 @@ import pytest
 from tests.patience import PATIENCE
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+NODE = shutil.which("node")
 
 
 def needs_browser(test: Callable[..., None]) -> Callable[..., None]:
     """Mark a test of the layer ``browser``, and leave it out where there is none."""
     skipped = pytest.mark.skipif(BROWSER is None, reason="no Chromium (Debian: chromium)")
+    return pytest.mark.browser(skipped(test))  # type: ignore[no-any-return]
+
+
+def needs_node(test: Callable[..., None]) -> Callable[..., None]:
+    """Mark a test of the layer ``browser``, and leave it out where there is no Node."""
+    skipped = pytest.mark.skipif(NODE is None, reason="no Node (Debian: nodejs)")
     return pytest.mark.browser(skipped(test))  # type: ignore[no-any-return]
 
 
@@ -45,6 +52,15 @@ def evaluated(script: str, expression: str, folder: Path) -> Any:
     page = f'<!doctype html><meta charset=utf-8><pre id="probe"></pre><script>{script}\n'
     page += f"document.querySelector('pre').textContent = JSON.stringify({expression});</script>"
     return _probed(page, folder)
+
+
+def in_node(script: str, expression: str, folder: Path) -> Any:
+    """What an expression is after a script in Node, as plain data."""
+    assert NODE is not None
+    file = folder / "probe.js"
+    file.write_text(f"{script}\nconsole.log(JSON.stringify({expression}));", encoding="utf-8")
+    done = subprocess.run([NODE, str(file)], capture_output=True, text=True, timeout=PATIENCE, check=True)
+    return json.loads(done.stdout)
 
 
 def _probed(page: str, folder: Path, *flags: str) -> Any:

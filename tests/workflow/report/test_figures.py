@@ -59,7 +59,7 @@ def test_no_text_is_cut_and_no_power_of_ten_stands_apart_from_its_ticks(ran: Pro
     goal = replace(answer.terms[0], statement=statements.objective(long))
     answer = replace(answer, terms=(goal, *answer.terms[1:]))
     drawn = [*design_plots.figures_of(answer, study.design["sensor"]).values()]
-    drawn += [surrogate_errors.parity(read_whole(folder / "validation.nc"))]
+    drawn += [surrogate_errors.residuals(read_whole(folder / "validation.nc"))]
     drawn += [sobol.main_effects(read_whole(folder / "sensitivity.nc"), study.of_interest)]
     seen = ""
     for figure in drawn:
@@ -78,4 +78,4 @@ def test_no_text_is_cut_and_no_power_of_ten_stands_apart_from_its_ticks(ran: Pro
         seen += " ".join(text.get_text() for text in texts)
     assert "…" not in seen
     assert seen.replace("\n", " ").count(long) == 2  # map and slices
-    assert "trailing tension [MPa]" in seen.replace("\n", " ")
+    assert "tension behind the contact [MPa]" in seen.replace("\n", " ")

@@ -7,12 +7,16 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
+from workflow.design.told import asides
 from workflow.design.told.words import verdict
 from workflow.design.verdict import netcdf
 from workflow.language.numbers import shown
-from workflow.report import device, exact, firstscreen, sentences
+from workflow.language.titles import title
+from workflow.report import device, exact, firstscreen, ranked, sentences
 from workflow.report.device import Device
+from workflow.report.figures import tornado
 from workflow.report.firstscreen import Case
 from workflow.report.svg import ACCENT, BAD
 from workflow.study.layered import BodyLayer
@@ -40,6 +44,18 @@ def test_both_parts_of_a_drawing_are_to_scale() -> None:
     assert contact_near / contact_whole == pytest.approx(FILM.magnified, rel=0.01)
     for words in ("R = 50 mm", "1.1 mm", "film 300 µm", "steel, grounded electrode between", "10 kN/m", "slides"):
         assert words in drawing
+
+
+@pytest.mark.parametrize(
+    ("radius", "length", "told"), [(0.0126, 0.01, "10 mm"), (0.14, 0.01, "10 mm"), (1e-3, 1e-3, "1 mm")]
+)
+def test_a_bar_says_how_large_a_punch_is(radius: float, length: float, told: str) -> None:
+    drawn = device.draw(Device("sphere", "leading", radius, 1e-5, 1e-5, 0.1), "a ball")
+    (bar,) = re.findall(r'<line x1="([\d.]+)" y1="236.00" x2="([\d.]+)"', drawn)
+    outline = [float(place.partition(",")[0]) for place in re.findall(r'points="([^"]+)"', drawn)[0].split()]
+    whole = max(outline) - min(outline)
+    assert (float(bar[1]) - float(bar[0])) / whole == pytest.approx(length / (2 * radius), rel=0.05)
+    assert f">{told}</text>" in drawn
 
 
 @pytest.mark.parametrize(
@@ -72,9 +88,20 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     found = netcdf.read(folder / "sensor.nc")
     one = firstscreen.answered(study, "sensor", target, found, exact.contact(study, found), {})
     assert one.reachable
-    assert one.limit == "Tension behind the contact of 50 MPa stops it."
-    assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane", one.body)
-    assert one.good.endswith(" of voltage per load (ground 1 m away) at worst over friction 0.1 to 0.4")
+    assert one.title == "Largest voltage per load"
+    assert one.stops == "Tension behind the contact of 50 MPa stops it."
+    assert re.fullmatch(
+        r"1 % off in .*, tension behind the contact is the first to break: [\d.]+ % beyond\.", said(one.breaks)
+    )
+    assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane; R = .*", one.build)
+    band = re.fullmatch(
+        r"Voltage per load \(ground 1 m away\) ([\d.]+) mV·m/N ± ([\d.]+) %, at worst over friction 0\.1 to 0\.4",
+        said(one.does),
+    )
+    assert band
+    assert float(band[1]) == pytest.approx(1e3 * found.terms[0].exact, rel=5e-3)
+    assert float(band[2]) == pytest.approx(100 * found.terms[0].spread, rel=0.05)
+    assert one.doubt == ""
     goal = replace(found.terms[0], exact=2 * found.terms[0].exact)
     variables = [
         replace(
@@ -86,15 +113,56 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     ]
     other = replace(found, terms=(goal, *found.terms[1:]), variables=tuple(variables))
     changed = firstscreen.answered(study, "sensor", target, other, exact.contact(study, other), {})
-    assert changed.punch == "R = 50 mm" != one.punch
-    number = [float(text.good.split("\N{NO-BREAK SPACE}")[0]) for text in (one, changed)]
+    assert changed.build.endswith("; R = 50 mm")
+    number = [float(re.findall(r"[\d.]+", text.does)[1]) for text in (one, changed)]
     assert number[1] == pytest.approx(2 * number[0], rel=0.01)
-    assert changed.cost != one.cost
-    assert changed.sure != one.sure
+    assert changed.why != one.why
     assert changed.drawing != one.drawing
     missed = verdict(netcdf.read(folder / "impossible.nc"))
-    assert sentences.reached({"sensor": one.verdict, "a_b": missed}) == "A b is not reachable (1 of 2 targets)."
+    assert sentences.reached({"sensor": one.verdict, "a b": missed}) == "A b is not reachable (1 of 2 targets)."
     assert sentences.reached({"sensor": one.verdict}) == "The target is reachable."
+
+
+def said(text: str) -> str:
+    """A text with plain blanks."""
+    return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def test_a_doubt_of_the_library_stands_in_the_headline() -> None:
+    study = load("config/quickstart.yaml")
+    assert firstscreen.doubted(study) == ""
+    own = study.model_copy(update={"fixed": {"material": "P(VDF-TrFE) 75:25"}})
+    assert firstscreen.doubted(own) == "in doubt: c44 of P(VDF-TrFE) 75:25"
+
+
+def test_a_target_has_a_title_in_words_and_its_name_where_two_ask_the_same() -> None:
+    study = load("config/quickstart.yaml")
+    sensor, actuator = study.design.values()
+    assert study.titles == {"sensor": "Largest voltage per load", "actuator": "Largest stroke per volt"}
+    own = actuator.model_copy(update={"title": "Which composite moves most?"})
+    more = study.model_copy(update={"design": {"sensor": sensor, "own_one": own, "other_one": sensor}})
+    told = ["Largest voltage per load (sensor)", "Which composite moves most?", "Largest voltage per load (other one)"]
+    assert list(more.titles.values()) == told
+
+
+def test_the_first_limit_to_break_is_that_of_the_least_margin(ran: Project) -> None:
+    found = netcdf.read(ran.folder / "results/small/design/sensor.nc")
+    goal, first, other = found.terms
+    tight = replace(other, margin=0.02)
+    variables = tuple(replace(one, tolerance="5 %") if one.chosen else one for one in found.variables)
+    within = replace(found, variables=variables, terms=(goal, replace(first, margin=0.3), tight))
+    told = f"Within the tolerances {tight.title} is the first to break: 2 % left."
+    assert asides.first_to_break(within) == told
+    assert asides.within(within).startswith(" (volume fraction ± 5 %")
+    assert asides.first_to_break(replace(found, terms=(goal,))) == ""
+
+
+def test_a_source_that_was_not_read_is_unverified(ran: Project) -> None:
+    found = netcdf.read(ran.folder / "results/small/design/sensor.nc")
+    goal, first, other = found.terms
+    for source, mark in (("a table, recalled", " (unverified: not read at its source)"), ("a table, read", "")):
+        own = replace(first, bound="tensile strength of PZT", source=source)
+        assert verdict(replace(found, terms=(goal, own, other))).sources == f"Tensile strength of PZT: {source}{mark}."
 
 
 def test_the_body_is_said_by_what_it_is() -> None:
@@ -116,6 +184,30 @@ def test_the_body_is_said_by_what_it_is() -> None:
     assert firstscreen.punch_in_words({"profile": "wedge", "slope": 0.02}) == "wedge of slope 0.02"
 
 
+def told_of(totals: list[list[float]], outputs: list[str], inputs: list[str]) -> str:
+    """The sentence of some Sobol' indices, made from the chart under it."""
+    total = xr.DataArray(totals, {"output": outputs, "input": inputs})
+    return sentences.sensitivity(ranked.sensitivities(xr.Dataset({"total": total, "first_order": total / 2}), outputs))
+
+
+def test_the_sentence_about_a_goal_is_that_of_the_chart_under_it(ran: Project) -> None:
+    folder = ran.folder / "results/small"
+    aims = load(ran.folder / "config/small.yaml").aims
+    indices = read_whole(folder / "sensitivity.nc")
+    drawn = (folder / "figures/sensitivity.svg").read_text(encoding="utf-8")
+    bars = re.findall(r'data-factor="(\w+)".*? width="([\d.]+)"', drawn)
+    count = indices.sizes["input"]
+    assert len(bars) == count * len(aims)
+    said = sentences.sensitivity(ranked.sensitivities(indices, aims))
+    assert f'class="says">{said}'.replace("'", "&#39;") in (folder / "report.html").read_text(encoding="utf-8")
+    for k, aim in enumerate(aims):
+        own = bars[k * count : (k + 1) * count]
+        totals = indices["total"].sel(output=aim)
+        assert np.all(np.diff([float(totals.sel(input=name)) for name, _ in own]) <= 0)
+        assert [float(wide) for _, wide in own] == sorted((float(wide) for _, wide in own), reverse=True)
+        assert re.search(rf"{title(aim)} \(\d+ %\)[^;]* most on {title(own[0][0])}", said, re.IGNORECASE)
+
+
 def test_every_section_says_what_its_numbers_say() -> None:
     worst = {"name": "voltage", "error": 4.7e-7}
     assert sentences.surrogate(worst, 1e-6) == "Largest error 4.7×10⁻⁷ of range (voltage): asked 1×10⁻⁶, met."
@@ -124,8 +216,7 @@ def test_every_section_says_what_its_numbers_say() -> None:
     assert sentences.time(times) == "On scattered cases the exact solver is 3 times faster than the surrogate."
     times["exact_per_scattered_case"] = 6e-5
     assert sentences.time(times) == "On scattered cases the surrogate is 2 times faster than the exact solver."
-    totals = xr.DataArray([[0.2, 0.9]], {"output": ["voltage"], "input": ["load", "charge"]}).to_dataset(name="total")
-    assert sentences.sensitivity(totals, ["voltage"]).startswith("Voltage hangs most on charge (90 %)")
+    assert told_of([[0.2, 0.9]], ["voltage"], ["load", "charge"]).startswith("Voltage (90 %) depends most on charge")
     rows = [{"name": "a", "error": 2e-4, "tolerance": 1e-3, "passed": True}]
     assert (
         sentences.checks({"checks": rows}) == "1 of 1 checks are green; the largest error is 20 % of its tolerance (a)."
@@ -138,14 +229,13 @@ def test_every_section_says_what_its_numbers_say() -> None:
     assert all(name.replace("_", " ") in sentences.effects(study) for name in study.effects.vary)
 
 
-def test_what_a_goal_hangs_on_is_told_of_every_goal_and_category() -> None:
+def test_what_a_goal_depends_on_is_told_of_every_goal_and_category() -> None:
     outputs = ["charge_sensitivity[rigid]", "charge_sensitivity[steel]", "voltage[rigid]", "voltage[steel]"]
     totals = [[0.95, 0.1, 0.0], [0.97, 0.1, 0.0], [0.1, 0.9, 0.2], [0.1, 0.2, 0.8]]
     inputs = ["volume_fraction", "load", "radius"]
-    indices = xr.DataArray(totals, {"output": outputs, "input": inputs}).to_dataset(name="total")
-    assert sentences.sensitivity(indices, outputs) == (
-        "Charge per force hangs most on volume fraction (95 to 97 %); voltage of rigid hangs most on load (90 %); "
-        "voltage of steel hangs most on radius (80 %): shares of the variance over the box, interactions included."
+    assert told_of(totals, outputs, inputs) == (
+        "Charge per force (95 to 97 %) depends most on volume fraction; voltage of rigid (90 %) depends most on load; "
+        "voltage of steel (80 %) depends most on radius: shares of the variance over the box, interactions included."
     )
     sensor = load("config/film_sensor.yaml")
     goals = {name for one in sensor.design.values() for goal in one.objectives for name in goal.expression.names()}
@@ -158,5 +248,11 @@ def test_the_strongest_factor_is_that_of_the_widest_span_of_the_table() -> None:
         {"name": "base", "spans": {"trailing_tension": (1e3, 1e6)}},  # by a factor of 1,000, and yet the lesser
         {"name": "friction", "spans": {"trailing_tension": (20e6, 150e6), "voltage": (-1.0, 2.0)}},
     ]
-    told = sentences.strongest(rows)
+    charts = ranked.spans(rows)
+    assert [[bar.name for bar in one.bars] for one in charts] == [["friction", "base"], ["friction"]]
+    drawn = tornado.draw(charts)
+    assert re.findall(r'data-factor="(\w+)"', drawn) == ["friction", "base", "friction"]
+    widths = [float(one) for one in re.findall(r'class="bar".*? width="([\d.]+)"', drawn)]
+    assert widths[1] / widths[0] == pytest.approx(0.999 / 130, abs=0.01)
+    told = sentences.strongest(charts)
     assert told.startswith("Tension behind the contact changes most with friction (20 MPa to 150 MPa)")

@@ -18,7 +18,7 @@ from workflow.design.asking.designs import Designs
 from workflow.design.asking.question import ask
 from workflow.design.asking.sources import Exact, Predicted
 from workflow.design.search import targets
-from workflow.design.verdict import assessment
+from workflow.design.verdict import assessment, netcdf
 from workflow.language.numbers import shown
 from workflow.learning import surface
 from workflow.report import device, live, whatif
@@ -26,12 +26,12 @@ from workflow.report.device import Device
 from workflow.study.model import Study, load
 from workflow.study.target import Target
 
-CELLS = 25  # a side of the map
+NODES = 29  # a side of the map
 
 PROBE = """
 <script>
 addEventListener("load", async () => {
-  const root = document.getElementById("whatif"), canvas = root.querySelector("canvas");
+  const root = document.getElementById("whatif"), map = root.querySelector("svg.map");
   const data = JSON.parse(document.getElementById("whatif-data").textContent), fields = loadSurrogate(data.fields);
   const wait = (time) => new Promise((done) => setTimeout(done, time));
   const shown = () => [...root.querySelectorAll("output[data-input]")].map(({ dataset }) => dataset);
@@ -42,13 +42,18 @@ addEventListener("load", async () => {
   const exponent = means(loadSurrogate(data.surrogate), scaled(out.start))[2];
   out.fields = surfaceFields(fields, scaled(out.start), exponent, X);
   await wait(3000);
-  out.scale = root.querySelector(".scale").textContent;
-  const { data: pixels } = canvas.getContext("2d").getImageData(0, 0, 25, 25);
-  out.pale = Array.from({ length: 625 }, (_, k) => pixels[4 * k + 3] < 200);
-  const frame = canvas.getBoundingClientRect();
+  out.map = { ...map.dataset, lines: map.querySelectorAll("path.limit").length, words: map.textContent };
+  const [frame, star] = [".frame", "[data-star]"].map((one) => map.querySelector(one).getBoundingClientRect());
+  const near = { clientX: star.left + star.width / 2, clientY: star.top + star.height / 2 };
+  map.dispatchEvent(new PointerEvent("pointermove", near));
+  out.star = document.querySelector(".tip").innerText;
+  const tile = (one) => root.querySelector(`[data-${one}]`);
+  const headline = () => ({ goal: tile("goal").innerText, verdict: tile("verdict").dataset.verdict });
+  out.headline = headline();
   const at = { clientX: frame.left + 0.75 * frame.width, clientY: frame.top + 0.25 * frame.height };
-  canvas.dispatchEvent(new MouseEvent("click", at));
-  canvas.dispatchEvent(new PointerEvent("pointermove", at));
+  map.dispatchEvent(new MouseEvent("click", at));
+  map.dispatchEvent(new PointerEvent("pointermove", at));
+  out.tile = headline();
   out.tip = document.querySelector(".tip").innerText;
   out.clicked = inputs();
   out.verdicts = [...root.querySelectorAll("li[data-limit]")].map((one) => one.dataset.verdict);
@@ -144,11 +149,11 @@ def test_anyone_can_use_the_panel(seen: dict[str, Any]) -> None:
 
 @needs_browser
 def test_the_map_is_the_goal_over_the_scenarios_and_a_click_moves_the_sliders(
-    seen: dict[str, Any], model: surrogate.GaussianProcess
+    seen: dict[str, Any], model: surrogate.GaussianProcess, quickstart_run: Project
 ) -> None:
     target = load("config/quickstart.yaml").design["sensor"]
     friction = scenarios.corners(target, scenarios.SEARCHED).values["friction"]
-    t = -1 + (2 * np.arange(CELLS) + 1) / CELLS
+    t = np.linspace(-1, 1, NODES)
     fraction, radius = (model.box[name].from_unit(t) for name in ("volume_fraction", "radius"))
     point = {"volume_fraction": fraction, "radius": radius[::-1], "friction": friction, "load": 5e3, "charge": 0.0}
     found = model.predict(point, return_std=False).transpose(
@@ -156,11 +161,29 @@ def test_the_map_is_the_goal_over_the_scenarios_and_a_click_moves_the_sliders(
     )  # rows from the top
     goal, tension = (found[name].values for name in ("voltage_sensitivity", "trailing_tension"))
     worst = np.abs(goal).min(axis=-1)
-    low, high = (shown(float(one), "V m N-1", 3) for one in (worst.min(), worst.max()))
-    assert seen["scale"] == f"voltage per load at worst over friction 0.1 to 0.4: {low} (dark) to {high} (bright)"
-    pale = tension.max(axis=-1) > 35e6  # what BaTiO3 bears
-    assert 0 < pale.sum() < pale.size
-    assert seen["pale"] == pale.ravel().tolist()
+    told, answer = seen["map"], netcdf.read(quickstart_run.folder / "results/quickstart/design/sensor.nc")
+    exact = answer.terms[0].exact
+    ends = [min(worst.min(), exact), max(worst.max(), exact)]
+    assert [float(told[end]) for end in ("low", "high")] == pytest.approx(ends, rel=1e-8, abs=0)
+    broken = tension.max(axis=-1) > 35e6  # what BaTiO3 bears
+    assert 0 < broken.sum() < broken.size
+    assert int(told["broken"]) == broken.sum()
+    for words in (
+        "tension behind the contact at most 35 MPa",
+        "radius [mm]",
+        "volume fraction",
+        "voltage per load [mV·m/N]",
+    ):
+        assert words in told["words"]
+    # the star, the large number and the card say the same
+    value = shown(exact, "V m N-1", 3)
+    assert seen["star"].startswith(f"the design, exact\nvoltage per load at worst over friction 0.1 to 0.4: {value}\n")
+    assert seen["headline"] == {
+        "goal": f"{value}\nvoltage per load at worst over friction 0.1 to 0.4",
+        "verdict": "kept",
+    }
+    assert seen["tip"].split("\n")[0] == "{1}: {0}".format(*seen["tile"]["goal"].split("\n"))
+    assert ("a limit is broken" in seen["tip"]) == (seen["tile"]["verdict"] == "broken")
     for name in ("volume_fraction", "radius"):
         assert seen["clicked"][name] == pytest.approx(float(model.box[name].from_unit(0.5)), rel=0.01)
     assert {name: seen["clicked"][name] for name in ("friction", "load")} == {
@@ -227,7 +250,7 @@ def test_a_link_and_a_file_hold_the_point(seen: dict[str, Any], model: surrogate
     assert restored["volume_fraction"] == pytest.approx(0.3, rel=1e-12)
     assert restored["radius"] == pytest.approx(0.01, rel=1e-12)
     assert restored["load"] == pytest.approx(5e3)  # no number: the design's own
-    assert restored["pressed"] == "actuator"
+    assert restored["pressed"] == "Largest stroke per volt"
 
 
 @needs_browser
@@ -252,6 +275,6 @@ def test_limits_within_tolerances_are_judged_as_python_judges_them(
     told = (
         "over friction 0.1 to 0.4 and the tolerances of radius and volume fraction, whatever the sliders say of that:"
     )
-    assert seen["over"] == f"Limits of sensor, on the surrogate {told}"
+    assert seen["over"] == f"Limits of Largest voltage per load, on the surrogate {told}"
     agree(mine, "sensor", model, seen["judged"])
     assert {one["verdict"] for _, said in seen["judged"] for one in said} >= {"held", "broken"}

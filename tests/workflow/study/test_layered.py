@@ -123,7 +123,7 @@ def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
         assert answer.term(term).exact == pytest.approx(float(value), rel=1e-9)
     ends = report.contact(study, answer)
     assert ends["contact_leading"] == pytest.approx(float(exact["contact_leading"]), rel=1e-9)
-    told = firstscreen.answered(study, "thin", study.design["thin"], answer, ends, {}).body
+    told = firstscreen.answered(study, "thin", study.design["thin"], answer, ends, {}).build.partition(";")[0]
     assert told.startswith("Fibrous, 50 % BaTiO3, 200 µm on copper, ")
     assert told.endswith(" on a rigid base" if base == "rigid" else " on silicon")
     shown = fields(study.narrowed({"base": base}), design)

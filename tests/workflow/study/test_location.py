@@ -45,15 +45,24 @@ def test_a_name_that_snakemake_cannot_bear_is_refused_by_path_and_by_name(
 def test_outside_of_a_project_it_says_what_is_missing_and_what_to_do(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main.main(["run", "quickstart"]) == 2
+    assert main.main(["run", "quickstar"]) == 2
     line = capsys.readouterr().err
-    assert (
-        f"study: 'quickstart' is unknown: {folder} has no config/*.yaml; go to a folder that has one, or give" in line
-    )
+    assert f"study: 'quickstar' is unknown: {folder} has no config/*.yaml; go to a folder that has one, give" in line
+    assert "did you mean 'quickstart'?" in line
     assert line.count("\n") == 1
     write(folder / "config/other.yaml")
     with pytest.raises(InputError, match="allowed: other; or the path of a study's file"):
-        location.location("quickstart")
+        location.location("quickstar")
+
+
+def test_a_study_comes_with_the_program_unless_the_folder_has_one_of_its_name(folder: Path) -> None:
+    own = write(folder / "config/film.yaml")
+    assert location.given("film") == "film"
+    assert not location.by_path("film")
+    assert location.location("film").resolve() == own.resolve()
+    assert location.given("quickstart") == "quickstart"
+    assert location.by_path("quickstart")
+    assert location.location("quickstart") == location.BUNDLED / "quickstart.yaml"
 
 
 def test_what_is_no_file_is_not_waited_for(folder: Path) -> None:

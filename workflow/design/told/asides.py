@@ -5,13 +5,15 @@ import numpy as np
 from workflow.design.asking.terms import BINDS
 from workflow.design.verdict.answer import Answer
 from workflow.design.verdict.figures import MOST_LOAD
+from workflow.design.verdict.term import ROUNDING
 from workflow.language import sizes, titles
 from workflow.language.constants import FIGURES
 from workflow.language.numbers import number, shown
 from workflow.language.titles import capital, listed
 
 _SAME = 1.005  # share of the load that is as good as none more
-_SMALL = 1e-3  # spread that is not told
+SMALL = 1e-3  #: spread that is not told
+_ERROR = 0.01  # in building a variable that has no tolerance
 
 
 def tolerated(answer: Answer) -> str:
@@ -27,7 +29,7 @@ def tolerated(answer: Answer) -> str:
     return (
         f"Within {listed(bands)} every limit is kept as it is asked for. "
         f"{capital('; '.join(tolerances(answer)))}. "
-        f"Nominal optimum: {shown(found.exact, goal.units, 4)} at {listed(at)}, "
+        f"Nominal optimum: {goal.shown(found.exact)} at {listed(at)}, "
         f"from which all tolerances together take {share} %."
     )
 
@@ -49,23 +51,50 @@ def tolerances(answer: Answer) -> list[str]:
 def spread(answer: Answer) -> str:
     """What the spread of the constants makes of a design, in a sentence; empty where nothing is known of it."""
     goal = answer.terms[0]
-    if not goal.spread > _SMALL:
+    if not goal.spread > SMALL:
         return ""
     most = answer.constants[int(np.nanargmax(np.abs(goal.effect)))]
     prior = most.prior.replace("+-", "± ")
     parts = [f"the goal by {_percent(goal.spread)} (most by {most.constant}, {prior})"]
     for limit in answer.limits:
-        if limit.spread > _SMALL:
+        if limit.spread > SMALL:
             binds = " (it binds: with other constants it may be broken)" if abs(limit.margin) < BINDS else ""
             parts.append(f"{limit.title} by {_percent(limit.spread)}{binds}")
     how = "one standard deviation: what published values differ by, 5 % at least; to first order"
     return f"The spread of the materials' constants ({how}) moves {listed(parts)}."
 
 
-def spread_of_goal(answer: Answer) -> str:
-    """The same of the goal alone; empty where nothing is known of it."""
-    spread = answer.terms[0].spread
-    return f"The spread of the materials' constants moves it by {_percent(spread)}." if spread > _SMALL else ""
+def within(answer: Answer) -> str:
+    """The tolerances within which a design is to be built, in brackets; empty where there is none."""
+    bands = [f"{one.title} ± {sizes.told(one.name, one.tolerance)}" for one in answer.variables if one.tolerance]
+    return f" ({listed(bands)})" if bands else ""
+
+
+def first_to_break(answer: Answer) -> str:
+    """Which limit breaks first: within the tolerances, else as one variable is off by 1 %; empty without limits."""
+    if not answer.limits or answer.broken:
+        return ""
+    if any(one.tolerance for one in answer.variables):
+        first = min(answer.limits, key=lambda limit: limit.margin)
+        return f"Within the tolerances {first.title} is the first to break: {_left(first.margin)}."
+    errors = [
+        (limit.margin - _ERROR * abs(elasticity * limit.exact / limit.limit), variable, limit)
+        for variable in answer.variables
+        if variable.chosen
+        for limit, elasticity in zip(answer.limits, variable.sensitivity.elasticity[-len(answer.limits) :], strict=True)
+        if limit.limit and np.isfinite(elasticity)
+    ]
+    if not errors:
+        return ""
+    margin, variable, first = min(errors, key=lambda one: one[0])
+    return f"1 % off in {variable.title}, {first.title} is the first to break: {_left(margin)}."
+
+
+def _left(margin: float) -> str:
+    """What is left of a limit, as a share of it."""
+    if margin < -ROUNDING:
+        return f"{number(-100 * margin, 2)} % beyond"
+    return f"{number(100 * margin, 2)} % left" if margin > SMALL else "nothing left"
 
 
 def _percent(share: float) -> str:

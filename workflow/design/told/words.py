@@ -1,5 +1,6 @@
 """The verdict on a design in words: recommended, at the edge of the studied range, or not reachable."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
@@ -17,6 +18,7 @@ RECOMMENDED, AT_EDGE, UNREACHABLE = "recommended", "at the edge of the studied r
 #: What comes first of a design that is beyond what its materials bear.
 BEYOND = "beyond linear theory"
 
+_NOT_READ = re.compile(r"\b(recalled|not read|somebody's code)\b")  # words of sources
 _UNREAD = 0.5  # share of its range that is left of a factor which a read-out cannot identify
 _NOTHING = 1e-3  # least share that a moved end must bring to be told
 
@@ -81,7 +83,12 @@ def verdict(answer: Answer) -> Verdict:
 def _sources(answer: Answer) -> str:
     """Where what the materials bear comes from, for every limit that names it."""
     found = {term.bound: term.source for term in answer.terms}
-    return " ".join(f"{capital(bound)}: {source}." for bound, source in found.items() if bound)
+    return " ".join(f"{capital(bound)}: {source}{_unverified(source)}." for bound, source in found.items() if bound)
+
+
+def _unverified(source: str) -> str:
+    """A mark for a source that says itself that it was not read."""
+    return " (unverified: not read at its source)" if _NOT_READ.search(source) else ""
 
 
 def _idle(answer: Answer) -> str:
@@ -102,7 +109,7 @@ def _unreachable(answer: Answer) -> Verdict:
     parts = [
         f"{limit.title} must be {'at most' if limit.statement.sign > 0 else 'at least'} "
         f"{limit.at} and comes to {limit.shown(limit.exact)}, "
-        f"{number(-100 * limit.margin, 4)} % beyond"
+        f"{number(-100 * limit.margin, 3)} % beyond"
         for limit in answer.broken
     ]
     return Verdict(UNREACHABLE, f"{'; '.join(parts)}, in the least violated design.", _way_out(answer))

@@ -90,7 +90,7 @@ class Term:
         """The unit in which its values are told: deviations are shares."""
         return titles.units(self.statement, self.units)
 
-    def shown(self, value: float, digits: int = 4) -> str:
+    def shown(self, value: float, digits: int = 3) -> str:
         """One of its values with the unit."""
         return shown(value, self.shown_units, digits)
 

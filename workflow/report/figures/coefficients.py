@@ -6,6 +6,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from workflow.language import titles
 from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
 
 _COLUMNS = 3
@@ -29,8 +30,8 @@ def figure(validation: xr.Dataset) -> Figure:
         one = validation.sel({along: name})
         sizes = one["coefficient"].transpose("mode", "output").values
         sizes = np.maximum(sizes[~np.isnan(sizes).all(axis=1)], _FLOOR)
-        for line, output in zip(ax.semilogy(sizes, color=BLUE, lw=0.7, alpha=0.45), one["output"].values, strict=True):
-            line.set_gid(str(output))
+        ends = np.nanmin(sizes, axis=1), np.nanmax(sizes, axis=1)
+        ax.fill_between(range(len(sizes)), *ends, color=BLUE, alpha=0.25, lw=0)
         ax.semilogy(sizes.max(axis=1), "o-", ms=2.5, color=BLUE, lw=1.6)
         for output in one["output"].values[one["kinked"].values > 0]:
             ax.semilogy(
@@ -38,7 +39,7 @@ def figure(validation: xr.Dataset) -> Figure:
             )
             ax.legend(loc="lower left")
         ax.axhline(validation.attrs["tolerance"], color=GREY, ls="--", lw=1)
-        ax.set_title(f"{name.replace('_', ' ')}: {len(sizes)} levels")
+        ax.set_title(f"{titles.title(name)}: {len(sizes)} levels")
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     for ax in list(axes.flat)[len(names) :]:
         ax.set_visible(False)

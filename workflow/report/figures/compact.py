@@ -8,6 +8,7 @@ _DROPPED = re.compile(
     r"<!--.*?-->|<metadata>.*?</metadata>|<\?xml[^>]*\?>|<!DOCTYPE[^>]*>|<defs>\s*<style.*?</defs>", re.S
 )
 _DROPPED_IDS = re.compile(r'<g id="[^"]*"')
+_IMAGE_IDS = re.compile(r' id="image[0-9a-f]+"')  # which nothing refers to, and equal images share
 _EMPTY = re.compile(r"<g>\s*</g>")
 _UNTURNED = re.compile(r' transform="rotate\(-?0 [^)]*\)"')
 _BETWEEN = re.compile(r">\s*\n\s*<")
@@ -26,7 +27,7 @@ def compacted(text: str) -> str:
     text
         SVG as matplotlib writes it.
     """
-    text = _UNTURNED.sub("", _DROPPED_IDS.sub("<g", _DROPPED.sub("", text)))
+    text = _UNTURNED.sub("", _DROPPED_IDS.sub("<g", _IMAGE_IDS.sub("", _DROPPED.sub("", text))))
     while (fewer := _EMPTY.sub("", text)) != text:
         text = fewer
     text = _PATH.sub(lambda match: f' d="{_outline(match[1])}"', _BETWEEN.sub("><", text))

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from surrogate.intervals.distribution import NOMINAL
+from workflow.language import titles
 from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
 
 _COLUMNS = 4
@@ -40,16 +41,13 @@ def figure(validation: xr.Dataset) -> Figure:
 
 
 def _deciles(ax: Axes, one: xr.Dataset, name: str) -> None:
-    coverage = one["decile_coverage"].transpose("output", "decile").values
-    for line, quantity in zip(
-        ax.plot(one["decile"], coverage.T, color=BLUE, lw=0.7, alpha=0.5), one["output"].values, strict=True
-    ):
-        line.set_gid(str(quantity))
-    ax.plot(one["decile"], coverage.min(axis=0), color=ORANGE, lw=1.5, label="least of all quantities")
+    coverage, decile = one["decile_coverage"].transpose("output", "decile").values, one["decile"].values
+    ax.fill_between(decile, coverage.min(axis=0), coverage.max(axis=0), color=BLUE, alpha=0.25, lw=0)
+    ax.plot(decile, coverage.min(axis=0), color=ORANGE, lw=1.5, label="least of all quantities")
     ax.axhline(NOMINAL, color=GREY, ls="--", lw=1)
     ax.set_ylim(min(0.84, float(coverage.min()) - 0.01), 1.003)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set_title(f"decile of {name.replace('_', ' ')}")
+    ax.set_title(f"decile of {titles.title(name)}")
     ax.set_ylabel("coverage")
     ax.legend(loc="lower right")
 
@@ -57,8 +55,8 @@ def _deciles(ax: Axes, one: xr.Dataset, name: str) -> None:
 def _transform(ax: Axes, pit: xr.DataArray) -> None:
     share = (np.arange(pit.sizes["case"]) + 0.5) / pit.sizes["case"]
     some = slice(None, None, max(1, pit.sizes["case"] // 60))
-    for row in pit.transpose("output", "case"):
-        drawn = ax.plot(share[some], np.sort(row.values)[some], color=BLUE, lw=0.7, alpha=0.5)
-        drawn[0].set_gid(str(row["output"].values))
+    rows = np.sort(pit.transpose("output", "case").values, axis=1)[:, some]
+    ax.fill_between(share[some], rows.min(axis=0), rows.max(axis=0), color=BLUE, alpha=0.25, lw=0)
+    ax.plot(share[some], np.median(rows, axis=0), color=BLUE, lw=1.2, label="median of all quantities")
     ax.plot([0, 1], [0, 1], color=GREY, ls="--", lw=1)
     ax.set_xlabel("share of cases")

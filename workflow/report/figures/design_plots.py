@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from solver.names import FIELDS, POINT_FIELDS
 from workflow.design.search.contact_fields import SURFACE
 from workflow.design.verdict.answer import Answer
-from workflow.language.factors import FACTORS
-from workflow.language.numbers import label, number, prefixed
+from workflow.language import titles
+from workflow.language.numbers import label, prefixed
 from workflow.report.figures.contours import below
 from workflow.report.figures.design_kinds import kinds
 from workflow.report.figures.hover import attach_map
@@ -34,9 +34,9 @@ from workflow.study.target import Target
 
 
 def figures_of(answer: Answer, target: Target) -> dict[str, Figure]:
-    """All of them, by kind; the contact where the answer has its fields."""
+    """Those that matplotlib draws, by kind; the contact where the answer has its fields."""
     contact = ["contact"] if "position" in answer.pictures.dims else []
-    return {kind: draw(kind, answer) for kind in (*kinds(target), *contact)}
+    return {kind: draw(kind, answer) for kind in (*kinds(target), *contact) if kind in _DRAWN}
 
 
 def draw(kind: str, answer: Answer) -> Figure:
@@ -103,28 +103,6 @@ def _slices(answer: Answer) -> Figure:
 
 
 @styled
-def _bars(answer: Answer) -> Figure:
-    """Elasticities of objective and limits: percent for a percent, exact."""
-    varied = [variable for variable in answer.variables if np.isfinite(variable.sensitivity.elasticity).any()]
-    terms = [term.name for term in answer.terms]
-    figure, ax = plt.subplots(figsize=(5.8, 0.3 * len(terms) * max(len(varied), 1) + 1.1))
-    height = 0.8 / max(len(varied), 1)
-    for k, variable in enumerate(varied):
-        values, name = np.array(variable.sensitivity.elasticity), variable.name
-        places = np.arange(len(terms)) + (k - (len(varied) - 1) / 2) * height
-        drawn = ax.barh(places, values, height * 0.9, color=DISTINCT[k % len(DISTINCT)], label=name.replace("_", " "))
-        texts = [number(value, 2) if np.isfinite(value) else "" for value in values]
-        ax.bar_label(drawn, texts, padding=3, fontsize=7.5)
-    ax.axvline(0, color=INK, lw=0.8)
-    ax.set_yticks(np.arange(len(terms)), [label(term, "", 30) for term in terms])
-    ax.invert_yaxis()
-    ax.margins(x=0.12)
-    ax.set_xlabel("change in % for 1 % more of a variable")
-    ax.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=4)
-    return figure
-
-
-@styled
 def _contact(answer: Answer) -> Figure:
     """Exact fields of the contact on the surface, and stresses below it."""
     fields = answer.pictures
@@ -175,7 +153,7 @@ def _front(answer: Answer) -> Figure:
             values = front["front_exact"].sel(objective=name).values if traced else np.array([goal.exact])
             size, units = prefixed(float(np.abs(values).max()), goal.units)
             columns.append(values / size)
-            labels.append(label(name, units, 44))
+            labels.append(label(goal.title, units, 44))
             best.append([goal.exact / size])
         for k, choice in enumerate(dict.fromkeys(choices)):
             own = choices == choice
@@ -200,7 +178,6 @@ def _front(answer: Answer) -> Figure:
 _DRAWN: dict[str, Callable[[Answer], Figure]] = {
     "map": _map,
     "slices": _slices,
-    "bars": _bars,
     "contact": _contact,
     "front": _front,
 }
@@ -221,5 +198,5 @@ def _factor_axis(ax: Axes, which: str, name: str, values: Array) -> None:
     """Scale and label of an axis that is a factor."""
     if by_ratio(values):
         logarithmic(ax, which, values / factor_scale(name, values)[0])
-    words = label(FACTORS[name].long_name, factor_scale(name, values)[1], 40)
+    words = label(titles.title(name), factor_scale(name, values)[1], 40)
     (ax.set_xlabel if which == "x" else ax.set_ylabel)(words)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from solver.names import POINT_FIELDS
 from workflow.dataset.effects import HALF_PLANE
-from workflow.language import numbers
+from workflow.language import numbers, titles
 from workflow.report.figures.contours import below
 from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, Array, field_label, styled
 from workflow.report.svg import INK
@@ -28,6 +28,7 @@ SHOWN = (
 #: Those that are 0 beside the contact.
 _INSIDE = (*SHOWN[:3], "electric_displacement", "magnetic_induction")
 _ACROSS = 3
+_THREE = ("low", "middle", "high")
 
 
 @styled
@@ -38,7 +39,8 @@ def fields(slabs: Sequence[xr.Dataset]) -> Figure:
     """
     first, *others = (str(dim) for dim in slabs[0]["contact_pressure"].dims if dim != "position")
     if not others:
-        return _field_panels(xr.concat(slabs, first), first)
+        whole = xr.concat(slabs, first)
+        return _field_panels(_of_three(whole, first), first, _names(whole[first]))
     varied = others[0]
     starts = np.cumsum([0, *(slab.sizes[first] for slab in slabs)])
     sizes = {first: int(starts[-1]), **{name: slabs[0].sizes[name] for name in others[1:]}}
@@ -46,18 +48,33 @@ def fields(slabs: Sequence[xr.Dataset]) -> Figure:
     places = {name: size // 2 if slabs[0][name].dtype.kind in "iuf" else 0 for name, size in sizes.items()}
     holds = int(np.searchsorted(starts, places[first], side="right")) - 1
     chosen = slabs[holds].isel({**places, first: places[first] - starts[holds]})
-    held = ", ".join(f"{name.replace('_', ' ')} {_said(chosen[name])}" for name in places)
-    figure = _field_panels(chosen, varied)
+    held = ", ".join(f"{titles.title(name)} {_said(chosen[name])}" for name in places)
+    figure = _field_panels(_of_three(chosen, varied), varied, _names(chosen[varied]))
     figure.suptitle(f"one case a curve: {held}", fontsize=9)
     return figure
 
 
-def _said(value: xr.DataArray) -> str:
+def _of_three(data: xr.Dataset, varied: str) -> xr.Dataset:
+    """The cases at the ends and in the middle of a factor; all of a category's."""
+    if data[varied].dtype.kind not in "iuf":
+        return data
+    last = data.sizes[varied] - 1
+    return data.isel({varied: list(dict.fromkeys((0, last // 2, last)))})
+
+
+def _names(values: xr.DataArray) -> list[str] | None:
+    """What to call three values of a factor, whose levels are no round numbers."""
+    if values.dtype.kind not in "iuf" or values.size < len(_THREE):
+        return None
+    return [f"{word}: {_said(values[k], 2)}" for word, k in zip(_THREE, (0, (values.size - 1) // 2, -1), strict=True)]
+
+
+def _said(value: xr.DataArray, digits: int = 3) -> str:
     """One value of an axis, which says its own unit: an axis may be a product of factors."""
     plain = value.item()
     if isinstance(plain, str):
         return plain
-    return HALF_PLANE if np.isnan(plain) else numbers.shown(plain, value.attrs["units"], digits=4)
+    return HALF_PLANE if np.isnan(plain) else numbers.shown(plain, value.attrs["units"], digits)
 
 
 @styled
@@ -78,14 +95,15 @@ def interior(data: xr.Dataset) -> Figure:
         below(figure, row, [data[name].isel({varied: number}) for number in range(len(values))])
         row[0].set_ylabel("y/h")
     for ax, value in zip(axes[0], values, strict=True):
-        ax.set_title(f"{varied.replace('_', ' ')} = {_said(value)}")
+        ax.set_title(f"{titles.title(varied)} {_said(value)}")
     for ax in axes[-1]:
         ax.set_xlabel("(x - c)/h")
     return figure
 
 
-def _field_panels(data: xr.Dataset, varied: str) -> Figure:
-    numeric, texts = np.issubdtype(data[varied].dtype, np.number), [_said(value) for value in data[varied]]
+def _field_panels(data: xr.Dataset, varied: str, names_of_values: list[str] | None = None) -> Figure:
+    numeric = np.issubdtype(data[varied].dtype, np.number)
+    texts = names_of_values or [_said(value) for value in data[varied]]
     colours = (
         plt.get_cmap("viridis")(np.linspace(0.0, 0.88, len(texts)))
         if numeric
@@ -94,7 +112,8 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
     # the half-plane beside films
     styles = ["--" if text == HALF_PLANE else "-" for text in texts]
     colours[[style == "--" for style in styles]] = to_rgba(INK)
-    names = SHOWN if SHOWN[1] in data else [name for name in POINT_FIELDS if name in data]
+    line = "stress_xx" in data
+    names = [name for name in (SHOWN if line else POINT_FIELDS) if name in data]
     rows = -(-len(names) // _ACROSS)
     figure, axes = plt.subplots(rows, _ACROSS, figsize=(10.5, 2.8 * rows), squeeze=False)
     X = data["position"].values
@@ -127,9 +146,9 @@ def _field_panels(data: xr.Dataset, varied: str) -> Figure:
         if not inside_only:
             ax.set_xlim(-3, 3)
     for ax in axes[-1]:
-        ax.set_xlabel("X = (x - c)/h   (trailing edge at X = 1)" if names is SHOWN else "r/a")
+        ax.set_xlabel("X = (x - c)/h   (trailing edge at X = 1)" if line else "r/a")
     handles = axes[0, 0].get_legend_handles_labels()
-    figure.legend(*handles, loc="outside right upper", title=varied.replace("_", " "))
+    figure.legend(*handles, loc="outside right upper", title=titles.title(varied))
     return figure
 
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _DIGITS = 4
-_KEPT = 61  # points of one curve
-_GRID = 41  # points a side of a map
+_KEPT = 41  # points of one curve
+_GRID = 21  # points a side of a map
 _maps: "WeakKeyDictionary[Axes, dict[str, Any]]" = WeakKeyDictionary()
 
 

@@ -17,8 +17,9 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from storage.files import write_bytes
-from workflow.language import numbers
+from workflow.language import numbers, titles
 from workflow.language.factors import FACTORS
+from workflow.language.wordings import TITLES
 from workflow.report.figures import hover
 from workflow.report.figures.compact import compacted
 from workflow.report.svg import INK, PAPER
@@ -72,7 +73,8 @@ _FIELDS = {
 def field_label(field: xr.DataArray, size: float, where: str = "") -> tuple[float, str]:
     """What to divide a field by where values of some size are shown, and its label with the unit then."""
     scale, units = numbers.prefixed(size, str(field.attrs["units"]), digits=2)
-    name = _FIELDS.get(str(field.name), str(field.name).replace("_", " "))
+    own = str(field.name)
+    name = titles.title(own) if own in TITLES and "position" in field.dims else _FIELDS.get(own, titles.title(own))
     return scale, numbers.label(f"{name} {where}", units, 60)
 
 

@@ -1,4 +1,4 @@
-"""Figures of the report: predicted against exact, and the errors of every quantity."""
+"""Figures of the report: errors along the exact values, and the errors of every quantity."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -8,36 +8,34 @@ from matplotlib.figure import Figure
 from solver.names import ALL_QUANTITIES
 from workflow.language import numbers
 from workflow.report.figures.style import BLUE, GREY, ORANGE, styled
-from workflow.study.categories import parted
+from workflow.study.categories import parted, titled
 
-_PARITIES = 12  # panels
+_PANELS, _POINTS = 3, 150
 
 
 @styled
-def parity(validation: xr.Dataset) -> Figure:
-    """Predicted against exact, on cases that the surrogate never saw: the outputs of the largest errors first."""
-    names = [str(name) for name in validation.sortby("max_error", ascending=False)["output"].values[:_PARITIES]]
-    columns = 6
+def residuals(validation: xr.Dataset) -> Figure:
+    """Errors over range along the exact values, on cases never trained on: the outputs of the largest errors first."""
+    names = [str(name) for name in validation.sortby("max_error", ascending=False)["output"].values[:_PANELS]]
+    columns = min(3, len(names))
     rows = -(-len(names) // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(11, 2.1 * rows), squeeze=False)
+    figure, axes = plt.subplots(rows, columns, figsize=(11, 2.1 * rows + 0.3), squeeze=False)
     for ax, name in zip(axes.flat, names, strict=False):
         one = validation.sel(output=name)
         exact, predicted = one["exact"].values, one["predicted"].values
-        some = slice(None, None, max(1, exact.size // 400))
-        quantity, kinds = parted(name)
+        some = slice(None, None, max(1, exact.size // _POINTS))
+        quantity, _ = parted(name)
         size, units = numbers.prefixed(float(np.abs(exact).max()), ALL_QUANTITIES[quantity].units)
-        ends = [float(exact.min()) / size, float(exact.max()) / size]
-        ax.plot(ends, ends, color=GREY, lw=0.8)
-        ax.plot(exact[some] / size, predicted[some] / size, ".", ms=2.5, color=BLUE, rasterized=True)
-        ax.set_title(
-            numbers.label(" ".join(filter(None, [quantity.replace("_", " "), kinds])), units, 24), fontsize=7.5
-        )
+        off = (predicted - exact)[some] / float(np.ptp(exact) or 1.0)
+        power = 10.0 ** np.floor(np.log10(np.abs(off).max() or 1.0))
+        ax.axhline(0, color=GREY, lw=0.8)
+        ax.plot(exact[some] / size, off / power, ".", ms=2.5, color=BLUE)
+        ax.set_title(numbers.label(titled(name), units, 44), fontsize=8)
+        ax.set_ylabel(f"in {numbers.number(power, 1)} of range", fontsize=7)
         ax.tick_params(labelsize=6.5)
-        ax.text(0.04, 0.88, numbers.number(float(one["max_error"]), 2), transform=ax.transAxes, fontsize=7)
     for ax in list(axes.flat)[len(names) :]:
         ax.set_visible(False)
-    figure.supxlabel("exact", fontsize=9)
-    figure.supylabel("predicted", fontsize=9)
+    figure.supxlabel("exact value", fontsize=9)
     return figure
 
 
@@ -57,7 +55,7 @@ def errors(validation: xr.Dataset) -> Figure:
         )  # fmt: skip
     ax.axvline(validation.attrs["tolerance"], color=GREY, ls="--", lw=1, label="tolerance of the study")
     ax.set_xscale("log")
-    ax.set_yticks(y, [name.replace("_", " ") for name in names])
+    ax.set_yticks(y, [titled(name) for name in names])
     ax.invert_yaxis()
     ax.set_xlabel("error over range, on exact cases never trained on")
     ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2)

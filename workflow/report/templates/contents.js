@@ -1,4 +1,4 @@
-// A closed section opens when the contents lead to it, and all of them open on paper; wide tables scroll by key.
+// A closed section opens when the contents lead to it, a card's reasons open on paper; wide tables scroll by key.
 "use strict";
 
 function openLinked() {
@@ -19,7 +19,7 @@ function reachScrolled() {
 let closed = [];
 addEventListener("hashchange", openLinked);
 addEventListener("beforeprint", () => {
-  closed = [...document.querySelectorAll("details:not([open])")];
+  closed = [...document.querySelectorAll(".answer details:not([open])")];
   closed.forEach((one) => { one.open = true; });
 });
 addEventListener("afterprint", () => closed.forEach((one) => { one.open = false; }));

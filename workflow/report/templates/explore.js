@@ -1,7 +1,9 @@
-// The map beside the sliders: the goal of the chosen target over two factors; a click moves the sliders there.
+// The map beside the sliders: the goal of the chosen target over two factors, with its limits and its design; a click moves there.
 "use strict";
 
-const CELLS = 25, PAUSE = 150, SLICE = 12; // cells a side; milliseconds without a move before it is drawn anew, and at a stretch
+const NODES = 29, FINER = 5, PAUSE = 150, SLICE = 12; // nodes a side, and parts of an interval of theirs that are shaded; milliseconds
+const PLOT = { left: 64, right: 470, top: 12, bottom: 318, bar: 486, wide: 14, near: 12 };
+const LETTER = 7.4; // width of a letter of a limit's name, about
 // viridis (S. van der Walt and N. Smith, 2015; CC0), which readers of every kind of sight can order
 const VIRIDIS = [[68, 1, 84], [72, 40, 120], [62, 74, 137], [49, 104, 142], [38, 130, 142], [31, 158, 137], [53, 183, 121], [109, 205, 89], [180, 222, 44], [253, 231, 37]];
 
@@ -10,15 +12,49 @@ function viridis(share) {
   return VIRIDIS[k].map((one, c) => Math.round(one + (place - k) * (VIRIDIS[k + 1][c] - one)));
 }
 
-// The scaled coordinate of the middle of a cell.
-const cell = (k) => -1 + (2 * k + 1) / CELLS;
+// The scaled coordinate of a node, both ends of the range among them, and the place of a coordinate in the picture.
+const node = (k) => -1 + (2 * k) / (NODES - 1);
+const acrossAt = (t) => PLOT.left + ((t + 1) / 2) * (PLOT.right - PLOT.left);
+const upAt = (t) => PLOT.bottom - ((t + 1) / 2) * (PLOT.bottom - PLOT.top);
+
+// Between nodes: values (NODES x NODES, rows upwards) at fractions of them.
+function between(values, x, y) {
+  const i = Math.min(Math.floor(x), NODES - 2), j = Math.min(Math.floor(y), NODES - 2), at = (k, l) => values[(j + l) * NODES + i + k];
+  return (1 - y + j) * ((1 - x + i) * at(0, 0) + (x - i) * at(1, 0)) + (y - j) * ((1 - x + i) * at(0, 1) + (x - i) * at(1, 1));
+}
+
+// Where values over the nodes change their sign, as segments [[x, y], [x, y]] of scaled coordinates: marching squares.
+function zeroLine(values) {
+  const found = [];
+  for (let j = 0; j < NODES - 1; j++) {
+    for (let i = 0; i < NODES - 1; i++) {
+      const corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]], of = ([k, l]) => values[l * NODES + k];
+      const crossed = corners.flatMap((one, k) => {
+        const other = corners[(k + 1) % 4], [a, b] = [of(one), of(other)];
+        if (a > 0 === b > 0 || !Number.isFinite(a - b)) return [];
+        return [[0, 1].map((n) => node(one[n] + (a / (a - b)) * (other[n] - one[n])))];
+      });
+      for (let k = 0; k + 1 < crossed.length; k += 2) found.push([crossed[k], crossed[k + 1]]);
+    }
+  }
+  return found;
+}
+
+// Round values of a factor between its ends, as many as have room.
+function roundValues({ low, high, scale }) {
+  if (scale !== "log") return ticks(low, high, 5);
+  const decades = Math.log10(high / low), steps = decades < 1.4 ? [1, 2, 5] : decades < 2.6 ? [1, 3] : [1], first = Math.floor(Math.log10(low));
+  const all = Array.from({ length: Math.ceil(decades) + 2 }, (_, k) => steps.map((one) => one * 10 ** (first + k))).flat();
+  return all.filter((one) => one >= low * (1 - 1e-9) && one <= high * (1 + 1e-9));
+}
 
 function startMap(panel, root) {
-  const canvas = root.querySelector("canvas"), here = root.querySelector(".here"), context = canvas.getContext("2d");
+  const svg = root.querySelector("svg"), layer = (name) => svg.querySelector(`[data-layer=${name}]`);
   const choosers = [...root.querySelectorAll("select")], inputs = panel.model.inputs;
-  let cells = [], drawn = "", timer = 0, running = 0;
+  let nodes = [], drawn = "", timer = 0, running = 0;
 
   const axes = () => choosers.map((one) => Number(one.value));
+  const titled = (k) => panel.data.titles[inputs[k].name];
 
   // What the map shows does not change with the two sliders that it is over.
   function key() {
@@ -26,69 +62,132 @@ function startMap(panel, root) {
     return JSON.stringify([panel.chosen, panel.data.kinds.indexOf(panel.kind), axes(), rest]);
   }
 
-  function place(i, j) {
-    const t = [...panel.point], [x, y] = axes();
-    t[x] = cell(i);
-    t[y] = cell(j);
-    return t;
+  function at(s, t) {
+    const point = [...panel.point], [x, y] = axes();
+    [point[x], point[y]] = [s, t];
+    return point;
+  }
+
+  // Where the chosen design lies, if it is of what the map shows: the other sliders where they matter stand at it.
+  function starred() {
+    const target = panel.data.cases[panel.chosen];
+    if (!target || panel.data.kinds[target.kind] !== panel.kind) return null;
+    const t = inputs.map((input) => toUnit(input, target.values[input.name]));
+    const same = (k) => axes().includes(k) || inputs[k].name in target.scenarios || Math.abs(t[k] - panel.point[k]) < 1e-9;
+    return inputs.every((_, k) => same(k)) ? axes().map((k) => t[k]) : null;
   }
 
   function compute() {
     const run = ++running, wanted = key(), found = [];
     const step = () => {
       const end = performance.now() + SLICE;
-      while (found.length < CELLS * CELLS && performance.now() < end) {
-        found.push(panel.judged(place(found.length % CELLS, Math.floor(found.length / CELLS))));
+      while (found.length < NODES * NODES && performance.now() < end) {
+        found.push(panel.judged(at(node(found.length % NODES), node(Math.floor(found.length / NODES))), true));
       }
       if (run !== running) return;
-      if (found.length < CELLS * CELLS) return void setTimeout(step);
-      [cells, drawn] = [found, wanted];
+      if (found.length < NODES * NODES) return void setTimeout(step);
+      [nodes, drawn] = [found, wanted];
       paint();
     };
     step();
   }
 
   function paint() {
-    const goals = cells.map(({ goal }) => goal).filter(Number.isFinite), low = Math.min(...goals), high = Math.max(...goals);
-    const image = context.createImageData(CELLS, CELLS);
-    cells.forEach(({ goal, broken }, k) => {
-      const i = k % CELLS, j = CELLS - 1 - Math.floor(k / CELLS), shade = broken ? 0.35 : 1; // broken ones are faint
-      const colour = Number.isFinite(goal) ? viridis(high > low ? (goal - low) / (high - low) : 0.5) : [128, 128, 128];
-      image.data.set([...colour, 255 * shade], 4 * (j * CELLS + i));
-    });
+    const goals = nodes.map(({ goal }) => goal), star = starred(), best = star ? [panel.goal.exact ?? panel.judged(at(...star)).goal] : [];
+    const known = [...goals, ...best].filter(Number.isFinite), low = Math.min(...known), high = Math.max(...known);
+    const lines = (nodes[0]?.limits ?? []).map((_, n) => nodes.map(({ limits }) => limits[n]));
+    layer("shade").setAttribute("href", shaded(goals, lines, low, high));
+    layer("limits").innerHTML = lines.map((one, n) => limitLine(zeroLine(one), panel.data.cases[panel.chosen].limits.filter(({ judged }) => judged)[n])).join("");
+    layer("axes").innerHTML = axis(0) + axis(1) + colourBar(low, high);
+    const { title } = panel.goal, [x, y] = axes().map(titled);
+    Object.assign(svg.dataset, { low: String(low), high: String(high), broken: String(nodes.filter(({ broken }) => broken).length) });
+    svg.setAttribute("aria-label", `map of ${title} over ${x} and ${y}; the sliders do the same as a click on it`);
+    show();
+  }
+
+  // The shading as a picture; what breaks a limit is faint.
+  function shaded(goals, lines, low, high) {
+    const side = (NODES - 1) * FINER, canvas = Object.assign(document.createElement("canvas"), { width: side, height: side });
+    const context = canvas.getContext("2d"), image = context.createImageData(side, side);
+    for (let j = 0; j < side; j++) {
+      for (let i = 0; i < side; i++) {
+        const [x, y] = [(i + 0.5) / FINER, (j + 0.5) / FINER], goal = between(goals, x, y), broken = lines.some((one) => between(one, x, y) > 0);
+        const colour = Number.isFinite(goal) ? viridis(high > low ? (goal - low) / (high - low) : 0.5) : [128, 128, 128];
+        image.data.set([...colour, broken ? 90 : 255], 4 * ((side - 1 - j) * side + i));
+      }
+    }
     context.putImageData(image, 0, 0);
-    const { title, units } = panel.goal, [x, y] = axes().map((k) => inputs[k]);
-    const ends = ({ low: a, high: b, units: u }) => `${said(a, u, 3)} to ${said(b, u, 3)}`;
-    root.querySelector(".scale").textContent = `${title}: ${said(low, units, 3)} (dark) to ${said(high, units, 3)} (bright)`;
-    root.querySelector(".axes").textContent = `Across: ${spaced(x.name)} ${ends(x)}; up: ${spaced(y.name)} ${ends(y)}`;
-    canvas.setAttribute("aria-label", `map of ${title} over ${spaced(x.name)} and ${spaced(y.name)}; the sliders do the same as a click on it`);
+    return canvas.toDataURL();
+  }
+
+  function limitLine(segments, limit) {
+    if (!segments.length) return "";
+    const path = segments.map(([a, b]) => `M${[a, b].map(([s, t]) => `${acrossAt(s).toFixed(1)} ${upAt(t).toFixed(1)}`).join("L")}`).join("");
+    const off = ([[s, t]]) => Math.hypot(s, t), [s, t] = segments.reduce((best, one) => (off(one) < off(best) ? one : best))[0];
+    const wide = LETTER * limit.words.length, start = Math.max(Math.min(acrossAt(s) - wide / 2, PLOT.right - wide - 6), PLOT.left + 6);
+    const place = `x="${start.toFixed(1)}" y="${Math.max(upAt(t) + (t > 0 ? 18 : -8), PLOT.top + 14).toFixed(1)}"`;
+    return `<path class="limit" d="${path}"/><text class="halo" ${place}>${escaped(limit.words)}</text>`;
+  }
+
+  function axis(n) {
+    const k = axes()[n], input = inputs[k], shown = engineering(Math.max(Math.abs(input.low), Math.abs(input.high)), input.units, 3);
+    const label = `${titled(k)}${shown.units ? ` [${shown.units}]` : ""}`, middle = (PLOT.top + PLOT.bottom) / 2;
+    const marks = roundValues(input).map((value) => {
+      const t = toUnit(input, value), text = digits(value / shown.size, 3);
+      return n ? `<text x="${PLOT.left - 6}" y="${(upAt(t) + 4).toFixed(1)}" text-anchor="end">${text}</text><path d="M${PLOT.left - 4} ${upAt(t).toFixed(1)}h4"/>`
+        : `<text x="${acrossAt(t).toFixed(1)}" y="${PLOT.bottom + 18}" text-anchor="middle">${text}</text><path d="M${acrossAt(t).toFixed(1)} ${PLOT.bottom}v4"/>`;
+    });
+    const named = n ? `<text transform="translate(14 ${middle}) rotate(-90)" text-anchor="middle">${escaped(label)}</text>`
+      : `<text x="${(PLOT.left + PLOT.right) / 2}" y="${PLOT.bottom + 36}" text-anchor="middle">${escaped(label)}</text>`;
+    return marks.join("") + named;
+  }
+
+  function colourBar(low, high) {
+    const { units } = panel.goal, { bar, wide, top, bottom } = PLOT, shown = engineering(Math.max(Math.abs(low), Math.abs(high)), units, 3);
+    const steps = Array.from({ length: 32 }, (_, k) => `<rect x="${bar}" y="${(bottom - ((k + 1) * (bottom - top)) / 32).toFixed(1)}" width="${wide}" height="${((bottom - top) / 32 + 0.6).toFixed(1)}" style="fill: rgb(${viridis((k + 0.5) / 32).join(",")})"/>`);
+    const marks = (high > low ? ticks(low / shown.size, high / shown.size, 5) : []).map((one) => {
+      const y = bottom - ((one * shown.size - low) / (high - low)) * (bottom - top);
+      return `<text x="${bar + wide + 4}" y="${(y + 4).toFixed(1)}">${digits(one, 3)}</text>`;
+    });
+    return `${steps.join("")}${marks.join("")}<text transform="translate(${bar + wide + 52} ${(top + bottom) / 2}) rotate(-90)" text-anchor="middle">${escaped(`${panel.goal.short}${shown.units ? ` [${shown.units}]` : ""}`)}</text>`;
   }
 
   function show() {
-    const [x, y] = axes(), percent = (t) => `${50 * (t + 1)}%`;
-    here.style.left = percent(panel.point[x]);
-    here.style.bottom = percent(panel.point[y]);
+    const [x, y] = axes().map((k) => panel.point[k]), star = starred();
+    const mark = star ? `<path class="star" data-star d="${starAt(acrossAt(star[0]), upAt(star[1]))}"/>` : "";
+    layer("here").innerHTML = `${mark}<circle class="here" cx="${acrossAt(x).toFixed(1)}" cy="${upAt(y).toFixed(1)}" r="7"/>`;
     if (key() === drawn) return;
     running++;
     clearTimeout(timer);
     timer = setTimeout(compute, PAUSE);
   }
 
-  // Scaled coordinates below a pointer.
+  // Scaled coordinates below a pointer, those of the design where it is meant; null beside the map.
   function pointed(event) {
-    const frame = canvas.getBoundingClientRect(), scaled = (share) => Math.min(Math.max(2 * share - 1, -1), 1);
-    return [scaled((event.clientX - frame.left) / frame.width), scaled((frame.bottom - event.clientY) / frame.height)];
+    const frame = svg.getBoundingClientRect(), [, , width, height] = svg.getAttribute("viewBox").split(" ").map(Number);
+    const X = ((event.clientX - frame.left) / frame.width) * width, Y = ((event.clientY - frame.top) / frame.height) * height;
+    const t = [(2 * (X - PLOT.left)) / (PLOT.right - PLOT.left) - 1, (2 * (PLOT.bottom - Y)) / (PLOT.bottom - PLOT.top) - 1];
+    if (t.some((one) => Math.abs(one) > 1)) return null;
+    const star = starred();
+    return star && Math.hypot(X - acrossAt(star[0]), Y - upAt(star[1])) < PLOT.near ? { t: star, star } : { t };
   }
 
-  canvas.addEventListener("click", (event) => panel.move(axes(), pointed(event)));
-  canvas.addEventListener("pointermove", (event) => {
-    if (!cells.length) return;
-    const t = pointed(event), [i, j] = t.map((one) => Math.min(Math.floor(((one + 1) / 2) * CELLS), CELLS - 1));
-    const { goal, broken } = cells[j * CELLS + i], { title, units } = panel.goal;
-    const at = axes().map((k, n) => `${spaced(inputs[k].name)}: ${said(fromUnit(inputs[k], t[n]), inputs[k].units, 4)}`);
-    showTip([`${title}: ${said(goal, units, 4)}`, ...at, broken ? "a limit is broken" : ""], event);
+  function tell(event) {
+    const found = pointed(event);
+    if (!found || !nodes.length) return hideTip();
+    const { title, units, exact } = panel.goal, { goal, broken } = panel.judged(at(...found.t));
+    const where = axes().map((k, n) => `${titled(k)}: ${said(fromUnit(inputs[k], found.t[n]), inputs[k].units, 3)}`);
+    const held = found.star ? panel.data.cases[panel.chosen].limits.every((one) => one.held) : !broken;
+    showTip([found.star ? "the design, exact" : "", `${title}: ${said(found.star ? exact ?? goal : goal, units, 3)}`, ...where, held ? "" : "a limit is broken"], event);
+  }
+
+  svg.addEventListener("click", (event) => {
+    const found = pointed(event);
+    if (found) (found.star ? panel.choose(panel.chosen) : panel.move(axes(), found.t));
   });
-  canvas.addEventListener("pointerleave", hideTip);
+  svg.addEventListener("pointermove", tell);
+  svg.addEventListener("pointerdown", tell);
+  svg.addEventListener("pointerleave", hideTip);
   choosers.forEach((one, n) => one.addEventListener("change", () => {
     const other = choosers[1 - n];
     if (other.value === one.value) other.value = String((Number(one.value) + 1) % inputs.length);
@@ -101,4 +200,12 @@ function startMap(panel, root) {
     choosers.forEach((one, n) => { one.value = String(inputs.findIndex(({ name }) => name === wanted[n])); });
   });
   panel.watch(show);
+}
+
+const escaped = (text) => text.replace(/[&<>]/g, (c) => `&#${c.charCodeAt(0)};`);
+
+// Five points around a place, as a path.
+function starAt(x, y, size = 10) {
+  const corner = (k) => [x + (k % 2 ? 0.42 : 1) * size * Math.sin((k * Math.PI) / 5), y - (k % 2 ? 0.42 : 1) * size * Math.cos((k * Math.PI) / 5)];
+  return `M${Array.from({ length: 10 }, (_, k) => corner(k).map((one) => one.toFixed(1)).join(" ")).join("L")}Z`;
 }

@@ -79,26 +79,27 @@ function judging(panel) {
     return carried(limit.tree, there, sizes) + 1e-12 * Math.abs(limit.value);
   }
 
-  // An interval is asked for only where the mean is beyond the limit.
-  function broken(limit, points) {
+  // By how much a limit is broken, negative where it is kept; an interval is asked for only where the mean is beyond the limit.
+  function beyond(limit, points) {
     const found = worst(limit, points);
-    return found.excess > 0 && found.excess > found.room;
+    return found.excess > 0 ? found.excess - found.room : found.excess;
   }
 
   // The goal of the chosen target; without targets, the first quantity.
   function goal() {
     if (data.cases.length) return data.cases[panel.chosen].goal;
     const { name, title, units } = data.quantities[0];
-    return { title, tree: name, units, worst: false };
+    return { title, short: title, tree: name, units, worst: false };
   }
 
-  // The goal at scaled coordinates t, over the scenarios where it counts at worst, and whether some limit is broken there.
-  function cell(t) {
+  // At scaled coordinates t: the goal, over the scenarios where it counts at worst, and by how much every limit that a point
+  // decides is broken. The shading of a map takes few scenarios, what is told of a point takes all.
+  function cell(t, few = false) {
     const target = data.cases[panel.chosen], { tree, worst: over, maximise } = goal();
-    const points = target ? scenarios(target, t, target.few) : [];
+    const points = target ? scenarios(target, t, few ? target.few : undefined) : [];
     const found = over ? points.map((one) => evaluate(tree, one.values)) : [evaluate(tree, values(t))];
-    const limits = target ? target.limits.filter((one) => one.judged) : [];
-    return { goal: (maximise ? Math.min : Math.max)(...found), broken: limits.some((one) => broken(one, points)) };
+    const limits = target ? target.limits.filter((one) => one.judged).map((one) => beyond(one, points)) : [];
+    return { goal: (maximise ? Math.min : Math.max)(...found), limits, broken: limits.some((one) => one > 0) };
   }
 
   return { values, reaches, scenarios, worst, goal, cell };

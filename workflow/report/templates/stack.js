@@ -2,7 +2,7 @@
 "use strict";
 
 const PICTURE = { width: 560, height: 250, surface: 128, whole: [14, 206], near: [236, 546], top: 26, low: 222 };
-const STEEP = { device: 84, wider: 2.6, deep: 62, tips: 10, line: 22, points: 97 };
+const STEEP = { device: 84, wider: 2.6, deep: 62, tips: 10, line: 22, points: 97, bar: [4, 90] };
 const TINT = {
   ink: "var(--ink)", paper: "var(--card)", accent: "var(--accent)", soft: "var(--soft)", bad: "var(--bad)",
   body: "color-mix(in srgb, var(--accent) 10%, var(--card))", punch: "color-mix(in srgb, var(--ink) 12%, var(--card))",
@@ -70,6 +70,15 @@ function stackPart(device, size, [left, right], scale) {
   return parts;
 }
 
+// A bar of 10 mm beside the words, or of as many times ten as can be seen.
+function scaleBar(scale) {
+  let length = 0.01;
+  while (length * scale > STEEP.bar[1]) length /= 10;
+  while (length * scale < STEEP.bar[0]) length *= 10;
+  const start = PICTURE.whole[0] + 62, end = start + length * scale, y = PICTURE.height - 14;
+  return [stroke(start, y, end, y, TINT.ink, 3), words(end + 6, PICTURE.height - 10, said(length, "m", 3), TINT.soft, "start")];
+}
+
 function stackWords(device, size) {
   const { surface, height, low, whole, near } = PICTURE, middle = (whole[0] + whole[1]) / 2, centre = (near[0] + near[1]) / 2;
   const half = (size.contact * size.near) / 2, lone = ["wedge", "half_cylinder"].includes(device.profile);
@@ -81,7 +90,7 @@ function stackWords(device, size) {
     ...(device.point ? [] : [stroke(whole[0] + 56, 28, whole[0] + 4, 28, bad, 1.6, tip), words(whole[0] + 4, 18, "slides", bad, "start")]),
     words(middle + (lone ? (device.corner === "leading" ? 38 : -38) : 0), surface - 50,
       name + (ENDLESS.includes(device.profile) ? digits(device.size, 3) : said(device.size, "m", 3))),
-    words(whole[0], height - 10, "to scale", soft, "start"),
+    words(whole[0], height - 10, "to scale", soft, "start"), ...scaleBar(size.whole),
     words(near[0], height - 10, `the contact, at ${digits(size.near / size.whole, 2)} times that scale`, soft, "start"),
     half > STEEP.tips ? `<path d="M${at(device.point ? centre : centre - half)} ${surface - 16} H${at(centre + half)}" ${tipped}/>` : "",
     words(centre, surface - 24, extent),

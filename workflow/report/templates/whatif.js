@@ -1,16 +1,7 @@
 // The what-if panel: sliders in, every quantity with its interval and the limits out; map, stack and fields watch it.
 "use strict";
 
-// Two figures of half of an interval's width, as meecontact query prints (workflow/cli/predictions.py).
-function figures(size, half) {
-  return half > 0 ? Math.min(Math.max(Math.floor(Math.log10(size)) - Math.floor(Math.log10(half)) + 2, 4), 15) : 10;
-}
-
-// All figures, zeros at the end too, so that a value and its interval are read against each other.
-function fixed(value, count) {
-  const text = value.toPrecision(count);
-  return text.includes("e") ? digits(value, count) : text.replace("-", "−");
-}
+const LEAST = 1e-5; // share of a value that is told of its interval
 
 const spaced = (name) => name.replaceAll("_", " ");
 
@@ -24,7 +15,7 @@ function startWhatIf(root) {
   let chosen = 0, design = data.cases.length ? 0 : null; // whose limits; the design shown, until something moves
 
   const panel = {
-    data, model, point, values: (t = point) => judge.values(t), judged: (t) => judge.cell(t), choose, move,
+    data, model, point, values: (t = point) => judge.values(t), judged: (t, few) => judge.cell(t, few), choose, move,
     get kind() { return kind; },
     get chosen() { return chosen; },
     get goal() { return judge.goal(); },
@@ -40,13 +31,14 @@ function startWhatIf(root) {
     showOutputs(mean, lower, upper);
     showFigures(found, judge.reaches(answer));
     showLimits();
+    showHeadlines(found);
     watchers.forEach((told) => told(found));
   }
 
   function showInputs(values) {
     model.inputs.forEach((input, k) => {
       const out = root.querySelector(`output[data-input="${input.name}"]`), value = values[input.name];
-      out.textContent = said(value, input.units, 4);
+      out.textContent = said(value, input.units, 3);
       out.dataset.value = String(value);
       sliders[k].setAttribute("aria-valuetext", out.textContent);
     });
@@ -69,13 +61,37 @@ function startWhatIf(root) {
     });
   }
 
+  // A value with half of its interval, as a share of it where it is not next to nothing.
   function showValue(row, units, mean, lower, upper) {
-    const shown = engineering(mean, units), ends = [lower, upper];
-    const count = figures(Math.max(...ends.map(Math.abs)), (upper - lower) / 2);
+    const half = (upper - lower) / 2, share = half / Math.abs(mean), shown = engineering(mean, units, 3);
     [row.dataset.mean, row.dataset.lower, row.dataset.upper] = [mean, lower, upper].map(String);
-    row.cells[1].textContent = fixed(mean / shown.size, count);
-    row.cells[2].textContent = `[${ends.map((end) => fixed(end / shown.size, count)).join(", ")}]`;
+    row.cells[1].textContent = digits(mean / shown.size, 3);
+    row.cells[2].textContent = share < LEAST ? `± < ${said(LEAST, "%", 1)}` : `± ${share < 1 ? said(share, "%", 2) : said(half, units, 2)}`;
     row.cells[3].textContent = shown.units;
+  }
+
+  // The large numbers: the goal as it counts, figures of the device, and whether every limit is kept.
+  function showHeadlines(found) {
+    const write = (tile, value, text) => {
+      tile.querySelector("b").textContent = value;
+      const below = tile.querySelector("span");
+      if (below) below.textContent = text;
+    };
+    const { title, units, exact } = judge.goal(), { goal, broken } = judge.cell(point), target = data.cases[chosen], tile = root.querySelector("[data-goal]");
+    const value = design === null ? goal : exact ?? goal;
+    tile.dataset.value = String(value);
+    write(tile, said(value, units, 3), title);
+    root.querySelectorAll("[data-headline]").forEach((one) => {
+      const figure = data.figures.find(({ name }) => name === one.dataset.headline);
+      write(one, said(evaluate(figure.tree, found), figure.units, 3));
+    });
+    const verdict_ = root.querySelector("[data-verdict]");
+    if (!verdict_) return;
+    const missed = design === null ? broken : target.limits.some(({ held }) => !held), judged = target.limits.some((one) => one.judged);
+    Object.assign(verdict_.dataset, { verdict: missed ? "broken" : "kept" });
+    verdict_.className = `tile ${missed ? "bad" : "good"}`;
+    verdict_.hidden = !target.limits.length || (design === null && !judged);
+    write(verdict_, missed ? "a limit is broken" : "limits are kept", design === null ? "on the surrogate" : `exact, at the design: ${target.title.toLowerCase()}`);
   }
 
   // Exact at the design, as workflow/design/verdict/assessment.py has it; elsewhere on the surrogate.
@@ -89,7 +105,7 @@ function startWhatIf(root) {
   function showLimits() {
     const list = root.querySelector("ul.limits"), target = data.cases[chosen];
     if (!list) return;
-    const over = target.over ? ` over ${target.over}` : "", name = spaced(target.name);
+    const over = target.over ? ` over ${target.over}` : "", name = target.title;
     const how = design === null ? `on the surrogate${over}${over ? ", whatever the sliders say of that" : ""}` : `exact${over}, at its design`;
     document.getElementById("judged").textContent = target.limits.length ? `Limits of ${name}, ${how}:` : `${name} has no limits.`;
     const found = design === null && target.limits.some(({ judged: one }) => one) ? judge.scenarios(target, point) : [];
@@ -97,7 +113,7 @@ function startWhatIf(root) {
       const { value, room, words: said_ } = verdict(limit, found), row = document.createElement("li");
       row.className = said_ === "broken" ? "bad" : said_.startsWith("not") ? "soft" : "good";
       Object.assign(row.dataset, { limit: limit.text, verdict: said_, value: String(value), room: String(room) });
-      row.textContent = `${limit.words}: ${value === null ? "" : `${said(value, limit.units, 5)}, `}${said_}`.replaceAll(" %", "\u00a0%");
+      row.textContent = `${limit.words}: ${value === null ? "" : `${said(value, limit.units, 3)}, `}${said_}`.replaceAll(" %", "\u00a0%");
       return row;
     }));
     root.querySelectorAll("button[data-case]").forEach((button, k) => button.setAttribute("aria-pressed", String(k === chosen)));

@@ -1,0 +1,40 @@
+"""What does not couple is not told: fields of a study, and the quantities that measure them."""
+
+import xarray as xr
+
+from workflow.study import coupling
+from workflow.study.model import Study, load
+
+QUICKSTART = load("config/quickstart.yaml")
+
+
+def made_of(**fixed: str | float) -> Study:
+    """The quickstart of something else, without its designs."""
+    factors = {name: one for name, one in QUICKSTART.factors.items() if name not in ("volume_fraction", "charge")}
+    return QUICKSTART.model_copy(update={"fixed": fixed, "factors": factors, "design": {}})
+
+
+def test_a_field_needs_a_material_that_couples_to_it_or_a_charge() -> None:
+    assert coupling.fields(QUICKSTART) == {"electric", "magnetic"}
+    assert coupling.fields(made_of(material="PZT-4")) == {"electric"}
+    assert coupling.fields(made_of(material="CoFe2O4")) == {"magnetic"}
+    assert coupling.fields(made_of(composite="AlScN", scandium_fraction=0.3)) == {"electric"}
+    assert coupling.fields(made_of(material="glass")) == set()
+    assert coupling.fields(made_of(material="glass", charge=1e-6)) == {"electric"}
+    assert coupling.fields(load("config/parametric.yaml")) == {"electric", "magnetic"}
+
+
+def test_quantities_of_a_field_that_is_none_are_not_told_unless_they_are_asked_for() -> None:
+    study = made_of(material="PZT-4")
+    told = coupling.told(study)
+    assert {"voltage", "peak_pressure", "stroke_per_volt"} <= set(told)
+    assert not {"magnetic_potential", "flux_sensitivity", "stroke_per_ampere", "permeance"} & set(told)
+    asked = study.surrogate.model_copy(update={"outputs": ["depth", "magnetic_potential"]})
+    assert coupling.told(study.model_copy(update={"surrogate": asked})) == ["depth", "magnetic_potential"]
+    assert coupling.told(QUICKSTART) == QUICKSTART.outputs
+
+
+def test_a_file_keeps_the_fields_that_a_study_has() -> None:
+    units = {"stress_xx": "Pa", "magnetic_induction_y": "T", "electric_displacement_y": "C m-2"}
+    data = xr.Dataset({name: ((), 1.0, {"units": unit}) for name, unit in units.items()})
+    assert list(coupling.kept(data, {"electric"})) == ["stress_xx", "electric_displacement_y"]

@@ -1,0 +1,99 @@
+"""Tornado charts: what moves a quantity, the strongest first; plain SVG, for figures and inside the page."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from markupsafe import escape
+
+from workflow.report.svg import ACCENT, INK, PAPER, SOFT
+
+_WIDE, _ROW, _HEAD, _LEFT, _RIGHT = 460, 22, 30, 168, 84  # pixels: of all, of a bar, of a title, beside the bars
+_THICK = 14
+
+
+@dataclass(frozen=True)
+class Bar:
+    """What one factor does to a quantity.
+
+    Attributes
+    ----------
+    name, title
+        The factor, and the same in words.
+    low, high
+        Ends of the bar, in the unit of its chart.
+    told
+        The same in words.
+    inner
+        Up to where the bar is dark, as the share that a factor explains alone.
+    """
+
+    name: str
+    title: str
+    low: float
+    high: float
+    told: str
+    inner: float | None = None
+
+    @property
+    def effect(self) -> float:
+        """Length of the bar, by which a chart is sorted."""
+        return abs(self.high - self.low)
+
+
+@dataclass(frozen=True)
+class Chart:
+    """The bars of one quantity, the longest first.
+
+    Attributes
+    ----------
+    name, title
+        The quantity, and the same in words.
+    bars
+        The longest first.
+    """
+
+    name: str
+    title: str
+    bars: tuple[Bar, ...]
+
+    @classmethod
+    def of(cls, name: str, title: str, bars: Sequence[Bar]) -> "Chart":
+        """The chart of some bars, in any order."""
+        return cls(name, title, tuple(sorted(bars, key=lambda bar: -bar.effect)))
+
+
+def draw(charts: Sequence[Chart]) -> str:
+    """All charts below each other, as SVG."""
+    heights = [_HEAD + _ROW * len(chart.bars) + 12 for chart in charts]
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDE} {sum(heights)}" font-size="13" '
+        f'font-family="DejaVu Sans, sans-serif">',
+        f'<rect width="{_WIDE}" height="{sum(heights)}" fill="{PAPER}"/>',
+    ]
+    for k, chart in enumerate(charts):
+        parts += _chart(chart, sum(heights[:k]))
+    return "\n".join([*parts, "</svg>"]) + "\n"
+
+
+def _chart(chart: Chart, top: int) -> list[str]:
+    low, high = min(bar.low for bar in chart.bars), max(bar.high for bar in chart.bars)
+    span = (high - low) or 1.0
+
+    def place(value: float) -> float:
+        return _LEFT + (_WIDE - _LEFT - _RIGHT) * (value - low) / span
+
+    parts = [f'<text x="12" y="{top + 19}" fill="{INK}" font-weight="600">{escape(chart.title)}</text>']
+    for k, bar in enumerate(chart.bars):
+        y = top + _HEAD + _ROW * k
+        start, end = place(bar.low), max(place(bar.high), place(bar.low) + 1)
+        parts.append(f'<text x="{_LEFT - 8}" y="{y + 12}" fill="{INK}" text-anchor="end">{escape(bar.title)}</text>')
+        light = f'<rect class="bar" data-factor="{escape(bar.name)}" x="{start:.1f}" y="{y}" width="{end - start:.1f}"'
+        parts.append(f'{light} height="{_THICK}" fill="{ACCENT}" fill-opacity="0.45"/>')
+        if bar.inner is not None:
+            wide = place(bar.inner) - start
+            parts.append(f'<rect x="{start:.1f}" y="{y}" width="{wide:.1f}" height="{_THICK}" fill="{ACCENT}"/>')
+        parts.append(f'<text x="{end + 5:.1f}" y="{y + 12}" fill="{SOFT}" font-size="11">{escape(bar.told)}</text>')
+    if low < 0 <= high:
+        bottom = top + _HEAD + _ROW * len(chart.bars)
+        parts.append(f'<path d="M{place(0):.1f} {top + _HEAD - 4} V{bottom}" stroke="{INK}" fill="none"/>')
+    return parts

@@ -1,0 +1,71 @@
+"""What moves what, the strongest first: the data of tornado charts and of the sentences above them."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from workflow.design.verdict.answer import Answer
+from workflow.language import titles
+from workflow.language.numbers import number
+from workflow.report.figures.tornado import Bar, Chart
+from workflow.study.categories import titled
+
+_LEAST = 0.1  # percent that are told
+
+
+def sensitivities(sensitivity: xr.Dataset, outputs: Sequence[str]) -> list[Chart]:
+    """Total Sobol' indices of some outputs, in percent of the variance, dark what a factor explains alone.
+
+    Parameters
+    ----------
+    sensitivity
+        ``total`` and ``first_order`` over output and input.
+    outputs
+        As the surrogate calls them, ``quantity`` or ``quantity[names]``.
+    """
+    found = []
+    for output in outputs:
+        own, bars = sensitivity.sel(output=output), []
+        for name in map(str, own["input"].values):
+            total, alone = (100 * float(own[key].sel(input=name)) for key in ("total", "first_order"))
+            told = f"{number(total, 2)} %" if total >= _LEAST else f"< {number(_LEAST, 1)} %"
+            bars.append(Bar(name, titles.title(name), 0.0, total, told, min(max(alone, 0.0), total)))
+        found.append(Chart.of(output, titled(output), bars))
+    return found
+
+
+def elasticities(answer: Answer) -> list[Chart]:
+    """What 1 % more of each variable changes of every goal and limit, in percent, exact."""
+    charts = []
+    for k, term in enumerate(answer.terms):
+        known = [(one, one.sensitivity.elasticity[k]) for one in answer.variables if one.sensitivity.elasticity]
+        bars = [
+            Bar(one.name, one.title, min(value, 0.0), max(value, 0.0), f"{number(value, 2)} %")
+            for one, value in known
+            if np.isfinite(value)
+        ]
+        charts.append(Chart.of(term.name, term.title, bars))
+    return [chart for chart in charts if chart.bars]
+
+
+def spans(rows: Sequence[Mapping[str, Any]]) -> list[Chart]:
+    """From where to where each factor of a parametric study takes each quantity of its summary.
+
+    Parameters
+    ----------
+    rows
+        As `workflow.report.tables.effects` gives them: ``name`` of a factor, and ``spans`` by quantity.
+    """
+    found = []
+    for quantity in dict.fromkeys(name for row in rows for name in row["spans"]):
+        bars = [
+            Bar(row["name"], f"{titles.title(row['name'])}", low, high,
+                " to ".join(titles.value(quantity, end, 3) for end in (low, high)))
+            for row in rows
+            if quantity in row["spans"]
+            for low, high in [row["spans"][quantity]]
+        ]  # fmt: skip
+        found.append(Chart.of(quantity, titles.title(quantity), bars))
+    return found

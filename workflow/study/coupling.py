@@ -1,0 +1,107 @@
+"""Which fields a study's cases have: those to which a material in use couples, or of which a punch has a charge."""
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+
+from solver import Material, find
+from solver.film.stack import RIGID
+from solver.names import ALL_QUANTITIES, CHOICES, MIXTURES
+from workflow.study.categories import output, parted
+from workflow.study.contents import Contents
+
+Field = Literal["electric", "magnetic"]
+
+#: Constants by which a material couples a field to its deformation, or to the other field.
+_COUPLING: dict[Field, tuple[str, ...]] = {
+    "electric": ("e31", "e33", "e15", "g11", "g33"),
+    "magnetic": ("f31", "f33", "f15", "g11", "g33"),
+}
+#: Symbols of units in which a field is measured.
+_SYMBOLS: dict[Field, frozenset[str]] = {
+    "electric": frozenset({"C", "V", "F"}),
+    "magnetic": frozenset({"A", "T", "Wb", "H"}),
+}
+_SYMBOL = re.compile(r"[A-Za-z]+")
+
+
+def fields_of(units: str) -> frozenset[Field]:
+    """The fields that a unit measures; none of a length or a stress.
+
+    Examples
+    --------
+    >>> sorted(fields_of("V m N-1")), sorted(fields_of("N m-1 A-1")), sorted(fields_of("Pa"))
+    (['electric'], ['magnetic'], [])
+    """
+    symbols = set(_SYMBOL.findall(units))
+    return frozenset(field for field, own in _SYMBOLS.items() if symbols & own)
+
+
+def fields(study: Contents) -> frozenset[Field]:
+    """The fields of a study's cases: those to which some material in use couples, or of which a punch has a charge."""
+    found = {field for material in materials(study) for field in _COUPLING if couples(material, field)}
+    given = _given(study)
+    if "AlScN" in given.get("composite", []) or any(layer.composite == "AlScN" for layer in study.body):
+        found.add("electric")
+    for field, charge in zip(_COUPLING, study.kind.loads.charges, strict=True):
+        if charge in study.factors or any(one not in (0.0, None) for one in given.get(charge, [])):
+            found.add(field)
+    return frozenset(found)
+
+
+def couples(material: Material, field: Field) -> bool:
+    """Whether a material couples a field to its deformation or to the other field."""
+    return any(np.any(np.nan_to_num(getattr(material, name))) for name in _COUPLING[field])
+
+
+def told(study: Contents) -> list[str]:
+    """The surrogate's quantities that are of a field of the study, or of none, or that the study names itself."""
+    own = quantities(study)
+    return [name for name in study.outputs if name in own]
+
+
+def quantities(study: Contents) -> frozenset[str]:
+    """The same of all quantities that there are."""
+    asked = {parted(name)[0] for name in study.of_interest if study.design} | set(study.surrogate.outputs)
+    asked |= {name for one in study.readout.values() for name in one.measured}
+    own = fields(study)
+    return frozenset(name for name, one in ALL_QUANTITIES.items() if name in asked or fields_of(one.units) <= own)
+
+
+def outputs(study: Contents) -> list[str]:
+    """The same as the surrogate calls them, of every combination of the categories."""
+    own = told(study)
+    return [output(name, kinds) for kinds in study.combinations for name in own]
+
+
+def kept(data: xr.Dataset, own: Collection[str]) -> xr.Dataset:
+    """Fields or quantities of a file without those that measure another field than the study's own."""
+    units = {name: str(array.attrs.get("units", "1")) for name, array in data.data_vars.items()}
+    return data.drop_vars([name for name, unit in units.items() if not fields_of(unit) <= set(own)])
+
+
+def materials(study: Contents) -> list[Material]:
+    """Every material that some case of a study is made of, each once."""
+    given = _given(study)
+    names = [*given.get("material", []), *(layer.material for layer in study.body)]
+    composites = [*given.get("composite", []), *(layer.composite for layer in study.body)]
+    baseline = study.effects.baseline if study.effects else {}
+    if not composites and not study.body and "material" not in {**study.fixed, **study.categories, **baseline}:
+        composites = [CHOICES["composite"][0]]
+    phases = study.phases if any(one in MIXTURES for one in composites) else []
+    known = dict.fromkeys([*names, *given.get("base", []), *phases])
+    return [find(str(name), study.own_materials) for name in known if name and name != RIGID]
+
+
+def _given(study: Contents) -> dict[str, list[float | str]]:
+    """What each factor or category takes by name or as a number, beside the ranges of a factorial."""
+    found: dict[str, list[float | str]] = {}
+    parts: list[Mapping[str, float | str | Sequence[float | str]]] = [study.fixed, study.categories]
+    if study.effects:
+        parts += [study.effects.baseline, study.effects.film, study.effects.vary]
+    for name, value in (pair for part in parts for pair in part.items()):
+        found.setdefault(name, []).extend([value] if isinstance(value, str | float | int) else value)
+    return found
