@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 import solver
+from docs import elements
 from verification.cases import constants
 from verification.oracles.fem_film import Layer
 from verification.oracles.fem_point import PointContact
+from workflow.run.provenance import ROOT
 
 BTO = solver.find("BaTiO3")
 LAYER = Layer(constants(BTO) | {"c12": float(BTO.c12)}, 1e-4)
@@ -32,3 +34,12 @@ def test_little_air_changes_little() -> None:
     bare, little, air = (contact(0.0, permittivity) for permittivity in (0.0, 1e-6, 1.0))
     np.testing.assert_allclose(little.voltage, bare.voltage, rtol=1e-6)
     assert abs(air.voltage) < 0.9 * abs(bare.voltage)
+
+
+def test_the_page_on_other_codes_has_what_elements_need() -> None:
+    page = (ROOT / "docs/others.md").read_text(encoding="utf-8")
+    for order in (2, 4, 6):  # of 5 that the page tells
+        unknowns, value, error, _ = elements.row(order)
+        assert f"| {order} | {unknowns:,} | {value:.6f} | " in page
+        assert f" | {error:.0e} | " in next(line for line in page.splitlines() if line.startswith(f"| {order} | "))
+    assert f"{elements.exact() * 1e12:.6f} pC/N" in page
