@@ -79,6 +79,11 @@ def group(file: str) -> str:
     return next((run for run, files in FILES.items() if file in files), file)
 
 
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """One worker more than there are cores: what waits for the programs that it starts leaves a core idle."""
+    return (os.cpu_count() or 1) + 1
+
+
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """Hand out groups in the place of xdist's files; another `--dist` stays what it is."""
     if config.getvalue("dist") != "loadfile":

@@ -76,6 +76,8 @@ class GaussianProcess(Physical, Predictive):
     >>> bool((lower < upper).all()), model.calibrated, model.distribution.cases
     (True, True, 300)
     >>> model.check_level(0.9)
+    >>> model.calibrate_under(cases, np.stack([cases.x, cases.y - 1])).calibrated  # by inputs of another
+    True
     >>> model.only(["g"]).outputs_, model.thinned({"f": 1e-3}).outputs_, model.uncalibrated().calibration_
     (('g',), ('f', 'g'), None)
     """

@@ -219,7 +219,7 @@ def test_edits_rerun_exactly_what_depends_on_them(again: Project) -> None:
     }  # fmt: skip
     cards = {"provenance", "report"}
     effects = {"effect", "figure_effect", "interior", "figure_interior"}
-    study, template = "config/small.yaml", "workflow/report/templates/report.html.j2"
+    study, template = "config/small.yaml", "workflow/report/templates/study.html.j2"
     expected: dict[tuple[str, str, str], set[str]] = {
         (study, "A small study", "A smaller study"): {"card"} | cards,
         (study, "trailing_tension <= 1 MPa", "trailing_tension <= 2 MPa"): {

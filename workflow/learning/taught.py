@@ -201,7 +201,7 @@ def _open(told: dict[str, Any]) -> list[str]:
     found = [
         f"a discrepancy of {one['output']} ({odds_said(one['odds'])})"
         for one in told["discrepancies"]
-        if 1 / UNSEEN < one["odds"] <= REAL
+        if UNSEEN <= one["odds"] <= REAL
     ]
     found += [
         f"errors of {one['output']} {one['times_stated']:.2g} times those stated"
@@ -209,7 +209,7 @@ def _open(told: dict[str, Any]) -> list[str]:
         if one["low"] <= LARGER < one["times_stated"]
     ]
     own = told.get("single_constants_off")
-    if own and 1 / UNSEEN < own["odds"] <= REAL:
+    if own and UNSEEN <= own["odds"] <= REAL:
         found.append(f"{own['what']} ({odds_said(own['odds'])})")
     return found
 

@@ -81,6 +81,7 @@ def test_disc_on_a_bonded_layer_is_hayes() -> None:
         assert factor == pytest.approx(exact, rel=4e-6)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("conducts", [(True, True), (True, False), (False, True), (False, False)])
 @pytest.mark.parametrize(("exponent", "coefficient"), [(2.0, 100.0), (1.0, 0.1), (0.0, 5e-5), (4.0, 1e9)])
 def test_film_of_its_base_s_own_material_is_the_closed_form(
