@@ -5,6 +5,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from tests.faults.conftest import REPORT, RESULTS, TINY, contents
 from tests.faults.processes import jobs, start
 from tests.workflow.conftest import Project
@@ -33,6 +35,7 @@ def test_neither_a_second_run_nor_an_edit_of_the_study_disturbs_the_first(tiny: 
     assert contents(project) == contents(undisturbed)
 
 
+@pytest.mark.soak  # bytes of runs at once: also the test above
 def test_other_studies_run_beside_it(tiny: Maker, undisturbed: Project) -> None:
     project = tiny("others")
     (project.folder / "config/other.yaml").write_text(TINY, encoding="utf-8")

@@ -1,6 +1,7 @@
 """The sections of the page in its order: when each stands, its figures and how the contents name it.
 
-What a section shows is its piece of template, ``templates/<name>.html.j2``; page and rules loop over this registry.
+What a section shows is its piece of template, named in full: a job depends on the data files that its modules name.
+Page and rules loop over this registry.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,8 +24,8 @@ class Section:
 
     Attributes
     ----------
-    name
-        Of its template, and its anchor.
+    template
+        File of its piece, in ``templates/``.
     title
         In the contents.
     stands
@@ -35,11 +36,16 @@ class Section:
         Anchors and titles, where it has others than its own.
     """
 
-    name: str
+    template: str
     title: str
     stands: Callable[[Page], object]
     figures: Callable[[Study], list[str]] = _no_figures
     links: Callable[[Page], list[tuple[str, str]]] | None = None
+
+    @property
+    def name(self) -> str:
+        """Its anchor."""
+        return self.template.partition(".")[0]
 
     def anchors(self, page: Page) -> list[tuple[str, str]]:
         """Anchors and titles of the contents."""
@@ -84,10 +90,10 @@ PARTS = (
     Part(
         "answer",
         (
-            Section("whatif", "What if", lambda page: page["whatif"]),
-            Section("design", "Designs", lambda page: page["designs"]),
+            Section("whatif.html.j2", "What if", lambda page: page["whatif"]),
+            Section("design.html.j2", "Designs", lambda page: page["designs"]),
             Section(
-                "readout",
+                "readout.html.j2",
                 "Read-out",
                 lambda page: page["readouts"],
                 lambda study: [f"readout_{name}" for name in study.readout],
@@ -97,20 +103,20 @@ PARTS = (
     Part(
         "physics",
         (
-            Section("study", "Study", lambda page: page["study"].factors or page["effects"]),
+            Section("study.html.j2", "Study", lambda page: page["study"].factors or page["effects"]),
             Section(
-                "sensitivity",
+                "sensitivity.html.j2",
                 "What matters",
                 lambda page: page["dataset"],
                 _of_factorial("sensitivity", "main_effects"),
             ),
             Section(
-                "dataset",
+                "dataset.html.j2",
                 "Data set",
                 lambda page: page["dataset"],
                 lambda study: ["fields"] if study.factors and study.stores_fields else [],
             ),
-            Section("effects", "Effects", lambda page: page["effects"], effects),
+            Section("effects.html.j2", "Effects", lambda page: page["effects"], effects),
         ),
         "Physics",
     ),
@@ -118,28 +124,28 @@ PARTS = (
         "evidence",
         (
             Section(
-                "measurements",
+                "measurements.html.j2",
                 "Measurements",
                 lambda page: page["measurements"],
                 lambda study: ["measurements"] if study.measurements else [],
             ),
             Section(
-                "verification",
+                "verification.html.j2",
                 "Verification",
                 lambda page: page["verification"],
                 lambda study: [f"convergence_{group}" for group in CONVERGING if study.verification],
                 lambda page: [(key, group["title"]) for key, group in page["verification"]["groups"].items()],
             ),
-            Section("speed", "Time", lambda page: page["verification"]),
+            Section("speed.html.j2", "Time", lambda page: page["verification"]),
             Section(
-                "surrogate",
+                "surrogate.html.j2",
                 "Surrogate",
                 lambda page: page["dataset"],
                 _of_factorial("decay", "errors", "residuals", "intervals"),
             ),
-            Section("surface", "Fields", lambda page: page["surface"]),
-            Section("time", "Time", lambda page: page["dataset"]),
-            Section("provenance", "Provenance", lambda _: True),
+            Section("surface.html.j2", "Fields", lambda page: page["surface"]),
+            Section("time.html.j2", "Time", lambda page: page["dataset"]),
+            Section("provenance.html.j2", "Provenance", lambda _: True),
         ),
         "Evidence",
         "open a line for its proof",

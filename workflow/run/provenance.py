@@ -13,6 +13,7 @@ from pathlib import Path
 from storage.files import write_text
 from storage.sealed import sha256
 from workflow.run import crate
+from workflow.run.sources import DATA
 from workflow.run.sources import ROOMS as ROOMS
 from workflow.run.sources import ROOT as ROOT
 
@@ -98,16 +99,16 @@ def _room(room: str) -> list[Path]:
 
 @cache
 def _data(room: str) -> list[Path]:
-    return [file for file in _room(room) if file.suffix in (".toml", ".j2", ".js")]
+    return [file for file in _room(room) if file.suffix in DATA]
 
 
 @cache
 def _named(path: Path) -> tuple[frozenset[Path], frozenset[Path]]:
-    """Modules and data files of the rooms that one module names."""
-    text = path.read_text(encoding="utf-8")
-    return frozenset(_used(text)), frozenset(
-        data for data in _data(path.relative_to(ROOT).parts[0]) if data.name in text
-    )
+    """Modules and data files of the rooms that one module names, and what the templates among these name."""
+    text, every = path.read_text(encoding="utf-8"), _data(path.relative_to(ROOT).parts[0])
+    data = {one for one in every if one.name in text}
+    shown = "".join(one.read_text(encoding="utf-8") for one in data if one.suffix == ".j2")
+    return frozenset(_used(text)), frozenset(data | {one for one in every if one.name in shown})
 
 
 def _used(text: str) -> Iterator[Path]:

@@ -13,7 +13,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("approximation", "storage", "solver", "surrogate", "workflow", "verification")
 
-_DATA = (".toml", ".j2", ".js")
+#: Endings of the data files that a job may read beside its modules.
+DATA = (".toml", ".j2", ".js", ".css")
 
 
 class ChangedError(RuntimeError):
@@ -38,7 +39,7 @@ def used(script: str) -> set[Path]:
     found = {file for path in (Path(script), *paths) if rooms & set((file := path.resolve()).parents)}
     folders = {file.parent for file in found}
     beside = [data for folder in folders for part in ("*", "templates/*") for data in folder.glob(part)]
-    return found | {data for data in beside if data.suffix in _DATA}
+    return found | {data for data in beside if data.suffix in DATA}
 
 
 def check(planned: Mapping[str, str], script: str) -> None:

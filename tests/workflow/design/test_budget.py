@@ -323,6 +323,7 @@ design:
 """
 
 
+@pytest.mark.soak  # a run of its own for what the tests above ask in this process
 def test_from_the_study_to_the_answer_and_the_command(copy: Callable[[str], Project]) -> None:
     project = copy("cracks")
     (project.folder / "config" / "cracks.yaml").write_text(CRACKS, encoding="utf-8")
