@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from surrogate import GaussianProcess
 from surrogate.data.measurements import Measurements
+from workflow.study import categories
 
 Array = NDArray[np.float64]
 
@@ -53,7 +54,7 @@ class Instrument:
 
     def measures(self, model: GaussianProcess, rows: Measurements) -> NDArray[np.bool_]:
         """Which measured values it has read, (n,)."""
-        names = [name.partition("[")[0] for name in model.outputs_]
+        names = [categories.parted(name)[0] for name in model.outputs_]
         return np.array([names[q] == self.quantity for q in rows.output.tolist()], np.bool_)
 
 

@@ -14,6 +14,7 @@ from surrogate.data.measurements import Measurements
 from surrogate.transforms.measured.corrected import CorrectedGP
 from surrogate.use import planning
 from workflow.learning.instruments import Instrument, shown
+from workflow.study import categories
 from workflow.study.reading import InputError
 
 Array = NDArray[np.float64]
@@ -77,7 +78,7 @@ def check(
     for name in wanted:
         if name not in known:
             raise InputError(f"--for: {name!r} is not among the unknowns {', '.join(known)}")
-    quantities = dict.fromkeys(name.partition("[")[0] for name in model.outputs_)
+    quantities = dict.fromkeys(categories.parted(name)[0] for name in model.outputs_)
     for name in errors:
         if name not in quantities:
             raise InputError(f"--errors: {name!r} is none of {', '.join(quantities)}")
@@ -148,7 +149,7 @@ def plan(
 def _outputs(model: CorrectedGP, errors: Mapping[str, tuple[float, float]]) -> dict[int, tuple[float, float]]:
     """Outputs that can be measured, by number, with the absolute part and the share of their errors."""
     if errors:
-        quantities = [name.partition("[")[0] for name in model.outputs_]
+        quantities = [categories.parted(name)[0] for name in model.outputs_]
         return {q: errors[name] for q, name in enumerate(quantities) if name in errors}
     found, rows = {}, model.rows_
     for q in rows.outputs:
