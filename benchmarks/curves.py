@@ -85,7 +85,7 @@ def grid(base: str, region: str, counts: Sequence[int]) -> xr.Dataset:
     parts = [
         solved(base, region, (v, f), loads, np.stack(charges, -1)) for v in axes[0].tolist() for f in axes[1].tolist()
     ]
-    names = [one.name for one in inputs(base)]
+    names = [input_.name for input_ in inputs(base)]
     data = xr.Dataset(coords=dict(zip(names, axes, strict=True)))
     for name in parts[0]:
         whole = np.stack([part[name] for part in parts])
@@ -142,7 +142,7 @@ def compared(base: str, region: str, counts: Sequence[int], cases: xr.Dataset, e
     fitted_in = process_time() - start
     names = list(_OUTPUTS[region])
     plain = GridGP(inputs=inputs(base), outputs=names).fit(data[names])
-    X = np.stack([cases[one.name].values for one in inputs(base)], axis=1)
+    X = np.stack([cases[input_.name].values for input_ in inputs(base)], axis=1)
     exact = np.stack([cases[name].values for name in names], axis=1)
     spread = np.ptp(exact, axis=0)
     out: dict[str, Any] = {

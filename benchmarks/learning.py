@@ -98,7 +98,7 @@ def logs(z: Array) -> Array:
 def slopes(X: Array, z: Array) -> Array:
     """Derivatives of the outputs by all scaled constants, (n, 4, 12)."""
     steps = 1e-5 * np.eye(12)
-    return np.stack([(model(X, logs(z + one)) - model(X, logs(z - one))) / 2e-5 for one in steps], -1)
+    return np.stack([(model(X, logs(z + step)) - model(X, logs(z - step))) / 2e-5 for step in steps], -1)
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ def measure(tolerance: float = 1e-3, path: str | Path = ROOT / "config" / "two_l
     study = study.model_copy(
         update={"validation": study.validation.model_copy(update={"tolerance": tolerance, "cases": _FRESH})}
     )
-    box = {one.name: one for one in factorial.inputs(study)}
+    box = {input_.name: input_ for input_ in factorial.inputs(study)}
     random = np.random.default_rng(1)
     fresh = random.uniform(-1, 1, (_FRESH, len(study.crossed)))
     start = process_time()
@@ -84,7 +84,9 @@ def blocks(study: Study, cases: xr.Dataset) -> Array:
     """Cases as blocks, (n, b, p)."""
     whole = [name for name in study.factors if name not in study.crossed]
     arrays = xr.broadcast(*(cases[name] for name in study.outputs))
-    return np.stack([one.transpose("place", *whole).values.reshape(one.sizes["place"], -1) for one in arrays], axis=-1)
+    return np.stack(
+        [array.transpose("place", *whole).values.reshape(array.sizes["place"], -1) for array in arrays], axis=-1
+    )
 
 
 if __name__ == "__main__":

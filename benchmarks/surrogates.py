@@ -187,7 +187,7 @@ def _asker(inputs: list[Input]) -> Callable[[Any, Array, bool], tuple[Array, Arr
 
 
 def _row(entry: Entry, inputs: list[Input], fresh: xr.Dataset) -> dict[str, Any]:
-    X, truth = np.stack([fresh[one.name].values for one in inputs], axis=1), _stacked(fresh)
+    X, truth = np.stack([fresh[input_.name].values for input_ in inputs], axis=1), _stacked(fresh)
     over = np.ptp(truth, axis=0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a bound met, a variance at zero: the rivals' own affair

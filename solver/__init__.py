@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from solver.face.curves import solve_curves
     from solver.face.interior import solve_interior
-    from solver.face.refusal import FactorError
+    from solver.face.refusal import CaseError, FactorError
     from solver.face.solution import solve
     from solver.film.grading import Graded
     from solver.film.stack import Layer, Stack
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from solver.material.library import find, materials
 
 __all__ = [
+    "CaseError",
     "FactorError",
     "Graded",
     "Layer",
@@ -40,6 +41,7 @@ __all__ = [
 
 # imported when asked for: a job that needs only `solver.names` is often shorter than the imports of the solution
 _MODULES = {
+    "CaseError": "face.refusal",
     "FactorError": "face.refusal",
     "Graded": "film.grading",
     "Layer": "film.stack",

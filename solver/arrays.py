@@ -35,6 +35,18 @@ def dot(one: Array, two: Array) -> Array:
     return np.asarray(np.einsum("...i,...i", one, two))
 
 
+def distinct_rows(rows: Array) -> tuple[Array, NDArray[np.intp]]:
+    """Rows that differ, sorted, and which of them each row is; (distinct, n) and (row,).
+
+    Only columns that vary are sorted: of many cases of one body, none.
+    """
+    varying = np.flatnonzero(np.any(rows != rows[:1], axis=0))
+    if not varying.size:
+        return rows[:1], np.zeros(len(rows), dtype=np.intp)
+    _, first, which = np.unique(rows[:, varying], axis=0, return_index=True, return_inverse=True)
+    return rows[first], which.ravel()
+
+
 def column(values: Array) -> Array:
     """Values of the case axes (...) as (..., 1, 1), to multiply matrices."""
     return values[..., None, None]

@@ -43,7 +43,7 @@ class Factor:
 class Described:
     """Unit and meaning of an output, and what one must know to use it.
 
-    ``on_datum``: it hangs on the datum of a half-plane; ``on_punch``: along a line also on that of an elastic punch.
+    ``on_datum``: it depends on the datum of a half-plane; ``on_punch``: along a line also on that of an elastic punch.
     ``sparse``: it is NaN in a case that has none.
     ``formula``: how it follows from smoother ones, in the language of designs.
     """
@@ -90,7 +90,7 @@ def _on_datum(units: str, long_name: str, *, on_punch: bool = False) -> Describe
 
 
 _DATUM = (
-    "hangs on the datum, an arbitrary length: displacements and potentials of a half-plane are logarithmic, and 0 on "
+    "depends on the datum, an arbitrary length: displacements and potentials of a half-plane are logarithmic, and 0 on "
     "its surface at this distance from the contact"
 )
 _OUTSIDE = (
@@ -121,6 +121,9 @@ FACTORS: dict[str, Factor] = {
     "gap_permittivity": Factor(
         "1", "relative permittivity of what fills the gap beside the contact", 1.0, 0.0, low_allowed=False
     ),
+    "gap_radius": Factor(
+        "m", "radius at which the gap beside a point contact ends", None, 0.0, low_allowed=False, optional=True
+    ),
     "thickness": Factor("m", "thickness of a film", None, 0.0, low_allowed=False, optional=True),
     "base_volume_fraction": Factor(
         "1", "volume fraction of phase one at the base of a graded film", None, 0.0, high=1.0, optional=True
@@ -128,10 +131,19 @@ FACTORS: dict[str, Factor] = {
     "grading_exponent": Factor("1", "exponent of a graded film's depth", None, 1.0, optional=True),
     "collector": Factor("1", "number of the electrode that is read, from the top", None, 1.0),
     "patch_size": Factor(
-        "m", "diameter of a disc, or width of a strip, of the electrode that is read", None, 0.0, low_allowed=False
+        "m",
+        "of the patch along x: diameter of a disc or ring, width of a strip or rectangle",
+        None,
+        0.0,
+        low_allowed=False,
     ),
+    "patch_hole": Factor("m", "inner diameter of a patch that is a ring", None, 0.0, low_allowed=False),
+    "patch_length": Factor("m", "of a patch that is a rectangle, across x", None, 0.0, low_allowed=False),
     "patch_position": Factor("m", "of the patch's middle from that of the contact", 0.0),
     "patch_pitch": Factor("m", "distance of the middles of neighbouring patches", None, 0.0, low_allowed=False),
+    "floating_neighbours": Factor(
+        "1", "number of strips that float on each side of that which is read, bare gaps between", None, 0.0, high=20.0
+    ),
     "base_modulus": Factor("Pa", "Young's modulus of a film's base", None, 0.0, low_allowed=False, optional=True),
     "base_poisson": Factor(
         "1",
@@ -171,13 +183,23 @@ CHOICES: dict[str, tuple[str, ...]] = {
     "magnetic": ("conducting", "insulating"),
     "surroundings": ("insulated", "air"),
     "electrode": ("none", "top"),
-    "patch": ("disc", "strip"),
+    "patch": ("disc", "strip", "ring", "rectangle"),
     "interface_electric": ("grounded", "bonded"),
     "interface_magnetic": ("grounded", "bonded", "insulated"),
 }
 
 #: Factors of the electrode that is read: all of it, or a patch of it and its neighbours.
-OF_AN_ELECTRODE = ("electrode", "collector", "patch", "patch_size", "patch_position", "patch_pitch")
+OF_AN_ELECTRODE = (
+    "electrode",
+    "collector",
+    "patch",
+    "patch_size",
+    "patch_hole",
+    "patch_length",
+    "patch_position",
+    "patch_pitch",
+    "floating_neighbours",
+)
 
 #: Factors that name materials.
 MATERIALS = ("material", "base", "punch")
@@ -185,8 +207,8 @@ MATERIALS = ("material", "base", "punch")
 #: Factors that say what the punch is made of: a name, or modulus and Poisson's ratio; without one it is rigid.
 OF_A_PUNCH = ("punch", "punch_modulus", "punch_poisson")
 
-#: What is beside a contact whose charges spread along the punch, and the factor that it alone has.
-AIR, OF_A_GAP = "air", "gap_permittivity"
+#: What is beside a contact whose charges spread along the punch, and the factors that it alone has.
+AIR, OF_A_GAP = "air", ("gap_permittivity", "gap_radius")
 
 #: Factors that only a film has: a case with a thickness. Its base is named or given by modulus and Poisson's ratio.
 OF_A_FILM = (
@@ -356,6 +378,12 @@ ELECTRODE_QUANTITIES: dict[str, Described] = {
     ),
 }
 
+#: Those of strips of it that float, below lines alone.
+STRIP_QUANTITIES: dict[str, Described] = {
+    "patch_capacitance": Described("F m-1", "of a strip beside strips that float, to all that is at zero volts"),
+    "patch_voltage_per_load": Described("V m N-1", "voltage per load of a strip that floats as its neighbours do"),
+}
+
 #: Quantities that a contact has where a gap beside it carries charge, in place of edge intensities.
 GAP_QUANTITIES: dict[str, Described] = {
     "capacitance_at_load": _on_datum("F m-1", "d charge / d voltage at fixed load and magnetic charge"),
@@ -438,7 +466,7 @@ LIMITED: dict[str, tuple[str, ...]] = {
 #: Every quantity of any body.
 ALL_QUANTITIES = {
     **EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **GAP_QUANTITIES, **POINT_QUANTITIES, **POINT_GAP_QUANTITIES,
-    **ELECTRODE_QUANTITIES,
+    **ELECTRODE_QUANTITIES, **STRIP_QUANTITIES,
 }  # fmt: skip
 
 #: Those that are searched for over a body.

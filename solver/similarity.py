@@ -37,7 +37,10 @@ FACTOR_WEIGHTS: dict[str, Weight] = {
     "total_flux": Weight(2.0, 1.0),
     "datum": _LENGTH,
     "thickness": _LENGTH,
+    "gap_radius": _LENGTH,
     "patch_size": _LENGTH,
+    "patch_hole": _LENGTH,
+    "patch_length": _LENGTH,
     "patch_position": _LENGTH,
     "patch_pitch": _LENGTH,
 }

@@ -83,7 +83,7 @@ class Unit:
         symbols = _alone(self.exponents) or self.symbols
         if len(symbols) > _FEW:
             symbols = _per_length(self.exponents) or symbols
-        ordered = [one for one in symbols if one[1] > 0] + [one for one in symbols if one[1] < 0]
+        ordered = [symbol for symbol in symbols if symbol[1] > 0] + [symbol for symbol in symbols if symbol[1] < 0]
         return " ".join(name if power == 1 else f"{name}{power}" for name, power in ordered) or "1"
 
 

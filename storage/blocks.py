@@ -4,7 +4,7 @@ The file that `write_blocks` makes is one of `storage.netcdf`: it appears whole 
 as if it had been written at once, and equal data give equal bytes.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from math import prod
 from os import PathLike
@@ -50,8 +50,8 @@ class RunningStatistics:
     high: float = -np.inf
 
     def add(self, values: NDArray[Any]) -> None:
-        """Take further numbers in; ValueError if one is not finite."""
-        flat = values.ravel()
+        """Take further numbers in, without those that are masked; ValueError if one is not finite."""
+        flat = values.compressed() if isinstance(values, np.ma.MaskedArray) else values.ravel()
         for begin in range(0, flat.size, _PORTION):
             part = flat[begin : begin + _PORTION]
             low, high = float(part.min()), float(part.max())
@@ -68,7 +68,9 @@ class RunningStatistics:
 
     @property
     def attrs(self) -> dict[str, Any]:
-        """As attributes of a variable; `actual_range` is CF's name."""
+        """As attributes of a variable; `actual_range` is CF's name. Of no number they are NaN."""
+        if not self.count:
+            return {"actual_range": [np.nan, np.nan], "mean": np.nan, "standard_deviation": np.nan}
         deviation = float(np.sqrt(max(self.squares, 0.0) / max(self.count, 1)))
         return {"actual_range": [self.low, self.high], "mean": self.mean, "standard_deviation": deviation}
 
@@ -80,13 +82,18 @@ class _Stored:
     variable: "netCDF4.Variable[Any]"
     digest: Any
     statistics: RunningStatistics = field(default_factory=RunningStatistics)
+    lacking: int = 0  # values that are masked
 
     def put(self, region: Region, values: NDArray[Any]) -> None:
-        """Write the values of the next region; ValueError if one is not finite."""
+        """Write the values of the next region, NaN where they are masked; ValueError if another is not finite."""
+        missing = np.ma.getmask(values)
         with np.errstate(over="ignore"):  # what is not finite is named below
-            values = np.ascontiguousarray(values, dtype=self.variable.dtype)
+            values = np.ascontiguousarray(np.ma.getdata(values), dtype=self.variable.dtype)
+        if missing is not np.ma.nomask:
+            values = np.where(missing, values.dtype.type(np.nan), values)
+            self.lacking += int(np.count_nonzero(missing))
         try:
-            self.statistics.add(values)
+            self.statistics.add(values if missing is np.ma.nomask else np.ma.masked_array(values, missing))
         except ValueError as error:
             raise ValueError(f"{self.variable.name}: {error}") from None
         self.variable[region] = values
@@ -94,7 +101,7 @@ class _Stored:
 
     def completed(self, attrs: Mapping[Any, Any]) -> str:
         """Write the statistics of all values; the digest of the variable, which has further attributes."""
-        count, size, own = self.statistics.count, self.variable.size, self.statistics.attrs
+        count, size, own = self.statistics.count + self.lacking, self.variable.size, self.statistics.attrs
         own["actual_range"] = np.array(own["actual_range"], dtype=self.variable.dtype)  # CF asks for the same type
         if count != size:
             raise ValueError(f"{self.variable.name}: {count} of {size} values given")
@@ -107,6 +114,7 @@ def write_blocks(
     frame: xr.Dataset,
     blocks: Iterable[tuple[Region, Mapping[str, NDArray[Any]]]],
     chunks: Mapping[str, int],
+    last: Callable[[], xr.Dataset] = xr.Dataset,
 ) -> None:
     """Write a data set to a netCDF-4 file in blocks; the file appears whole or not at all.
 
@@ -121,9 +129,12 @@ def write_blocks(
         (broadcast views will do).
     blocks : iterable of (region, values)
         Values of all variables in one region after the other, in C order: together they fill the arrays from their
-        first element to their last. A region has a slice for every axis that all variables share.
+        first element to their last. A region has a slice for every axis that all variables share. Masked values are
+        stored as NaN, and the statistics do not count them.
     chunks : mapping
         Length of a chunk along each dimension, at most.
+    last : callable
+        Gives, once all blocks are written, what follows them in the file; by default nothing.
 
     Raises
     ------
@@ -137,7 +148,7 @@ def write_blocks(
     frame = as_stored(frame.drop_encoding())
     frame.attrs |= standard(frame)
     with appearing(Path(path), sealed=True) as partial:
-        _write(partial, frame, blocks, chunks)
+        _write(partial, frame, blocks, chunks, last)
 
 
 def _write(
@@ -145,6 +156,7 @@ def _write(
     frame: xr.Dataset,
     blocks: Iterable[tuple[Region, Mapping[str, NDArray[Any]]]],
     chunks: Mapping[str, int],
+    last: Callable[[], xr.Dataset],
 ) -> None:
     skeleton = frame.drop_vars(list(frame.data_vars))
     skeleton.to_netcdf(partial, format="NETCDF4", engine="netcdf4", encoding=encodings(skeleton))
@@ -155,9 +167,16 @@ def _write(
         stored = {str(name): _created(file, str(name), frame[name], chunks) for name in frame.data_vars}
         for region, values in blocks:
             for name, output in stored.items():
-                output.put(region, np.asarray(values[name]))
+                output.put(region, np.asanyarray(values[name]))
         digests = {name: output.completed(frame[name].attrs) for name, output in stored.items()}
-        file.setncattr(CHECKSUM, combined(checksum_parts(skeleton) | digests, frame.attrs))
+        further = as_stored(last())
+        digests |= checksum_parts(skeleton) | checksum_parts(further)
+        if not further.variables:
+            file.setncattr(CHECKSUM, combined(digests, frame.attrs))
+            return
+    further.to_netcdf(partial, mode="a", format="NETCDF4", engine="netcdf4", encoding=encodings(further))
+    with netCDF4.Dataset(partial, "a") as file:
+        file.setncattr(CHECKSUM, combined(digests, frame.attrs))
 
 
 def _created(file: netCDF4.Dataset, name: str, array: xr.DataArray, chunks: Mapping[str, int]) -> _Stored:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from surrogate.gp.crossgp import CrossGP
     from surrogate.gp.gridgp import GridGP
     from surrogate.gp.scattergp import ScatterGP
+    from surrogate.transforms.boundedgp import BoundedGP
     from surrogate.transforms.curves.curvegp import CurveGP
     from surrogate.transforms.groupedgp import GroupedGP
     from surrogate.transforms.groups import Grouping
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from surrogate.use.estimator import FactorialRegressor
 
 __all__ = [
+    "BoundedGP",
     "CrossGP",
     "CurveGP",
     "FactorialRegressor",
@@ -41,6 +43,7 @@ __all__ = [
 
 # imported when asked for: scikit-learn, on which they stand, takes longer to import than most jobs take for their work
 _MODELS = {
+    "BoundedGP": "transforms.boundedgp",
     "CrossGP": "gp.crossgp",
     "CurveGP": "transforms.curves.curvegp",
     "FactorialRegressor": "use.estimator",

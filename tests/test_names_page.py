@@ -27,6 +27,7 @@ from solver.names import (
     POINT_SLIDING,
     PROFILES,
     QUANTITIES,
+    STRIP_QUANTITIES,
 )
 from workflow.cli.casetable import TEXT_FACTORS, read_cases
 from workflow.run.provenance import ROOT
@@ -84,7 +85,8 @@ def test_the_table_of_quantities_with_air_is_the_code_s() -> None:
 
 
 def test_the_table_of_an_electrode_s_quantities_is_the_code_s() -> None:
-    assert rows("of an electrode") == {name: [one.units, one.long_name] for name, one in ELECTRODE_QUANTITIES.items()}
+    every = ELECTRODE_QUANTITIES | STRIP_QUANTITIES
+    assert rows("of an electrode") == {name: [its.units, its.long_name] for name, its in every.items()}
 
 
 def test_the_table_of_a_point_s_quantities_is_the_code_s() -> None:

@@ -5,7 +5,7 @@ Each group gives its findings; pytest asserts them and the page of ``make run ST
 
 from collections.abc import Callable
 
-from verification import balance, digits, film_elements, films, finite_elements, integral_equations, limits
+from verification import balance, digits, film_air, film_elements, films, finite_elements, integral_equations, limits
 from verification.findings import Findings, Sizes
 
 #: The groups by name, those of ``workflow.study.model``, in the order of the page.
@@ -16,6 +16,7 @@ GROUPS: dict[str, Callable[[Sizes], Findings]] = {
     "finite_elements": finite_elements.run,
     "films": films.run,
     "film_elements": film_elements.run,
+    "film_air": film_air.run,
     "digits": digits.run,
 }
 

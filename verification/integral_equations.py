@@ -182,7 +182,10 @@ def _circle(surface: SurfaceResponse) -> list[float]:
     exact = solver.solve(case | {"profile": _polynomial(*slope)}, inside)
     half = float(exact.contact_trailing + exact.contact_leading) / 2
     solutions = (collocation.solve(replace(problem, terms=terms)) for terms in _CIRCLE_TERMS)
-    return [max(off(one.half_width, half), off(-one.tractions(inside)[0], exact.contact_pressure)) for one in solutions]
+    return [
+        max(off(solution.half_width, half), off(-solution.tractions(inside)[0], exact.contact_pressure))
+        for solution in solutions
+    ]
 
 
 def timing(name: str, surface: SurfaceResponse, sizes: Sizes) -> Timing:
@@ -202,14 +205,14 @@ def timing(name: str, surface: SurfaceResponse, sizes: Sizes) -> Timing:
     singles = [
         case | {key: float(values[i]) for key, values in varied.items()} for i in range(min(_TIMED, sizes.timed))
     ]
-    numerical = [partial(_collocated, name, one, terms, surface) for one in singles]
+    numerical = [partial(_collocated, name, single, terms, surface) for single in singles]
     whole = solver.solve(batch, X)
     worst = max(_difference(whole.isel(case=i), run_one()) for i, run_one in enumerate(numerical))
     return Timing(
         name,
         worst,
         _seconds(numerical) / len(singles),
-        _seconds([partial(solver.solve, one, X) for one in singles]) / len(singles),
+        _seconds([partial(solver.solve, single, X) for single in singles]) / len(singles),
         min(_seconds([partial(solver.solve, batch, X)]) for _ in range(3)) / sizes.timed,
     )
 

@@ -41,15 +41,7 @@ def difference(case: dict[str, Any], friction: float, cells: int) -> Difference:
 
     Force and charge are over those of the same grid at rest, so that only friction tells them apart.
     """
-    grounded = case | {"total_charge": float(solver.solve(case)["charge_sensitivity"]) * case["force"]}
-    at_rest = solver.solve(grounded)
-    a, depth = float(at_rest["contact_radius"]), float(at_rest["depth"])
-    top = solver.find(case["material"])
-    layered = "thickness" in case
-    body = solver.Stack([solver.Layer(top, case["thickness"])], case["base"]) if layered else top
-    slid, still = (
-        SlidingSphere(body, case["radius"], depth, eta, _BEYOND * a, cells).solved() for eta in (friction, 0.0)
-    )
+    grounded, a, (slid, still) = _on_grids(case, friction, cells)
     first = _moments(grounded | {"friction": friction}, a)
     return Difference(
         slid["force"] / still["force"] - 1,
@@ -57,6 +49,29 @@ def difference(case: dict[str, Any], friction: float, cells: int) -> Difference:
         slid["force_moment"] / first[0] - 1,
         slid["charge_moment"] / first[1] - 1,
     )
+
+
+def raised(case: dict[str, Any], friction: float, cells: int) -> tuple[float, float]:
+    """What friction adds to the largest pressure of a grounded ball over that at rest: on the grid, in first order."""
+    grounded, _, (slid, still) = _on_grids(case, friction, cells)
+    own = solver.solve(grounded | {"friction": np.array([friction, 0.0])})["peak_pressure"].values
+    return slid["peak_pressure"] / still["peak_pressure"] - 1, float(own[0] / own[1]) - 1
+
+
+def _on_grids(
+    case: dict[str, Any], friction: float, cells: int
+) -> tuple[dict[str, Any], float, tuple[dict[str, float], dict[str, float]]]:
+    """The case without voltage, its contact radius at rest [m], and grids at its depth: sliding and at rest."""
+    grounded = case | {"total_charge": float(solver.solve(case)["charge_sensitivity"]) * case["force"]}
+    at_rest = solver.solve(grounded)
+    a, depth = float(at_rest["contact_radius"]), float(at_rest["depth"])
+    top, base = solver.find(case["material"]), case.get("base", "rigid")
+    layers = [solver.Layer(top, case["thickness"])] if "thickness" in case else []
+    body = solver.Stack(layers, base if base == "rigid" else solver.find(base)) if layers else top
+    slid, still = (
+        SlidingSphere(body, case["radius"], depth, eta, _BEYOND * a, cells).solved() for eta in (friction, 0.0)
+    )
+    return grounded, a, (slid, still)
 
 
 def _moments(case: dict[str, Any], a: float) -> tuple[float, float]:

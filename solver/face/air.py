@@ -11,7 +11,6 @@ from solver.face.film import OnFilm
 from solver.face.filmbodies import Bodies, HalfPlanes
 from solver.face.halfplane import contact_of
 from solver.face.refusal import FactorError
-from solver.names import OF_A_GAP
 from solver.surroundings.quantities import quantities
 
 
@@ -29,7 +28,7 @@ class FilmInAir(OnFilm):
 
     def quantities(self) -> dict[str, Array]:
         """Those of ``solver.body.FILM_IN_AIR`` that every case has; (...)."""
-        permittivity = self.cases.number(OF_A_GAP)
+        permittivity = self.cases.number("gap_permittivity")
         return self._put_together(lambda films, places: quantities(films, self._chosen(permittivity, places)))
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:

@@ -6,13 +6,16 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.face.air import refuse_fields
-from solver.face.cases import Cases
-from solver.face.point import OnHalfSpace, OnPointFilm, OnPoints, with_nominal_field
-from solver.face.refusal import FactorError
+from solver.face.halfspace import OnHalfSpace
+from solver.face.point import OnPoints
+from solver.face.pointfilm import OnPointFilm, with_nominal_field
+from solver.face.refusal import CaseError
 from solver.film.windows import Indices
-from solver.names import OF_A_GAP
 from solver.point.pressed import Pressed
+from solver.point.sliding import warn_of_order
 from solver.surroundings.pointquantities import quantities
+
+_BESIDE = ("peak_displacement", "gap_field")
 
 
 class _InAir(OnPoints):
@@ -24,20 +27,33 @@ class _InAir(OnPoints):
         As without air; a punch or a body that the theory of air does not cover.
     """
 
-    def __init__(self, cases: Cases) -> None:
-        if np.any(cases.number("friction")):
-            raise FactorError("friction: of points with air beside them is not solved; must be 0")
-        super().__init__(cases)
-
     @np.errstate(all="ignore")  # what is not finite is named in the outputs
     def quantities(self) -> dict[str, Array]:
-        """Those of the kind that every case has; (...)."""
-        permittivity, end = self.flat(self.cases.number(OF_A_GAP)), self.flat(self.cases.number("radius"))
+        """Those of the kind that every case has, to the first order in friction; (...).
+
+        Friction moves what lies around the contact by its first order, which is not solved: largest values beside the
+        edge are then left out.
+        """
+        slides = bool(np.any(self._friction))
+        permittivity, end = self.flat(self.cases.number("gap_permittivity")), self.flat(self._end)
 
         def solved(pressed: Pressed, places: Indices) -> dict[str, Array]:
-            return with_nominal_field(quantities(pressed, permittivity[places], end[places]), pressed)
+            warn_of_order(pressed)
+            found = with_nominal_field(quantities(pressed, permittivity[places], end[places]), pressed)
+            if "gap_radius" in self.cases.values and np.any(narrow := found["contact_radius"] > end[places]):
+                raise CaseError(
+                    f"gap_radius: {end[places][narrow][0]:g} is less than the contact's radius "
+                    f"{found['contact_radius'][narrow][0]:.4g} m: the punch is at least as wide as its contact"
+                )
+            return {name: value for name, value in found.items() if not (slides and name in _BESIDE)}
 
         return self.put_together(solved)
+
+    @property
+    def _end(self) -> Array:
+        """Where the gaps end; a sphere's at its radius, unless said otherwise."""
+        said = self.cases.values.get("gap_radius", np.array(np.nan))
+        return np.asarray(np.where(np.isnan(said), self.cases.number("radius"), said))
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """None: fields of contacts with air beside them are not given."""

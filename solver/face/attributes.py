@@ -60,14 +60,14 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
         used = _kinds(arrays, "composite") or [str(defaults["composite"])]
         found["composite"] = ", ".join(str(one) for one in used)
     if "volume_fraction" in arrays:
-        found["phases"] = ", ".join(one.name if isinstance(one, Material) else one for one in phases)
+        found["phases"] = ", ".join(phase.name if isinstance(phase, Material) else phase for phase in phases)
     words = {name: f" {FACTORS[name].units}" for name in defaults if name in FACTORS and FACTORS[name].units != "1"}
     shown = {name: f"{value:g}" if isinstance(value, float) else value for name, value in defaults.items()}
     return {**found, "defaults": ", ".join(f"{name} = {text}{words.get(name, '')}" for name, text in shown.items())}
 
 
 def of_output(described: Described, arrays: Mapping[str, xr.DataArray], kinds: Sequence[Kind]) -> dict[str, str]:
-    """CF attributes of an output of cases of some kinds; what hangs on a datum says which ones they have."""
+    """CF attributes of an output of cases of some kinds; what depends on a datum says which ones they have."""
     attrs = _of_body(described, arrays, kinds)
     line = any(kind.contact == "line" for kind in kinds)
     if described.on_punch and line and not set(OF_A_PUNCH).isdisjoint(arrays):
@@ -121,7 +121,7 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
     contacts = {kind.contact for kind in kinds_present}
     unused = {name for contact, loads in CONTACTS.items() if contact not in contacts for name in loads.charges}
     unused |= set() if "line" in contacts else set(OF_A_LINE)
-    unused |= set() if any(kind.air for kind in kinds_present) else {OF_A_GAP}
+    unused |= set() if any(kind.air for kind in kinds_present) else {*OF_A_GAP}
     unused |= set() if "patch_size" in arrays else {*OF_AN_ELECTRODE}
     spared |= {"patch"} | unused
     found = {name: value for name, value in found.items() if name not in unused}

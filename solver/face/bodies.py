@@ -18,7 +18,8 @@ from solver.face.airpoint import HalfSpaceInAir, PointFilmInAir
 from solver.face.cases import Cases
 from solver.face.film import OnFilm
 from solver.face.halfplane import OnHalfPlane
-from solver.face.point import OnHalfSpace, OnPointFilm
+from solver.face.halfspace import OnHalfSpace
+from solver.face.pointfilm import OnPointFilm
 
 _BODIES: dict[str, Callable[[Cases], Body]] = {
     HALF_PLANE.name: OnHalfPlane,

@@ -17,7 +17,7 @@ from solver.arrays import Array, BoolArray, stack
 from solver.body import Kind
 from solver.face.attributes import attributes, of_output
 from solver.face.filmfactors import kinds_of, present
-from solver.face.refusal import FactorError
+from solver.face.refusal import CaseError, FactorError
 from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
@@ -148,7 +148,7 @@ class Cases:
         found = {}
         for name, value in values.items():
             if not np.all(np.isfinite(value) | (np.isnan(value) & (described[name].sparse | hollow))):
-                raise FactorError(f"{name}: not finite for these {of}")
+                raise CaseError(f"{name}: not finite for these {of}")
             whole = np.broadcast_to(value, (*self.sizes.values(), *own.values()))
             found[name] = xr.Variable((*self.sizes, *own), whole, of_output(described[name], self.arrays, kinds))
         return found

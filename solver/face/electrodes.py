@@ -11,10 +11,15 @@ from solver.body import KINDS
 from solver.face.cases import Cases
 from solver.face.filmfactors import kinds_of, refuse
 from solver.face.refusal import FactorError
-from solver.film.electrodes import Reading
+from solver.film.reading import Reading
 from solver.names import CHOICES, FACTORS, OF_AN_ELECTRODE
 
-_NEEDS = {"patch_size": "collector", "patch": "patch_size", "patch_position": "patch_size", "patch_pitch": "patch_size"}
+_NEEDS = {
+    "patch_size": "collector", "patch": "patch_size", "patch_position": "patch_size", "patch_pitch": "patch_size",
+    "patch_hole": "patch", "patch_length": "patch", "floating_neighbours": "patch_pitch",
+}  # fmt: skip
+#: What a shape of patches has beside its size.
+_OWN = {"ring": "patch_hole", "rectangle": "patch_length"}
 
 
 def reading_of(cases: Cases) -> Reading | None:
@@ -27,14 +32,13 @@ def reading_of(cases: Cases) -> Reading | None:
         return np.asarray(np.broadcast_to(values, shape).ravel(), dtype=np.float64)
 
     usual = CHOICES["patch"][1 if cases.kind.contact == "line" else 0]
-    size, pitch = (flat(cases.values[name]) if name in cases.values else None for name in ("patch_size", "patch_pitch"))
-    return Reading(
-        flat(cases.number("collector")),
-        flat(cases.values.get("patch", np.array(usual)) == "strip") > 0,
-        flat(cases.number("patch_position")),
-        size,
-        pitch,
-    )
+    of_patches = ("patch_size", "patch_pitch", "floating_neighbours")
+    size, pitch, floating = (flat(cases.values[name]) if name in cases.values else None for name in of_patches)
+    shapes = np.asarray(cases.values.get("patch", np.array(usual)))
+    of_shape = flat(sum(place * (shapes == name) for place, name in enumerate(CHOICES["patch"])))
+    other = sum(flat(cases.values.get(own, 0.0) * (shapes == name)) for name, own in _OWN.items())
+    position = flat(cases.number("patch_position"))
+    return Reading(flat(cases.number("collector")), of_shape, position, np.asarray(other), size, pitch, floating)
 
 
 def electroded(cases: Cases) -> BoolArray:
@@ -55,7 +59,10 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
         return
     for name in given:
         if (needed := _NEEDS.get(name)) and needed not in arrays:
-            raise FactorError(f"{needed}: missing; {name} needs it; must be {FACTORS[needed].allowed}")
+            allowed = (
+                FACTORS[needed].allowed if needed in FACTORS else next(one for one, own in _OWN.items() if own == name)
+            )
+            raise FactorError(f"{needed}: missing; {name} needs it; must be {allowed}")
     kinds, plain = kinds_of(arrays), {name: arrays[name].drop_vars(arrays[name].coords) for name in given}
     read = [kind.name for kind in KINDS.values() if "collector" in kind.factors and not kind.air]
     for name in given:
@@ -63,16 +70,27 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
         refuse(arrays, name, ~bare & ~kinds.isin(read), "without a film in insulated surroundings")
     if "collector" not in arrays:
         return
-    if (
-        "friction" in arrays
-    ):  # what friction adds to a point's tractions has no charge in all, but moves that of patches
+    if "friction" in arrays and "patch_size" in arrays:  # what it adds has no charge in all, but moves that of patches
         points = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "point"])
         slides = arrays["friction"].drop_vars(arrays["friction"].coords) != 0
-        refuse(arrays, "friction", slides & points, "of a point contact above an electrode that is read; must be 0")
-    refuse(arrays, "collector", plain["collector"] != np.floor(plain["collector"]), "is not a whole number >= 1 [1]")
+        refuse(arrays, "friction", slides & points, "of a point contact above a patch that is read; must be 0")
+    for name, least in (("collector", 1), ("floating_neighbours", 0)):
+        if name in arrays:
+            refuse(arrays, name, plain[name] != np.floor(plain[name]), f"is not a whole number >= {least} [1]")
+    if "floating_neighbours" in arrays:  # a strip without end takes no voltage of a finite charge
+        points = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "point"])
+        refuse(arrays, "floating_neighbours", points, "below a point contact, whose patches are at zero volts")
     if "patch" in arrays:
         lines = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "line"])
-        refuse(arrays, "patch", (plain["patch"] == "disc") & lines, "below a contact along a line; must be strip")
+        refuse(arrays, "patch", (plain["patch"] != "strip") & lines, "below a contact along a line; must be strip")
+        for shape, own in _OWN.items():
+            there = plain["patch"] == shape
+            if own not in arrays:
+                refuse(arrays, "patch", there, f"without a {own}, which must be {FACTORS[own].allowed}")
+            else:
+                refuse(arrays, own, ~there & (plain[own] == plain[own]), f"of a patch that is no {shape}")
+    if "patch_hole" in arrays:
+        refuse(arrays, "patch_hole", plain["patch_hole"] >= plain["patch_size"], "is not less than patch_size")
     if "patch_pitch" in arrays:
-        close = plain["patch_pitch"] < plain["patch_size"]
-        refuse(arrays, "patch_pitch", close, "is less than patch_size: a patch would touch its neighbour")
+        close = plain["patch_pitch"] <= plain["patch_size"]
+        refuse(arrays, "patch_pitch", close, "is not more than patch_size: a patch would touch its neighbour")

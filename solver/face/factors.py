@@ -28,6 +28,7 @@ from solver.names import (
 )
 from solver.units import in_si
 
+_STEEPEST = 1.0  # slope of a cone or wedge beyond which a theory of small slopes says nothing
 _OUTPUT_DIMS = ("position", "x", "y")
 _CHARGES = {
     "charge": "electric", "magnetic_charge": "magnetic", "total_charge": "electric", "total_flux": "magnetic",
@@ -119,6 +120,11 @@ def _check_profile(arrays: Mapping[str, xr.DataArray]) -> None:
         if np.any(arrays["slope"].values <= 0) and "flat" not in profiles:
             bad = arrays["slope"].values[arrays["slope"].values <= 0].flat[0]
             raise FactorError(f"slope: {bad:g} is not a finite number > 0 [1] (profile {sharp})")
+        if "flat" not in profiles and (steepest := float(np.max(arrays["slope"].values))) > _STEEPEST:
+            raise FactorError(
+                f"slope: {steepest:g} is {np.degrees(np.arctan(steepest)):.4g} degrees from the surface; must be <= "
+                f"{_STEEPEST:g}, 45 degrees: the theory is linear (profile {sharp})"
+            )
 
 
 def _check_contacts(arrays: Mapping[str, xr.DataArray], contacts: set[Contact], profiles: str) -> None:

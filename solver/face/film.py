@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from solver.arrays import Array
+from solver.arrays import Array, distinct_rows
 from solver.face.cases import Cases
 from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.punches import punch_datum, punch_of
-from solver.face.refusal import FactorError
+from solver.face.refusal import CaseError, FactorError
 from solver.film.along import fields
 from solver.film.collected import electrode_quantities
 from solver.film.inside import inside
@@ -109,7 +109,7 @@ class OnFilm:
             # films are made anew for every output: tables of thousands of stacks are not held at once
             parts = [output(self._films(group), group.places) for group in self._groups]
         except ContactError as error:
-            raise FactorError(str(error)) from None
+            raise CaseError(str(error)) from None
         out: dict[str, Array] = {}
         for name in parts[0]:
             if not all(name in part for part in parts):
@@ -137,7 +137,7 @@ class OnFilm:
         own += [punch.compliance, punch.coupling, electroded(self.cases)]
         columns = [*self._bodies.columns, *own]
         table = np.stack(np.broadcast_arrays(*(np.asarray(c, dtype=np.float64) for c in columns)), -1)
-        kinds, which = np.unique(table.reshape(-1, table.shape[-1]), axis=0, return_inverse=True)
+        kinds, which = distinct_rows(table.reshape(-1, table.shape[-1]))
         shape = (1,) * (len(self.shape) - table.ndim + 1) + table.shape[:-1]
         of_case = np.broadcast_to(which.reshape(shape), self.shape).ravel()
         for number, row in enumerate(kinds.tolist()):
@@ -160,9 +160,7 @@ class OnFilm:
                 kind, conducts=(False, bool(magnetic))
             )  # the electrode on top has the potential, not the punch
         if speed > 0 and not speed < (limit := self._critical(kind)):
-            raise FactorError(
-                f"speed: {speed:g} m/s is not below the first critical speed of the film, {limit:.6g} m/s"
-            )
+            raise CaseError(f"speed: {speed:g} m/s is not below the first critical speed of the film, {limit:.6g} m/s")
         return replace(kind, speed=speed)
 
     @staticmethod

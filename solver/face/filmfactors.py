@@ -1,6 +1,6 @@
 """The factors that only a film has: all of them where there is a thickness, none where there is not."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from solver.film.stack import RIGID, Stack
 from solver.material.constants import Material
 from solver.names import AIR, BODY, FACTORS, OF_A_FILM, OF_A_GAP, PROFILES
 
+_POINTED = [name for name, outline in PROFILES.items() if outline.contact == "point"]
 _BASE = f"{RIGID!r} or a material's name, or else base_modulus and base_poisson"
 
 
@@ -37,13 +38,7 @@ def has(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
 def kinds_of(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
     """The kind of body of every case, by name: without thickness or stack, of no layers."""
     layered = xr.DataArray(True) if BODY in arrays else has(arrays, "thickness")
-    pointed, air = xr.DataArray(False), xr.DataArray(False)
-    if "profile" in arrays:
-        profiles = arrays["profile"].values
-        points = [profiles == name for name, outline in PROFILES.items() if outline.contact == "point"]
-        pointed = xr.DataArray(np.any(points, axis=0), dims=arrays["profile"].dims)
-    if "surroundings" in arrays:
-        air = xr.DataArray(arrays["surroundings"].values == AIR, dims=arrays["surroundings"].dims)
+    pointed, air = _among(arrays, "profile", _POINTED), _among(arrays, "surroundings", [AIR])
     layered, pointed, air = xr.broadcast(layered, pointed, air)
     holds = [
         (pointed.values == (contact == "point")) & (layered.values == layers) & (air.values == airy)
@@ -105,19 +100,40 @@ def check_elasticity(arrays: Mapping[str, xr.DataArray], body: str) -> None:
 
 
 def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
-    """Only a gap with air has a permittivity.
+    """Only a gap with air has a permittivity and a radius, and only a sphere says itself where its gap ends.
 
     Raises
     ------
     FactorError
         Naming the factor, its value and what is allowed.
     """
-    air = xr.DataArray(False)
-    if "surroundings" in arrays:
-        air = arrays["surroundings"].drop_vars(arrays["surroundings"].coords) == AIR
-    if OF_A_GAP in arrays:
-        filled = arrays[OF_A_GAP].drop_vars(arrays[OF_A_GAP].coords) != FACTORS[OF_A_GAP].default
-        refuse(arrays, OF_A_GAP, filled & ~air, f"without surroundings: {AIR}; only its gap has one")
+    air = _among(arrays, "surroundings", [AIR])
+    for name in OF_A_GAP:
+        if name in arrays:
+            usual = FACTORS[name].default
+            told = has(arrays, name) if usual is None else _bare(arrays, name) != usual
+            refuse(arrays, name, told & ~air, f"without surroundings: {AIR}; only its gap has one")
+    pointed = _among(arrays, "profile", _POINTED)
+    ended = has(arrays, "gap_radius")
+    if "gap_radius" in arrays:
+        refuse(arrays, "gap_radius", ended & ~pointed, "beside a contact along a line; only a point's gap has one")
+    if np.any(air & ~ended & _among(arrays, "profile", ["cone", "power"])):
+        raise FactorError(
+            f"gap_radius: missing; must be {FACTORS['gap_radius'].allowed}: a cone or a power beside air says nowhere "
+            "how wide the punch is, and the charge in its gap grows with that"
+        )
+
+
+def _bare(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
+    return arrays[name].drop_vars(arrays[name].coords)
+
+
+def _among(arrays: Mapping[str, xr.DataArray], name: str, some: Sequence[str]) -> xr.DataArray:
+    """Which cases have one of some names."""
+    if name not in arrays:
+        return xr.DataArray(False)
+    found = [arrays[name].values == one for one in some]
+    return xr.DataArray(np.any(found, axis=0), dims=arrays[name].dims)
 
 
 def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:

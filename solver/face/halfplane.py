@@ -9,7 +9,7 @@ from solver.arrays import Array, BoolArray
 from solver.face.cases import Cases
 from solver.face.materials import material_of
 from solver.face.punches import punch_datum, punch_of
-from solver.face.refusal import FactorError
+from solver.face.refusal import CaseError, FactorError
 from solver.halfplane.contact import Contact
 from solver.halfplane.curves import body_curves
 from solver.halfplane.fields import surface_fields
@@ -131,7 +131,7 @@ def contact_of(cases: Cases) -> Contact:
     try:
         _ = contact.pressing
     except ContactError as error:
-        raise FactorError(str(error)) from None
+        raise CaseError(str(error)) from None
     return contact
 
 
@@ -140,4 +140,4 @@ def _refuse_fast(material: Material, conducts: BoolArray, speed: Array) -> None:
         raise FactorError(f"speed: needs the density rho [kg m-3] of {material.name}")
     V, limit = np.broadcast_arrays(speed, limiting_speed(material, conducts))
     if np.any(bad := limit <= V):
-        raise FactorError(f"speed: {V[bad].flat[0]:g} m/s is not below the limiting speed {limit[bad].flat[0]:.6g} m/s")
+        raise CaseError(f"speed: {V[bad].flat[0]:g} m/s is not below the limiting speed {limit[bad].flat[0]:.6g} m/s")

@@ -57,7 +57,7 @@ def _given(cases: Cases) -> bool:
 def _elasticity(cases: Cases, which: Iterable[Any]) -> Array:
     """Modulus and Poisson's ratio of named punches; (2, case). Every name is found once."""
     named = list(which)
-    found = {one: _isotropic(cases, one) for one in dict.fromkeys(named)}
+    found = {fromkey: _isotropic(cases, fromkey) for fromkey in dict.fromkeys(named)}
     return np.array([found[one] for one in named]).T
 
 

@@ -43,7 +43,7 @@ class Assembly:
     @cached_property
     def unknowns(self) -> Array:
         """Unknowns for every cause; (half, unknown, cause)."""
-        rough = None if self._rough is None else self._rough[:2]
+        rough = None if self._rough is None else (self._rough[0], self._rough[1][:, :, : self.basis.terms])
         return self.system.solve(self.basis, self.at_nodes, rough)
 
     @property
@@ -56,6 +56,21 @@ class Assembly:
         """du/dx of (y, phi, psi, x) at the points; (half, 4, point, unknown)."""
         at_points = self._integrals[0][:, :, self.basis.terms :]
         return at_points if self._rough is None else at_points + self._rough[2]
+
+    @property
+    def beyond(self) -> tuple[Array, Array] | None:
+        """What the equations say of the terms beyond M, at X = 1 and -1; none if the top layer is homogeneous.
+
+        Sums of c_n T_n for n > M, (half, field, 2, unknown), and of the right sides s_j of (eta kap + lam H), (half,
+        2, unknown): near an edge rough kernels leave terms that fall slowly.
+        """
+        if self._rough is None:
+            return None
+        system, M = self.system, self.basis.terms
+        series = system.eliminated(self._rough[1])[1]
+        signs = np.stack([np.ones(M), (-1.0) ** np.arange(1, M + 1)])
+        found = system.eliminated(self._rough[0])[0], system.eliminated(self._rough[2][:, :3])[0]
+        return signs @ series[:, :, :M] - series[:, :, M:], found[1] - self.basis.dual(EDGES, M).T @ found[0]
 
     @property
     def displacements(self) -> Array:
@@ -88,7 +103,8 @@ class Assembly:
         rough = Rough(self.basis)
         at_points = rough.at(self.points)
         size = (h.size, 4, self.basis.terms, system.unknowns(self.basis))
-        out = np.zeros(size), np.zeros(size), np.zeros((*size[:2], self.points.size, size[3]))
+        summed = (*size[:2], self.basis.terms + 2, size[3])
+        out = np.zeros(size), np.zeros(summed), np.zeros((*size[:2], self.points.size, size[3]))
         for columns, _, _, carried in self.sources():
             share = weights(graded.tails, system.coefficients.friction, carried, h)
             which = 0 if columns.start == 0 else 1

@@ -1,17 +1,21 @@
 """What a contact along a line brings to an electrode below it, and to strips of it (films, section 11).
 
 With q(k) the rows of an electrode times the transforms of the tractions, a strip of width w in the distance d collects
-(1/pi) Re int q exp(ikd) 2 sin(kw/2) dk/k.
+(1/pi) Re int q exp(ikd) 2 sin(kw/2) dk/k. On top a part of q is v of the tractions at the same place, which the
+antiderivatives F of these give: Im F of what presses, Re F of what is sheared.
 """
 
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from solver.arrays import Array, ComplexArray
 from solver.film.contact import FilmContact
-from solver.film.electrodes import Collected, Electrode, Reading, joined, transfers
+from solver.film.electrodes import Electrode, transfers
+from solver.film.floating import Strips, strips
+from solver.film.reading import Collected, Reading, joined
 from solver.film.similar import Films
+from solver.film.stack import StackError
 from solver.film.tractions import TractionTable
 from solver.film.windows import Indices, Kind, window
 
@@ -25,14 +29,20 @@ def _tractions(kind: Kind, number: int) -> TractionTable:
 
 
 def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
-    """Those of ``solver.names.ELECTRODE_QUANTITIES`` that are asked for, SI; (case,) each.
+    """Those of ``ELECTRODE_QUANTITIES`` and ``STRIP_QUANTITIES`` of ``solver.names`` that are asked for, SI; (case,).
 
     Raises
     ------
     StackError
-        An electrode that is not there, a patch that reaches farther than is resolved.
+        An electrode that is not there, a patch that reaches farther than is resolved; strips that float below a punch
+        that conducts on a bare surface.
     """
-    reading, stack, parts = reading.over(films.thickness), films.kind.stack(), list[tuple[Indices, dict[str, Array]]]()
+    if reading.floating is not None and films.kind.conducts[0]:
+        raise StackError(
+            "floating_neighbours: below a punch that conducts on a bare surface; "
+            "electric must be insulating, or electrode top"
+        )
+    reading, parts = reading.over(films.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, number, contact in films.parts:
         own, thickness = reading.part(places), films.thickness[places]
 
@@ -42,7 +52,7 @@ def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
         ) -> dict[str, Array]:  # fmt: skip
             return _Read(films, of, contact, own.part(some), some, number, octave).quantities(thickness[some])
 
-        parts.append((places, own.together(answer, stack, contact.half_width)))
+        parts.append((places, own.together(answer, contact.half_width)))
     return joined(parts, films.load.size)
 
 
@@ -53,37 +63,65 @@ class _Read:
         self, films: Films, of: int, contact: FilmContact, reading: Reading, some: Indices, number: int, octave: int
     ) -> None:
         stack, self.reading = films.kind.stack(), reading
-        electrode = Electrode(stack, number)
-        self.on_top = electrode.on_top
+        self.electrode = electrode = Electrode(stack, number)
         self.load = contact.load[some]
         loads = np.concatenate([contact.load[:, None], contact.charges], -1)[some]
         self.whole = -np.einsum("j,cj->c", electrode.whole, loads * stack.scale[1:]) / stack.scale[2]
-        if self.on_top:
+        if electrode.on_top and reading.size is None:
             return
         self.k, self.weights, rows = transfers(stack, number, octave)
-        self.units = stack.scale[2] / stack.scale[1]
-        tractions = _tractions(films.kind, of).read(contact)
+        self.scale = stack.scale
+        self.tractions = _tractions(films.kind, of).read(contact).part(some)
         self.carried: ComplexArray = np.empty((some.size, 2, self.k.size), np.complex128)
         step = max(_BLOCK // self.k.size, 1)
-        for start in range(0, contact.load.size, step):
-            here = np.flatnonzero((some >= start) & (some < start + step))
-            if here.size:
-                found = tractions.part(slice(start, start + step)).in_fourier_space(self.k)[some[here] - start, ..., 0]
-                self.carried[here] = np.einsum("ckt,krt->crk", found, rows) / stack.scale[2]
+        for start in range(0, some.size, step):
+            here = slice(start, start + step)
+            found = self.tractions.part(here).in_fourier_space(self.k)[..., 0]
+            self.carried[here] = np.einsum("ckt,krt->crk", found, rows) / stack.scale[2]
 
     def quantities(self, thickness: Array) -> dict[str, Array]:
         """By name, SI; (case,) each."""
         out = {"electrode_charge_per_force": self.whole / self.load}
-        if self.on_top:
-            return out
-        pressure = -np.sum(self.carried[:, 1].real * self.weights, -1) / np.pi
-        out["electrode_pressure"] = pressure * self.units
+        if not self.electrode.on_top:
+            pressure = -np.sum(self.carried[:, 1].real * self.weights, -1) / np.pi
+            out["electrode_pressure"] = pressure * self.scale[2] / self.scale[1]
         collected = Collected(self.reading, lambda at: self._strip(at, 0), lambda at: self._strip(at, 1) / thickness)
-        return out | collected.quantities(self.load)
+        out |= collected.quantities(self.load)
+        if self.reading.floating is not None:
+            of_case, rows = self._rows
+            out["patch_capacitance"] = np.array([row.capacitance for row in rows])[of_case]
+            out["patch_voltage_per_load"] = -out["patch_charge_per_force"] / out["patch_capacitance"]
+        return out
 
     def _strip(self, distance: Array, order: int) -> Array:
         """Charges of strips, or their derivatives by the distance; (case,)."""
         size = np.zeros_like(distance) if self.reading.size is None else self.reading.size
         wave = (1j * self.k) ** order * np.exp(1j * self.k * distance[:, None])
-        share = 2 * np.sin(self.k * size[:, None] / 2) / (np.pi * self.k) * self.weights
-        return np.asarray(np.sum((self.carried[:, 0] * wave).real * share, -1))
+        if self.reading.floating is None:
+            share = 2 * np.sin(self.k * size[:, None] / 2) / self.k
+        else:
+            of_case, rows = self._rows
+            share = np.array([row.wave(self.k) for row in rows])[of_case]
+        found = np.asarray(np.sum((self.carried[:, 0] * wave).real * share * self.weights, -1)) / np.pi
+        return found + self._local(distance, size, order) if self.electrode.on_top else found
+
+    @cached_property
+    def _rows(self) -> tuple[Indices, list[Strips]]:
+        """Rows of strips that float, and which of them is that of each case."""
+        reading = self.reading
+        if reading.size is None or reading.pitch is None or reading.floating is None:
+            raise ValueError("no strips float")
+        own, of_case = np.unique(
+            np.stack([reading.size, reading.pitch, reading.floating], -1), axis=0, return_inverse=True
+        )
+        stack, number = self.electrode.stack, self.electrode.number
+        return of_case.ravel(), [strips(stack, number, size, pitch, int(n)) for size, pitch, n in own.tolist()]
+
+    def _local(self, distance: Array, size: Array, order: int) -> Array:
+        """What strips on top get of the tractions on them; (case,)."""
+        half = self.tractions.half_lengths
+        ends = (distance[:, None] + size[:, None] * [-0.5, 0.5]) / half[:, None]
+        at = self.tractions.on_plane(ends.astype(np.complex128), integrated=order == 0)[..., 0]  # (4, case, end)
+        parts = np.concatenate([at[:1].real, at[1:].imag])
+        charge = np.einsum("t,tc->c", self.electrode.local, parts[..., 1] - parts[..., 0]) / self.scale[2]
+        return np.asarray(charge if order else charge * half)

@@ -4,6 +4,8 @@ Under the electrode phi = 0 at the surface, and D_y is what the electrode takes:
 grounded interface. With ``Y = Y0 + Delta``, p = Y0_ff and v = Y0_f / p, what the layers add keeps its digits:
 
     Delta' = D - D_f D_f^T / (p + D_ff),   D = P Delta P^T,  P = I - (v - e) e^T.
+
+The electrode's charge is ``Y_f t / Y_ff``, v of the tractions at the same place and what decays with k.
 """
 
 from functools import cached_property
@@ -89,3 +91,17 @@ def difference(stack: Stack, k: Array) -> Array:
 def lowest(stack: Stack) -> Array:
     """Finite part of Y of the surface as k goes to 0, as a punch meets it; (4, 4)."""
     return held(low(stack), (_PHI,)) if stack.electroded else low(stack)
+
+
+def local(stack: Stack) -> Array:
+    """v: charge of the electrode per traction on it, of the top layer's half-plane, itself 0 for phi; (4,)."""
+    own = stack.media[0].compliance[_PHI]
+    return np.asarray(np.where(np.arange(4) == _PHI, 0.0, own / own[_PHI]))
+
+
+def beyond_local(stack: Stack, k: Array) -> Array:
+    """What the layers and the base add to it, ``(Delta_f - v Delta_ff) / (p + Delta_ff)``, at wavenumbers k; (k, 4)."""
+    own, row = stack.media[0].compliance[_PHI, _PHI], waves(stack, k)[0].difference[:, _PHI]
+    found = (row - local(stack) * row[:, _PHI, None]) / (own + row[:, _PHI, None])
+    found[:, _PHI] = 0.0
+    return np.asarray(found)

@@ -6,33 +6,30 @@ fields inside; its limit at k = 0, the charge of an electrode without end, follo
 form.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
 
-from solver.arrays import Array, BoolArray, ComplexArray
+from solver.arrays import Array, ComplexArray
+from solver.film.electroded import beyond_local, local
 from solver.film.fourier import falling
-from solver.film.kernel import wavenumbers
+from solver.film.kernel import strip, wavenumbers
 from solver.film.reflection import waves
 from solver.film.stack import Stack, StackError
-from solver.film.windows import Indices
 from solver.film.within import below
 
 _TOP, _PHI = -1, 2  # the surface among the interfaces; phi among (x, y, phi, psi)
 _FARTHEST = 2000.0  # distance over the width of the strip: bounded time
 _KEPT = 128  # transfers: 0.1 MB each
 
-_Outputs = dict[str, Array]
-
 
 def electrodes(stack: Stack) -> list[tuple[int, ...]]:
     """Interfaces of every electrode, counted from that below the top layer; a metal joins those above and below it.
 
-    The surface counts as the interface -1.
+    The surface counts as the interface -1; a metal below it is that electrode itself.
     """
-    found: list[tuple[int, ...]] = [(_TOP,)] if stack.electroded else []
+    found: list[tuple[int, ...]] = [(_TOP,)] if stack.electroded and not stack.conductors[0] else []
     for number, held in enumerate(stack.grounded):
         if 2 not in held:
             continue
@@ -66,7 +63,9 @@ class Electrode:
     def __post_init__(self) -> None:
         count = len(electrodes(self.stack))
         if not 1 <= self.number <= count:
-            raise StackError(f"collector: {self.number} is not one of the {count} electrodes of {self.stack.name}")
+            raise StackError(
+                f"collector: {self.number} is not one of the {count} electrodes of this body, from the top"
+            )
         if self.stack.top.graded or self.stack.insulated:
             what = "a graded layer" if self.stack.top.graded else "a base that insulates the magnetic field"
             raise StackError(f"collector: electrodes are not given in a stack with {what}")
@@ -78,14 +77,34 @@ class Electrode:
 
     @property
     def on_top(self) -> bool:
-        """Whether it lies on the surface: it is then given as a whole, without pressure and patches."""
+        """Whether it lies on the surface: its charge is then :attr:`local` beside what waves carry."""
         return self.interfaces == (_TOP,)
 
     @property
     def width(self) -> float:
         """Exponent of the slowest decay of transfers [m]: they fall like exp(-k width)."""
+        if self.on_top:
+            return strip(self.stack)
         above = range(self.interfaces[0] + 1)
         return float(sum(self.stack.layers[i].thickness * float(self.stack.media[i].slowest) for i in above))
+
+    @property
+    def between(self) -> list[range]:
+        """Layers from it to the next electrode above and below, as far as there is one; empty beside a metal."""
+        every = electrodes(self.stack)
+        ends = [(_TOP - 1,), *every, (len(self.stack.layers),)]
+        above, own, below = ends[self.number - 1 : self.number + 2]
+        found = [range(above[-1] + 1, own[0] + 1)] if self.number > 1 else []
+        return [*found, range(own[-1] + 1, below[0] + 1)] if self.number < len(every) else found
+
+    @property
+    def capacitance(self) -> float:
+        """To the next electrodes per area [F m-2], of plates whose layers are free to thicken and not to widen."""
+        scale, found = float(self.stack.scale[_PHI]), 0.0
+        for layers in self.between:
+            own = [(self.stack.layers[i].thickness, self.stack.media[i].system[_PHI, 4 + _PHI]) for i in layers]
+            found += 1 / (scale**2 * sum(thickness * abs(float(inverse)) for thickness, inverse in own))
+        return found
 
     def transfers(self, reach: float) -> tuple[Array, Array, Array]:
         """Wavenumbers [1/m] and weights for distances up to reach [m], (k,) each, and rows of charge and of sigma_yy.
@@ -110,7 +129,12 @@ class Electrode:
         return k, weights, self.rows(k)
 
     def rows(self, k: Array) -> Array:
-        """Charge, and sigma_yy on the upper face, per traction at the surface; (k, 2, 4), in the units of the stack."""
+        """Charge, and sigma_yy on the upper face, per traction at the surface; (k, 2, 4), in the units of the stack.
+
+        On top what is :attr:`local` is left out, and sigma_yy is 0.
+        """
+        if self.on_top:
+            return np.stack([beyond_local(self.stack, k), np.zeros((k.size, 4))], 1)
         layers = waves(self.stack, k)
         t: ComplexArray = np.tile(np.eye(4) + 0j, (k.size, 1, 1))
         out, last = np.zeros((k.size, 2, 4)), len(self.stack.layers) - 1
@@ -131,6 +155,11 @@ class Electrode:
                 break
         return out
 
+    @property
+    def local(self) -> Array:
+        """Charge on top per traction at its own place (of i sigma_xy: its Hilbert transform), else 0; (4,)."""
+        return local(self.stack) if self.on_top else np.zeros(4)
+
     @cached_property
     def whole(self) -> Array:
         """Charge of the electrode without end per total (sigma_yy, D_y, B_y) at the surface; (3,)."""
@@ -147,21 +176,6 @@ class Electrode:
 def transfers(stack: Stack, number: int, octave: int) -> tuple[Array, Array, Array]:
     """As :meth:`Electrode.transfers`, kept, for distances up to 2^octave times the thickness of the top layer."""
     return Electrode(stack, number).transfers(2.0**octave * stack.top.thickness)
-
-
-def joined(parts: list[tuple[Indices, _Outputs]], count: int) -> _Outputs:
-    """Outputs of all cases from those of some, as far as all parts have them; (case,) each."""
-    names = [name for name in parts[0][1] if all(name in values for _, values in parts)]
-    out = {name: np.empty(count) for name in names}
-    for places, values in parts:
-        for name in names:
-            out[name][places] = values[name]
-    return out
-
-
-def octave_of(reach: Array) -> Indices:
-    """Least power of two, from 1 on, of distances over the thickness of the top layer; as ``reach``."""
-    return np.asarray(np.ceil(np.log2(np.maximum(reach, 1.0))), dtype=np.intp)
 
 
 def _small(stack: Stack) -> list[tuple[Array, Array]]:
@@ -206,113 +220,3 @@ def _let_down(t: Array, A: Array, C: Array, components: tuple[int, ...]) -> Arra
         others = [*free, *finite]
         out[small] = -np.linalg.solve(C[np.ix_(small, small)], C[np.ix_(small, others)] @ out[others])
     return out
-
-
-@dataclass(frozen=True, eq=False)
-class Reading:
-    """The electrode that is read, and patches of it at zero volts; (case,) each.
-
-    Attributes
-    ----------
-    collector
-        Number of the electrode, 1 for the uppermost.
-    strips
-        Whether its patches are strips across x, or else discs.
-    position
-        Of the patch's middle from that of the contact [m].
-    size
-        Diameter of a disc, width of a strip [m]; None: no patches.
-    pitch
-        Distance of neighbours [m]; None: no neighbours.
-    """
-
-    collector: Array
-    strips: BoolArray
-    position: Array
-    size: Array | None = None
-    pitch: Array | None = None
-
-    def part(self, places: Indices) -> "Reading":
-        """Some of the cases."""
-        size, pitch = (None if one is None else one[places] for one in (self.size, self.pitch))
-        return Reading(self.collector[places], self.strips[places], self.position[places], size, pitch)
-
-    def over(self, length: Array) -> "Reading":
-        """With lengths over others [m]."""
-        size, pitch = (None if one is None else one / length for one in (self.size, self.pitch))
-        return Reading(self.collector, self.strips, self.position / length, size, pitch)
-
-    def together(
-        self, answer: Callable[[Indices, int, int], dict[str, Array]], stack: Stack, extent: Array
-    ) -> _Outputs:
-        """Outputs of cases whose electrode is the same and whose distances are of like size, those that all have.
-
-        Parameters
-        ----------
-        answer
-            Outputs of some cases, of an electrode, for an octave of distances.
-        stack
-            Of all cases, its top layer of unit thickness.
-        extent
-            Of the contacts from their middle; (case,).
-
-        Raises
-        ------
-        StackError
-            Patches of an electrode on top.
-        """
-        octaves, found = octave_of(self.reach + extent), list[tuple[Indices, dict[str, Array]]]()
-        for number in np.unique(self.collector).tolist():
-            if self.size is not None and Electrode(stack, int(number)).on_top:
-                raise StackError(
-                    "patch_size: of the electrode on top, which is given as a whole; collector must be > 1"
-                )
-            for octave in np.unique(octaves).tolist():
-                some = np.flatnonzero((self.collector == number) & (octaves == octave))
-                if some.size:
-                    found.append((some, answer(some, int(number), octave)))
-        return joined(found, extent.size)
-
-    @property
-    def reach(self) -> Array:
-        """How far the patches extend from the middle of the contact [m]."""
-        if self.size is None:
-            return np.zeros_like(self.position)
-        pitch = np.zeros_like(self.position) if self.pitch is None else self.pitch
-        return np.asarray(np.maximum(np.abs(self.position), pitch) + self.size / 2)
-
-
-@dataclass(frozen=True, eq=False)
-class Collected:
-    """What patches collect, as integrals over the wavenumber that a contact of either kind gives.
-
-    Attributes
-    ----------
-    reading
-        The patches.
-    patch
-        Charges of patches whose middles are at distances (case,), by the ``reading``; (case,).
-    gradient
-        Their derivatives by the distance; (case,).
-    """
-
-    reading: Reading
-    patch: Callable[[Array], Array]
-    gradient: Callable[[Array], Array]
-
-    def quantities(self, force: Array) -> dict[str, Array]:
-        """Those of ``solver.names.ELECTRODE_QUANTITIES`` that patches have; (case,) each.
-
-        Parameters
-        ----------
-        force
-            What presses; (case,).
-        """
-        if self.reading.size is None:
-            return {}
-        out = {"patch_charge_per_force": self.patch(self.reading.position) / force}
-        if self.reading.pitch is not None:
-            own = self.patch(np.zeros_like(self.reading.pitch))
-            out["crosstalk"] = self.patch(self.reading.pitch) / own
-            out["patch_charge_gradient"] = -2 * self.gradient(self.reading.pitch / 2) / force
-        return out

@@ -28,8 +28,9 @@ from solver.material.constants import Material
 _DEPTHS = 28  # Chebyshev points of the depth
 _WINDOW = 19.0  # exponent of a wave at the end of the sublayers
 _CROWDING = 4.5  # logarithm of the ratio of the last and the first sublayer
-_SUBLAYERS = (8, 16, 32, 64)
-_PANEL = 16  # Chebyshev points of a panel in k
+_SUBLAYERS = (8, 16, 32, 64, 128)
+_TAILS = 4
+_PANEL = 24  # Chebyshev points of a panel in k
 _SMOOTH = 1e-6  # last coefficients of the depth over the largest: what a smooth profile is below
 
 
@@ -63,17 +64,12 @@ class Graded(Layer):
     def __init__(
         self,
         profile: Callable[[Array], Material],
-        thickness: float,
+        thickness: float | str,
         electric: str | None = None,
         magnetic: str | None = None,
     ) -> None:
         object.__setattr__(self, "profile", profile)
-        surface = profile(np.zeros(()))
-        for name, value in (
-            ("material", surface), ("thickness", thickness), ("electric", electric), ("magnetic", magnetic)
-        ):  # fmt: skip
-            object.__setattr__(self, name, value)
-        self.__post_init__()
+        super().__init__(profile(np.zeros(())), thickness, electric, magnetic)
         if magnetic == "insulated":
             raise StackError("interface_magnetic: 'insulated' is not allowed below a graded layer; grounded, bonded")
 
@@ -124,7 +120,7 @@ class GradedMedium:
 
     @cached_property
     def tails(self) -> Array:
-        """Y1, Y2, Y3 at the surface [1/m, 1/m2, 1/m3]; (3, 4, 4)."""
+        """Y1 to Y4 at the surface [1/m to 1/m4], the last to 1e-4 of it; (4, 4, 4)."""
         _, medium = self._samples
         G, Q = np.broadcast_arrays(medium.decay, medium.inner)
         operator = np.einsum("ik,nlj->nijkl", np.eye(4), G) + np.einsum("jl,nki->nijkl", np.eye(4), G)
@@ -133,11 +129,14 @@ class GradedMedium:
         def solved(right: Array) -> Array:
             return np.asarray(np.linalg.solve(operator, right.reshape(-1, 16, 1)).reshape(-1, 4, 4))
 
-        Y1 = solved(-self._upward(medium.compliance))
-        Y2 = solved(-self._upward(Y1) - Y1 @ Q @ Y1)
-        Y3 = solved(-self._upward(Y2) - Y1 @ Q @ Y2 - Y2 @ Q @ Y1)
+        found: list[Array] = []
+        while len(found) < _TAILS:
+            right = -self._upward(found[-1] if found else medium.compliance)
+            for one, other in zip(found, found[::-1], strict=True):
+                right = right - one @ Q @ other
+            found.append(solved(right))
         surface = (-1.0) ** np.arange(_DEPTHS)  # T_n(-1)
-        return np.array([np.tensordot(surface, coefficients(Y), 1) for Y in (Y1, Y2, Y3)])
+        return np.array([np.tensordot(surface, coefficients(Y), 1) for Y in found])
 
     def _upward(self, values: Array) -> Array:
         """d/dy at the samples."""
@@ -192,7 +191,7 @@ class GradedResponse:
 
     @property
     def tails(self) -> Array:
-        """Y1, Y2, Y3; (3, 4, 4)."""
+        """Y1 to Y4; (4, 4, 4)."""
         return self._medium.tails
 
     @cached_property
@@ -204,7 +203,7 @@ class GradedResponse:
 
     def difference(self, k: Array) -> Array:
         """Delta at wavenumbers; beyond the panels by its tails; (k, 4, 4)."""
-        out: Array = np.einsum("jk,jab->kab", k ** -np.arange(1.0, 4.0)[:, None], self.tails)
+        out: Array = np.einsum("jk,jab->kab", k ** -np.arange(1.0, _TAILS + 1)[:, None], self.tails)
         panel = np.searchsorted(self.ends, k) - 1
         for p, series in enumerate(self._series):
             inside = np.flatnonzero(panel == p)
@@ -212,11 +211,22 @@ class GradedResponse:
             out[inside] = np.tensordot(chebvander(local, _PANEL - 1), series, 1)
         return out
 
-    def decayed(self, k: Array, width: float) -> Array:
-        """Delta without its tails times 1 - exp(-bk) sum (bk)^i/i!, which decays like k^-4; (k, 4, 4)."""
-        orders = np.arange(1, 4)[:, None]
+    def decayed(self, k: Array, width: float, count: int = 3) -> Array:
+        """Delta without the first of its tails times 1 - exp(-bk) sum (bk)^i/i!, like k^-(count + 1); (k, 4, 4)."""
+        orders = np.arange(1, count + 1)[:, None]
         smoothed: Array = np.asarray(gammainc(orders, width * k) / k**orders, dtype=np.float64)
-        return np.asarray(self.difference(k) - np.einsum("jk,jab->kab", smoothed, self.tails))
+        return np.asarray(self.difference(k) - np.einsum("jk,jab->kab", smoothed, self.tails[:count]))
+
+
+def local_tails(x: Array, width: float) -> Array:
+    """Cosine transforms of the tails times 1 - exp(-bk) sum (bk)^i/i!, j = 1 to 4, at x > 0; (4, x).
+
+    They are (1/Gamma(j)) int_0^b v^j / (v^2 + x^2) dv: singular at 0, and falling like x^-2.
+    """
+    t = x / width
+    log, angle = np.log1p(t**-2) / 2, np.arctan(1 / t)
+    scaled = np.array([log, 1 - t * angle, 0.25 - t**2 * log / 2, 1 / 18 - t**2 / 6 * (1 - t * angle)])
+    return np.asarray(scaled * width ** np.arange(_TAILS)[:, None])
 
 
 def smooth_tails(x: Array, width: float) -> tuple[Array, Array]:

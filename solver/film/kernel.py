@@ -15,6 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
+from scipy.special import erfc, exp1
 
 from approximation.chebyshev import coefficients, mapped_points
 from solver.arrays import Array, BoolArray
@@ -40,6 +41,8 @@ _GROWTH = 2.5  # of the panels in k
 _NODES = 16  # a panel in k, beside those that the phase needs
 _PHASE = 150.0  # the most of a panel: small rules are cheap to find
 _DEGREE = 16  # of the Chebyshev panels in x, the first half as long as the strip is wide: 8.3^-17 is below rounding
+_ENDED = 40.0  # thicknesses from which Delta is ended
+_END, _SLOPE = 72.0, 12.0  # k times the distance where it ends, and the width of that: e^-36 of it is left
 _TAIL = 1e-11  # of the largest coefficient: what the last ones of a resolved kernel fall below
 _FINEST = 10  # halvings of the first panel under a graded layer, whose kernels are rough at 0
 _GRADED_END = 2000.0  # largest wavenumber times the thickness of a graded layer
@@ -81,6 +84,12 @@ class Kernel:
         """Largest distance that the table knows [m]."""
         return float(self.edges[-1])
 
+    @property
+    def smoothness(self) -> float:
+        """Distance [m] from the real axis within which the kernels are analytic, as their panels tell."""
+        lengths = np.diff(self.edges)[:-1] / (0.35 * self.edges[:-2] + self.width / 2)
+        return self.width * min(1.0, float(np.min(lengths, initial=1.0)))
+
     def at(self, x: Array, mixing: Array | None = None) -> Array:
         """Channels, or sums of them, at distances x [m].
 
@@ -117,7 +126,7 @@ class Kernel:
                 if inside.size:
                     middle, half = (self.edges[p + 1] + self.edges[p]) / 2, (self.edges[p + 1] - self.edges[p]) / 2
                     out[inside] = chebvander((distance[inside] - middle) / half, _DEGREE) @ mixed[p]
-        return out.reshape(*x.shape, -1)
+        return out.reshape(*x.shape, asked.shape[-1])
 
 
 @lru_cache(_KERNELS)
@@ -145,7 +154,7 @@ def kernel(stack: Stack, reach: float, *, by_distance: bool = False) -> Kernel:
     while edges[-1] < reach:
         edges.append(1.35 * edges[-1] + width / 2)
     edges[-1] = max(reach, (edges[-2] + edges[-1]) / 2)
-    graded = _response(stack) if stack.top.graded else None
+    graded = graded_response(stack) if stack.top.graded else None
     ends, series = _resolved(stack, width, np.array(edges), graded, by_distance=by_distance)
     return Kernel(stack, width, ends, series, graded)
 
@@ -193,9 +202,9 @@ def _undecayed(series: Array, least: float) -> BoolArray:
 
 
 @lru_cache(_RESPONSES)
-def _response(stack: Stack) -> GradedResponse:
+def graded_response(stack: Stack) -> GradedResponse:
     """The response of a graded film, which all its kernels share, whatever their reach."""
-    return GradedResponse(stack, panels(stack, _graded_strip(stack)))
+    return GradedResponse(stack, panels(stack, graded_strip(stack)))
 
 
 def strip(stack: Stack) -> float:
@@ -203,7 +212,7 @@ def strip(stack: Stack) -> float:
     return 2 * stack.top.thickness * float(stack.media[0].slowest)
 
 
-def _graded_strip(stack: Stack) -> float:
+def graded_strip(stack: Stack) -> float:
     """Width whose exponential ends where the remainder of a graded layer, which decays like k^-4, is small."""
     return _DECAYED * stack.top.thickness / _GRADED_END
 
@@ -219,6 +228,23 @@ def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]
         nodes.append((middles[:, None] + half * x).ravel())
         weights.append(np.tile(half * w, middles.size))
     return np.concatenate(nodes), np.concatenate(weights)
+
+
+def ended_at(stack: Stack, width: float, x: Array) -> float | None:
+    """Wavenumber at which Delta may end at distances x that are all long [m]; none where it decays before."""
+    least = float(np.min(x))
+    if least <= _ENDED * stack.thickness:
+        return None
+    end = (_END + 6 * _SLOPE) / least
+    return end if end < _DECAYED / width else None
+
+
+def tapered(stack: Stack, width: float, x: Array) -> tuple[Array, Array, Array]:
+    """Nodes and weights in k at distances x [m], and a smooth end of Delta that long ones do not see; (k,) each."""
+    end = ended_at(stack, width, x)
+    k, weights = wavenumbers(stack, float(np.max(x)), width if end is None else _DECAYED / end)
+    taper = np.ones_like(k) if end is None else erfc((k * float(np.min(x)) - _END) / _SLOPE) / 2
+    return k, weights, taper
 
 
 def panels(stack: Stack, width: float) -> Array:
@@ -240,8 +266,8 @@ def _gauss(count: int) -> tuple[Array, Array]:
 
 def _transforms(stack: Stack, width: float, x: Array) -> Array:
     """K and U at distances x >= 0; (x, 19)."""
-    k, weights = wavenumbers(stack, float(np.max(x)), width)
-    added = difference(stack, k)
+    k, weights, taper = tapered(stack, width, x)
+    added = difference(stack, k) * taper[:, None, None]
     regular = surface(stack) - lowest(stack)
     spread = sideways(stack)
     added[:, 3, 3] -= spread / k * np.exp(-k * width) * (1 + k * width)
@@ -250,6 +276,8 @@ def _transforms(stack: Stack, width: float, x: Array) -> Array:
     by_sine = (weights * np.concatenate([rows[[*range(6), 9]], rows[6:9] / k])).T
     by_cosine = (weights * np.concatenate([rows[6:9], rows[:6] / k])).T
     offset = (datum * weights / k).sum(-1)
+    if (end := ended_at(stack, width, x)) is not None:  # beyond, the datum's part alone is left
+        offset += np.array([regular[i, j] for i, j in ENTRIES[:6]]) * float(exp1(end * width))
     out = np.empty((x.size, 19))
     for block in range(0, x.size, step := max(_MOST // k.size, 1)):
         some = slice(block, block + step)
@@ -269,9 +297,9 @@ def _transforms(stack: Stack, width: float, x: Array) -> Array:
 
 def _graded(response: GradedResponse, width: float, x: Array) -> Array:
     """Smooth part of K at distances x >= 0 under a graded layer, U zero; (x, 19)."""
-    k, weights = wavenumbers(response.stack, float(np.max(x)), _graded_strip(response.stack))
+    k, weights = wavenumbers(response.stack, float(np.max(x)), graded_strip(response.stack))
     rows = np.array([(weights[:, None, None] * response.decayed(k, width))[:, i, j] for i, j in ENTRIES]).T
-    tails = np.array([response.tails[:, i, j] for i, j in ENTRIES]).T  # (order, channel)
+    tails = np.array([response.tails[:3, i, j] for i, j in ENTRIES]).T  # (order, channel)
     sines, cosines = smooth_tails(x, width)
     out = np.zeros((x.size, 19))
     odd = _ODD[:10]

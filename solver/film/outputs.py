@@ -38,11 +38,14 @@ def functionals(assembly: Assembly) -> Array:
         rows[:, BALANCE, -1] = 1.0
     rows[:, PRESSURE, pressures] = -basis.pressure_factor(SAMPLES)
     rows[:, DISPLACEMENT] = _displacements(assembly)
-    for f, start in system.starts(basis).items():
+    beyond = assembly.beyond
+    for place, (f, start) in enumerate(system.starts(basis).items()):
         charges = slice(start, start + basis.terms + 1)
         rows[:, INTENSITY.start + 2 * f, charges] = np.sqrt(np.pi)
         rows[:, INTENSITY.start + 2 * f + 1, charges] = np.sqrt(np.pi) * signs
-    rows[:, EDGE_STRESS] = _edge_stress(assembly)
+        if beyond is not None:
+            rows[:, INTENSITY.start + 2 * f : INTENSITY.start + 2 * f + 2] += np.sqrt(np.pi) * beyond[0][:, place]
+    rows[:, EDGE_STRESS] = _edge_stress(assembly, None if beyond is None else beyond[1])
     return rows
 
 
@@ -62,10 +65,12 @@ def _displacements(assembly: Assembly) -> Array:
     return rows
 
 
-def _edge_stress(assembly: Assembly) -> Array:
+def _edge_stress(assembly: Assembly, beyond: Array | None) -> Array:
     """sigma_xx just outside the edges; (half, 2, unknown)."""
     system, basis = assembly.system, assembly.basis
     c, half, scale = system.coefficients, system.sliding.halfplane, system.kernel.stack.scale
     strain = np.array(assembly.gradients[:, 3])
     strain[..., : basis.pressures] -= c.tangential * c.friction * basis.local(EDGES)
+    if beyond is not None:
+        strain -= c.tangential * c.friction * beyond / c.lam
     return np.asarray(float(half.in_plane_stiffness) * scale[0] ** 2 * strain * np.array(basis.smooth)[:, None])

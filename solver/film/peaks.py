@@ -18,7 +18,7 @@ from solver.film.contact import FilmContact
 from solver.film.interior import Interior
 from solver.film.net import DEPTH, Net, Nets
 from solver.film.stack import Stack, StackError
-from solver.film.table import Table
+from solver.film.table import RangeError, Table
 from solver.film.tractions import Tractions
 
 _STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
@@ -77,7 +77,7 @@ class PeakTable:
     def film_net(self) -> Net:
         """Points of the film from depth 0.1 h to the interface."""
         if DEPTH * self.table.upper >= self._thickness:
-            raise StackError(f"film peaks: contacts wider than {1 / DEPTH:g} thicknesses have no film under 0.1 h")
+            raise RangeError(f"film peaks: contacts wider than {1 / DEPTH:g} thicknesses have no film under 0.1 h")
         return self._nets.film
 
     @cached_property

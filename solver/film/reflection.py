@@ -5,7 +5,9 @@ downward wave leaves at the bottom. With ``E = exp(-G k h)`` and ``F = (S E S) G
 
     Gamma = (S Y0 S + Y_below)^-1 (Y0 - Y_below),    Y_top - Y0 = -(Y0 + S Y0 S) F (I + F)^-1.
 
-Only decaying exponentials occur, and the difference to the layer's own half-plane has full relative accuracy.
+Only decaying exponentials occur, and the difference to the layer's own half-plane has full relative accuracy. Above an
+insulated base ``Y_psi,psi ~ c_B / k``: there ``I + F`` is singular as k goes to 0 and loses 1/(kH) of its digits. Long
+waves take the layers by the exponential of their system instead, in which nothing cancels.
 """
 
 from dataclasses import dataclass
@@ -15,6 +17,9 @@ import numpy as np
 from solver.arrays import Array
 from solver.film.fourier import FLIP, Medium, falling
 from solver.film.stack import Stack, StackError
+
+_LONG = 0.1  # kH below which waves above an insulated base are long
+_DEGREE = 24  # of the Taylor polynomial of a layer's transfer at kH = 0.1, whatever its roots
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +36,8 @@ class LayerWaves:
         Gamma; (k, 4, 4).
     round_trip
         F; (k, 4, 4).
+    difference
+        Y_top - Y0, with full relative accuracy; (k, 4, 4), symmetric.
     """
 
     medium: Medium
@@ -38,21 +45,12 @@ class LayerWaves:
     below: Array
     reflection: Array
     round_trip: Array
+    difference: Array
 
     @property
     def amplitude(self) -> Array:
         """(I + F)^-1: the downward wave at the top, per traction there; (k, 4, 4)."""
         return np.asarray(np.linalg.inv(np.eye(4) + self.round_trip), dtype=np.float64)
-
-    @property
-    def difference(self) -> Array:
-        """Y_top - Y0, with full relative accuracy; (k, 4, 4), symmetric."""
-        own = self.medium.compliance
-        # F (I + F)^-1 from the transposed system
-        both = np.swapaxes(self.round_trip, -1, -2)
-        answer = np.swapaxes(np.linalg.solve(np.eye(4) + both, both), -1, -2)
-        Y = -(own + FLIP * own) @ answer
-        return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
 
 
 def waves(stack: Stack, k: Array) -> list[LayerWaves]:
@@ -79,6 +77,7 @@ def _recursion(stack: Stack, k: Array, first: int) -> tuple[Array, list[LayerWav
     if stack.base_medium is not None:
         Y += stack.base_medium.compliance
     found = []
+    long = (k * stack.thickness < _LONG) & stack.insulated
     for number in range(len(stack.layers) - 1, first - 1, -1):
         medium, thickness = stack.media[number], stack.layers[number].thickness
         before, Y = Y, held(Y, stack.grounded[number])
@@ -88,10 +87,52 @@ def _recursion(stack: Stack, k: Array, first: int) -> tuple[Array, list[LayerWav
             A[:, 3], B[:, 3] = np.eye(4)[3], -np.eye(4)[3]
         reflection: Array = np.asarray(np.linalg.solve(A, B), dtype=np.float64)
         E = falling(medium.decay, k * thickness)
-        layer = LayerWaves(medium, thickness, before, reflection, (FLIP * E) @ reflection @ E)
-        Y = own + layer.difference
-        found.append(layer)
+        round_trip = (FLIP * E) @ reflection @ E
+        added = _difference(own, round_trip)
+        if np.any(long):
+            lowest = number == len(stack.layers) - 1
+            through = _transfer(medium, k[long] * thickness)
+            added[long] = (_above_insulated(through) if lowest else _above(through, Y[long])) - own
+        found.append(LayerWaves(medium, thickness, before, reflection, round_trip, added))
+        Y = own + added
     return Y, found[::-1]
+
+
+def _difference(own: Array, round_trip: Array) -> Array:
+    """Y_top - Y0 = -(Y0 + S Y0 S) F (I + F)^-1, from the transposed system; (k, 4, 4), symmetric."""
+    both = np.swapaxes(round_trip, -1, -2)
+    answer = np.swapaxes(np.linalg.solve(np.eye(4) + both, both), -1, -2)
+    Y = -(own + FLIP * own) @ answer
+    return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
+
+
+def _transfer(medium: Medium, s: Array) -> Array:
+    """(k u, t) at the top of a layer from those at its bottom, every entry to full accuracy, s = k h; (k, 8, 8)."""
+    own = medium.halfplane.scale / medium.scale  # in units of its own, entries of the system are of the order of one
+    units = np.concatenate([own, 1 / own])
+    system = medium.system / units[:, None] * units
+    part: Array = np.eye(8) + np.zeros((s.size, 1, 1))
+    for degree in range(_DEGREE, 0, -1):
+        part = np.eye(8) + (s[:, None, None] / degree) * (system @ part)
+    return np.asarray(part * units[:, None] / units)
+
+
+def _above_insulated(through: Array) -> Array:
+    """Y on top of a layer with u = 0, phi = 0 and B_y = 0 below; (k, 4, 4)."""
+    free = through[..., [4, 5, 6, 3]]  # by t_x, t_y, D_y and k psi at the bottom
+    return _quotient(free[:, :4], free[:, 4:])
+
+
+def _above(through: Array, Y: Array) -> Array:
+    """Y on top of a layer on a body of response Y; (k, 4, 4)."""
+    displaced, pulled = through[:, :4], through[:, 4:]
+    return _quotient(displaced[..., :4] @ Y + displaced[..., 4:], pulled[..., :4] @ Y + pulled[..., 4:])
+
+
+def _quotient(displacement: Array, traction: Array) -> Array:
+    """Y of k u = Y t from both by the same unknowns; (k, 4, 4), symmetric."""
+    Y = np.swapaxes(np.linalg.solve(np.swapaxes(traction, -1, -2), np.swapaxes(displacement, -1, -2)), -1, -2)
+    return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
 
 
 def held(Y: Array, components: tuple[int, ...]) -> Array:

@@ -48,14 +48,19 @@ class Rough:
 
     @cached_property
     def projected(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """Coefficients in P^(-A,-B) and in U, of the pressure's terms and of a field's; (type, M, term) each."""
+        """Coefficients in P^(-A,-B) and in U, of the pressure's terms and of a field's; (type, M, term) each.
+
+        Behind the M coefficients in U stand the sums of all, M and beyond, at X = 1 and at X = -1 with the signs of
+        T_n there: integrals with sqrt((1 +- X) / (1 -+ X)) / pi.
+        """
         X, one, other, weights = self._rule
         basis = self.basis
         A, B = basis.exponents
         dual = basis.dual(X, basis.terms) * (weights * one**-A * other**-B) / basis.dual_norms[:, None]
         angle = 2 * np.arctan2(np.sqrt(one), np.sqrt(other))
         orders = np.arange(1, basis.terms + 1)[:, None]
-        series = 2 / np.pi * np.sin(orders * angle) * weights  # U_(n-1) sqrt(1 - X^2)
+        whole = np.stack([1 / np.tan(angle / 2), -np.tan(angle / 2)]) / 2  # sums of sin(n angle), with the signs
+        series = 2 / np.pi * np.concatenate([np.sin(orders * angle), whole]) * weights  # U_(n-1) sqrt(1 - X^2)
         pressed, charged = self.pressures(X, one, other), self.charges(one, other)
         return (dual @ pressed, series @ pressed), (dual @ charged, series @ charged)
 

@@ -22,7 +22,7 @@ def critical_speed(stack: Stack, conducts: tuple[bool, bool] = (True, True)) -> 
     """First critical speed [m/s]: the least of the transonic speeds and of the free waves under the punch's conduction.
 
     A wave of wavenumber k runs freely at V where 1/lam(k; V) falls to zero, lam the compliance of the surface with what
-    the punch conducts held at zero. In a film that hangs on k; at large k it is the surface wave of the top material,
+    the punch conducts held at zero. In a film that depends on k; at large k it is the surface wave of the top material,
     at small k that of the base.
 
     Parameters

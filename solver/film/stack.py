@@ -11,6 +11,7 @@ from solver.arrays import Array, is_finite
 from solver.film.fourier import Medium
 from solver.material.constants import VACUUM_PERMEABILITY, Material, MaterialError
 from solver.material.library import find
+from solver.units import in_si
 
 RIGID: Literal["rigid"] = "rigid"
 
@@ -25,7 +26,7 @@ class StackError(MaterialError):
     """A layer, a base or an interface that is malformed or not allowed."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Layer:
     """A homogeneous layer and the interface below it.
 
@@ -34,7 +35,7 @@ class Layer:
     material
         An admissible material without case axes, or the name of a built-in one.
     thickness
-        Thickness > 0 [m].
+        Thickness > 0 [m], or with its unit, as ``"20 um"``.
     electric
         ``grounded`` (a thin electrode at phi = 0) or ``bonded`` (phi and D_y continuous). By default grounded above
         the base and bonded between layers; above a rigid base it is grounded, and so it is beside a conductor.
@@ -52,6 +53,8 @@ class Layer:
     >>> import solver
     >>> Layer(solver.find("PZT-4"), 2e-4, electric="grounded").thickness
     0.0002
+    >>> Layer("copper", "20 um").thickness
+    2e-05
     """
 
     material: Material
@@ -62,9 +65,21 @@ class Layer:
     #: Whether the material varies with depth.
     graded: ClassVar[bool] = False
 
-    def __post_init__(self) -> None:
-        if isinstance(self.material, str):
-            object.__setattr__(self, "material", find(self.material))
+    def __init__(
+        self,
+        material: Material | str,
+        thickness: float | str,
+        electric: str | None = None,
+        magnetic: str | None = None,
+    ) -> None:
+        values = {
+            "material": find(material) if isinstance(material, str) else material,
+            "thickness": _metres(thickness) if isinstance(thickness, str) else thickness,
+            "electric": electric,
+            "magnetic": magnetic,
+        }
+        for name, given in values.items():
+            object.__setattr__(self, name, given)
         if not is_finite(self.thickness) or not self.thickness > 0:
             raise StackError(f"thickness: {self.thickness!r} is not allowed; a finite number > 0 [m]")
         _require_single(self.material, "material")
@@ -83,7 +98,7 @@ class Stack:
     layers
         At least one.
     base
-        ``rigid`` (u = 0, phi = 0, bonded) or the material of the half-plane below.
+        ``rigid`` (u = 0, phi = 0, bonded) or the material of the half-plane below, or its name.
     speed
         Steady speed V >= 0 of the contact along x [m/s]; any but 0 needs the densities.
     electroded
@@ -93,7 +108,7 @@ class Stack:
     --------
     >>> import solver
     >>> titanate = Layer(solver.find("BaTiO3"), 0.5e-3, electric="grounded")  # a metal conducts
-    >>> film = Stack([titanate, Layer(solver.find("copper"), 1e-4)], solver.find("silicon"))
+    >>> film = Stack([titanate, Layer("copper", "0.1 mm")], "silicon")
     >>> film.name
     'BaTiO3 0.0005 m | copper 0.0001 m | silicon'
     >>> film.top.material.name, round(film.thickness, 6), film.rigid, film.insulated
@@ -108,7 +123,7 @@ class Stack:
     """
 
     layers: Sequence[Layer]
-    base: Material | Literal["rigid"] = RIGID
+    base: Material | str = RIGID
     speed: float = 0.0
     electroded: bool = False
 
@@ -116,10 +131,9 @@ class Stack:
         object.__setattr__(self, "layers", tuple(self.layers))
         if not self.layers:
             raise StackError("layers: none; a stack has at least one layer")
-        if isinstance(self.base, str):
-            if self.base != RIGID:
-                raise StackError(f"base: {self.base!r} is unknown; 'rigid' or a material")
-        else:
+        if isinstance(self.base, str) and self.base != RIGID:
+            object.__setattr__(self, "base", _base(self.base))
+        if not isinstance(self.base, str):
             _require_single(self.base, "base")
         if self.electroded and self.layers[0].graded:
             raise StackError("electrode: 'top' is not allowed on a graded layer")
@@ -208,6 +222,22 @@ class Stack:
             vacuum = np.array(VACUUM_PERMEABILITY)  # no flux gets there: its permeability has no part, not by a bit
             base = replace(base, mu11=vacuum, mu33=vacuum)
         return Medium(base, self.media[0].scale, self.speed)
+
+
+def _metres(thickness: str) -> float:
+    """A thickness with its unit, in metres."""
+    try:
+        return in_si(thickness, "m")
+    except ValueError as error:
+        raise StackError(f"thickness: {error}") from None
+
+
+def _base(name: str) -> Material:
+    """The material of a base by its name."""
+    try:
+        return find(name)
+    except MaterialError as error:
+        raise StackError(f"base: {error}") from None
 
 
 def _require_single(material: object, name: str) -> None:

@@ -202,7 +202,7 @@ class System:
 
     def _answering(self, basis: Basis, sources: Array) -> Array:
         """Right sides that answer given slopes and gradients of the conducted fields; (half, unknown, source)."""
-        pressed, charged = self._eliminated(sources)
+        pressed, charged = self.eliminated(sources)
         projected, series = basis.projection @ pressed, basis.charge_projection @ charged
         right = np.zeros((sources.shape[0], self.unknowns(basis), sources.shape[-1]))
         right[:, max(-basis.order, 0) : basis.pressures] = -projected[:, max(basis.order, 0) :]
@@ -227,7 +227,7 @@ class System:
             charges[..., f, :] = unknowns[..., start : start + basis.terms + 1]
         return unknowns[..., : basis.pressures], charges
 
-    def _eliminated(self, gradients: Array) -> tuple[Array, Array]:
+    def eliminated(self, gradients: Array) -> tuple[Array, Array]:
         """Minus the right sides of the equations for the pressure and, (half, field, ...), for the fields."""
         c, flux = self.coefficients, gradients[:, [1 + f for f in self.fields]]
         pressed = gradients[:, 0] - np.einsum("f,hfmz->hmz", c.screening[list(self.fields)], flux)
@@ -236,10 +236,10 @@ class System:
 
     def _matrix(self, basis: Basis, smooth: Array, rough: tuple[Array, Array] | None) -> Array:
         c, start, h = self.coefficients, self.starts(basis), smooth.shape[0]
-        pressed, charged = self._eliminated(smooth)
+        pressed, charged = self.eliminated(smooth)
         projected, series = basis.projection @ pressed, basis.charge_projection @ charged
         if rough is not None:
-            projected, series = projected + self._eliminated(rough[0])[0], series + self._eliminated(rough[1])[1]
+            projected, series = projected + self.eliminated(rough[0])[0], series + self.eliminated(rough[1])[1]
         matrix = np.zeros((h, self.unknowns(basis), self.unknowns(basis)))
         first, offset = max(-basis.order, 0), max(basis.order, 0)
         matrix[:, first : basis.pressures] = projected[:, offset:]

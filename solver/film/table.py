@@ -27,6 +27,7 @@ from solver.halfplane.sliding import Sliding
 #: Half-lengths over the thickness of the top layer that a table may hold.
 LEAST, MOST = 1e-4, 60.0
 
+_NO_FILM = 0.1  # m: a thickness from here on has lost its unit
 _PER_DECADE = 15.0  # nodes: 1e-8 between them, up to 30 thicknesses
 BATCH = 50_000_000  # bytes of kernels held at once
 _ALIKE, _GRADED_ALIKE = 0.75, 0.4  # of the number of terms: half-lengths that share one basis, dear if graded
@@ -42,10 +43,11 @@ def told(thickness: Array) -> str:
     Examples
     --------
     >>> told(np.array([20.0, 200.0])), told(np.array(1e-6))
-    ('thickness 20 to 200 m', 'thickness 1e-06 m')
+    ('thickness 20 to 200 m; did you mean 20 to 200 um?', 'thickness 1e-06 m')
     """
     least, most = float(np.min(thickness)), float(np.max(thickness))
-    return f"thickness {least:g}{'' if least == most else f' to {most:g}'} m"
+    size = f"{least:g}{'' if least == most else f' to {most:g}'}"
+    return f"thickness {size} m" + (f"; did you mean {size} um?" if least >= _NO_FILM else "")
 
 
 @dataclass(frozen=True, eq=False)

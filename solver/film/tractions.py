@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from approximation.chebyshev import coefficients
 from solver.arrays import Array, ComplexArray
@@ -62,7 +63,7 @@ class Tractions:
         """The longest half-length that the basis is made for [m]: what resolves it, resolves all members."""
         return float(np.max(self.half_lengths)) if self.upper is None else self.upper
 
-    def part(self, members: slice) -> Self:
+    def part(self, members: slice | NDArray[np.intp]) -> Self:
         """Some of the members."""
         return replace(
             self,

@@ -116,9 +116,14 @@ class Kind:
         return _stack(self.layers, self.base, self.speed, self.electroded)
 
     @property
+    def graded(self) -> bool:
+        """Whether the material of the top layer varies with depth."""
+        return callable(self.layers[0].of)
+
+    @property
     def uniform(self) -> bool:
         """Whether the film is one homogeneous layer."""
-        return len(self.layers) == 1 and not callable(self.layers[0].of)
+        return len(self.layers) == 1 and not self.graded
 
     @property
     def above_ground(self) -> float:

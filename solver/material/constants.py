@@ -232,7 +232,9 @@ class Material:
             **({"conductor": True} if self.conductor else {}),  # others are as they were before there were any
             **{name: getattr(self, name) for name in ("name", "source", "note")},
             "limits": {name: asdict(limit) for name, limit in self.limits.items()},
-            "alternatives": [{**one.constants, "source": one.source} for one in self.alternatives],
+            "alternatives": [
+                {**alternative.constants, "source": alternative.source} for alternative in self.alternatives
+            ],
         }
 
     def _repr_html_(self) -> str:

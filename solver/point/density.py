@@ -87,13 +87,12 @@ class Density:
         if self.shape.flat:
             return np.zeros_like(b)
         e = self.shape.exponent
-        x, w = np.polynomial.legendre.leggauss(_HALF)
-        # s = v^4: powers of s are smooth in v
-        v = (1 + x) / 2
-        s, weights = v**4, 2 * w * v**3
-        log = np.log(s) - np.log(b)[:, None]
-        ratio = np.where(np.abs(log) > 1e-12, np.expm1(e * log) / np.expm1(2 * log), e / 2)
-        return np.asarray((1 - b**e) * steep + b ** (e - 1) * (ratio @ weights))
+        return np.asarray((1 - b**e) * steep + b ** (e - 1) * _stretched(e, b))
+
+    @property
+    def signed(self) -> Array:
+        """Coefficients of P_2n(b); (column, 3, n)."""
+        return self._signed
 
     def _power(self, b: Array) -> Array:
         return np.ones_like(b) if self.shape.flat else b**self.shape.exponent
@@ -109,3 +108,38 @@ class Density:
     @cached_property
     def _signed(self) -> Array:
         return np.asarray(self.series * (-1.0) ** np.arange(self._count))
+
+
+def turned_form_rates(exponent: float, b: Array) -> Array:
+    """d/db of b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds; (b,)."""
+    steep = np.arctanh(np.minimum(b, 1 - 1e-16))
+    return np.asarray(exponent * (b ** (exponent - 2) * _stretched(exponent, b) - b ** (exponent - 1) * steep))
+
+
+def _stretched(e: float, b: Array) -> Array:
+    """int_0^1 (1 - (s/b)^e) / (1 - (s/b)^2) ds; (b,)."""
+    x, w = np.polynomial.legendre.leggauss(_HALF)
+    # s = v^4: powers of s are smooth in v
+    v = (1 + x) / 2
+    s, weights = v**4, 2 * w * v**3
+    log = np.log(s) - np.log(b)[:, None]
+    ratio = np.where(np.abs(log) > 1e-12, np.expm1(e * log) / np.expm1(2 * log), e / 2)
+    return np.asarray(ratio @ weights)
+
+
+def second_kind_rates(b: Array, count: int) -> Array:
+    """d (Q_2n - artanh) / db of Legendre functions, n < count; (n, b).
+
+    As P_n' artanh + D_n' - E_n / (1 + b), where Q_n = P_n artanh + D_n and P_n = 1 - (1 - b) E_n.
+    """
+    degree = max(2 * count - 2, 1)
+    P, D, E = (np.zeros((degree + 1, b.size)) for _ in range(3))
+    slope, falling = np.zeros_like(P), np.zeros_like(D)
+    P[0], P[1], slope[1], D[1], E[1] = 1.0, b, 1.0, -1.0, 1.0
+    for n in range(1, degree):
+        for of, derived in ((P, slope), (D, falling)):
+            of[n + 1] = ((2 * n + 1) * b * of[n] - n * of[n - 1]) / (n + 1)
+            derived[n + 1] = ((2 * n + 1) * (of[n] + b * derived[n]) - n * derived[n - 1]) / (n + 1)
+        E[n + 1] = ((2 * n + 1) * (b * E[n] + 1) - n * E[n - 1]) / (n + 1)
+    rates = slope * np.arctanh(np.minimum(b, 1 - 1e-16)) + falling - E / (1 + b)
+    return np.asarray(rates[: 2 * count : 2])

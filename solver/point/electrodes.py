@@ -1,24 +1,31 @@
-"""What a point contact brings to an electrode below it, and to discs and strips of it (films, section 11).
+"""What a point contact brings to an electrode below it, and to patches of it (films, section 11).
 
 With q(k) = 2 pi a sum_n c_n . rows j_2n(ka), in the units of the stack, a disc of radius b in the distance d collects
-b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k.
+b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k. A ring is a disc less
+another, a rectangle four times two triangles with a corner below the contact: see :func:`corners`. On top a part of q
+is v of the tractions at the same place (:mod:`solver.point.local`).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from scipy.special import j0, j1
 
 from solver.arrays import Array
-from solver.film.electrodes import Collected, Electrode, Reading, joined, transfers
+from solver.film.electrodes import Electrode, transfers
+from solver.film.reading import RECTANGLE, RING, STRIP, Collected, Reading, joined
 from solver.film.windows import Indices
 from solver.point.bessel import even_orders
 from solver.point.body import Film
 from solver.point.galerkin import halfspace_terms
+from solver.point.local import Covered
 from solver.point.pressed import Contact
+from solver.point.surface import Below
 from solver.point.table import Window
 
 _BLOCK = 1_000_000  # values of the Bessel functions held at once
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
+_TINY = 1e-12  # side of a rectangle over the other, from which on it is none
 
 
 def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict[str, Array]:
@@ -29,11 +36,7 @@ def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict
     StackError
         An electrode that is not there, a patch that reaches farther than is resolved.
     """
-    reading, stack, parts = (
-        reading.over(film.thickness),
-        film.kind.film.stack(),
-        list[tuple[Indices, dict[str, Array]]](),
-    )
+    reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, window in film.windows(contact.radius):
 
         def answer(
@@ -43,8 +46,31 @@ def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict
             return _Read(contact, film, window, reading.part(cases), cases, number, octave).quantities()
 
         extent = (contact.radius / film.thickness)[places]
-        parts.append((places, reading.part(places).together(answer, stack, extent)))
+        parts.append((places, reading.part(places).together(answer, extent)))
     return joined(parts, contact.radius.size)
+
+
+def corners(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
+    """Radii and weights by which charges of discs make twice that of the rectangle from (0, 0) to (x, y), y > 0.
+
+    A triangle with corners in (0, 0), (x, 0) and (x, y) has int F(x cosh u) / cosh u du / 2 pi of 0 to asinh(y/x),
+    F the charge of a disc about (0, 0) by its radius.
+    """
+    away = np.maximum(np.abs(x), _TINY * y)
+    for leg, other in ((away, y), (y, away)):
+        most = np.arcsinh(other / leg)
+        for node, weight in zip(_NODES, _WEIGHTS, strict=True):
+            stretch = np.cosh(most * (1 + node) / 2)
+            yield leg * stretch, np.where(x == 0, 0.0, np.sign(x) * weight * most / (2 * np.pi * stretch))
+
+
+def along(x: Array, y: Array, scale: float) -> Iterator[tuple[Array, Array]]:
+    """Radii and weights of an integral along the line from (x, 0) to (x, y), of what is smooth over a distance."""
+    size = np.hypot(x, scale)
+    most = np.arcsinh(y / size)
+    for node, weight in zip(_NODES, _WEIGHTS, strict=True):
+        place = most * (1 + node) / 2
+        yield np.hypot(x, size * np.sinh(place)), weight * most / 2 * size * np.cosh(place)
 
 
 class _Read:
@@ -59,7 +85,7 @@ class _Read:
         self.thickness, self.force = film.thickness[places], contact.pressed.force[places]
         self.size = contact.size[places] * film.thickness[places]
         self.loads = contact.loads[places]
-        if self.electrode.on_top:
+        if self.electrode.on_top and reading.size is None:
             return
         self.k, self.weights, self.rows = transfers(stack, number, octave)
         causes, shape = contact.state.causes[places], film.shape
@@ -69,34 +95,82 @@ class _Read:
             count = max(count, int(np.max(self.radius) * self.k[-1] / 2) + 12)
         self.terms = np.einsum("ind,cd->cin", halfspace_terms(film.kind.compliance, shape, count), causes)
         self.terms[..., : added.shape[-1]] += added
+        self.tractions = Below(contact, places, added)
 
     def quantities(self) -> dict[str, Array]:
         """By name, SI; (case,) each."""
         whole = -np.einsum("j,cj->c", self.electrode.whole, self.loads * self.scale[1:]) / self.scale[2]
         out = {"electrode_charge_per_force": whole / self.force}
-        if self.electrode.on_top:
-            return out
-        pressure = self._integrated(1, lambda some: self.k / (2 * np.pi) * np.ones((some.size, 1)))
-        out["electrode_pressure"] = -pressure / self.thickness**2 * self.scale[2] / self.scale[1]
+        if not self.electrode.on_top:
+            pressure = self._integrated(1, lambda some: self.k / (2 * np.pi) * np.ones((some.size, 1)))
+            out["electrode_pressure"] = -pressure / self.thickness**2 * self.scale[2] / self.scale[1]
         collected = Collected(self.reading, self._patch, lambda at: self._slope(at) / self.thickness)
         return out | collected.quantities(self.force)
 
     def _patch(self, distance: Array) -> Array:
-        return self._charge(distance, lambda kd: j0(kd), lambda kd: np.cos(kd))
+        return self._charge(distance, slope=False)
 
     def _slope(self, distance: Array) -> Array:
-        return self._charge(distance, lambda kd: -self.k * j1(kd), lambda kd: -self.k * np.sin(kd))
+        return self._charge(distance, slope=True)
 
-    def _charge(self, distance: Array, disc: Callable[[Array], Array], strip: Callable[[Array], Array]) -> Array:
-        """Charges [C] of patches by what their distance makes of a wave."""
-        size = np.zeros_like(distance) if self.reading.size is None else self.reading.size
+    def _charge(self, distance: Array, *, slope: bool) -> Array:
+        """Charges [C] of patches in distances, or their derivatives by these."""
+        zero = np.zeros_like(distance)
+        size, other = zero if self.reading.size is None else self.reading.size, self.reading.other
 
         def wave(some: Indices) -> Array:
-            kd, half = self.k * distance[some, None], size[some, None] / 2
-            across = strip(kd) * 2 * np.sin(self.k * half) / (np.pi * self.k)
-            return np.where(self.reading.strips[some, None], across, half * disc(kd) * j1(self.k * half))
+            found = np.empty((some.size, self.k.size))
+            for shape in np.unique(self.reading.shape[some]).tolist():
+                own = np.flatnonzero(self.reading.shape[some] == shape)
+                at, wide, second = (values[some[own]] for values in (distance, size, other))
+                if shape == STRIP:
+                    found[own] = self._strip(at, wide, slope=slope)
+                elif shape == RECTANGLE:
+                    found[own] = self._rectangle(at, wide, second, slope=slope)
+                else:
+                    found[own] = self._disc(at, wide, slope=slope)
+                    if shape == RING:
+                        found[own] -= self._disc(at, second, slope=slope)
+            return found
 
-        return self._integrated(0, wave)
+        found = self._integrated(0, wave)
+        return found + self._local(distance, size, slope=slope) if self.electrode.on_top else found
+
+    def _local(self, distance: Array, size: Array, *, slope: bool) -> Array:
+        """What patches on top get of the tractions on them, or its derivative by the distance."""
+        found = np.zeros_like(distance)
+        for shape in np.unique(self.reading.shape).tolist():
+            own = np.flatnonzero(self.reading.shape == shape)
+            lengths = (values[own] / self.radius[own] for values in (distance, size, self.reading.other))
+            r, weights = Covered(int(shape), *lengths).rule(slope=slope)
+            carried = np.einsum("j,cjr->cr", self.electrode.local[1:], self.tractions.at(own, r))
+            found[own] = np.sum(carried * weights, -1) / (self.radius[own] if slope else 1.0)
+        return np.asarray(found * self.size * self.radius / self.scale[2])
+
+    def _disc(self, distance: Array, size: Array, *, slope: bool) -> Array:
+        """What discs make of waves, or its derivative by their distance; (case, k)."""
+        kd, half = self.k * distance[:, None], size[:, None] / 2
+        along = -self.k * j1(kd) if slope else j0(kd)
+        return np.asarray(half * along * j1(self.k * half))
+
+    def _strip(self, distance: Array, size: Array, *, slope: bool) -> Array:
+        """What strips make of waves, or its derivative by their distance; (case, k)."""
+        kd = self.k * distance[:, None]
+        along = -self.k * np.sin(kd) if slope else np.cos(kd)
+        return np.asarray(along * 2 * np.sin(self.k * size[:, None] / 2) / (np.pi * self.k))
+
+    def _rectangle(self, distance: Array, size: Array, length: Array, *, slope: bool) -> Array:
+        """What rectangles make of waves, or its derivative by their distance; (case, k)."""
+        found = np.zeros((distance.size, self.k.size))
+        for side in (1.0, -1.0):
+            x, y = distance + side * size / 2, length / 2
+            if slope:
+                for r, weight in along(x, y, self.electrode.width):
+                    found += side * weight[:, None] / np.pi * self.k * j0(self.k * r[:, None])
+                continue
+            for r, weight in corners(x, y):
+                found += side * weight[:, None] * r[:, None] * j1(self.k * r[:, None])
+        return found
 
     def _integrated(self, row: int, wave: Callable[[Indices], Array]) -> Array:
         """int (row of the transfers . tractions) wave dk over the charge's unit; (case,)."""

@@ -7,12 +7,14 @@ With x = sqrt(1 - s^2/a^2) a traction is sum_n c_n P_2n(x) / (abs(P_2n(0)) x), w
 The half-space's coefficients, known in closed form, are apart: what the layers add has few terms, whatever the profile.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from solver.arrays import Array
+from solver.point.pressure import added_forms
 from solver.point.profile import Shape
 
 
@@ -49,6 +51,24 @@ class Added:
     def halfspace(self) -> Array:
         """a c of the half-space, of u0 in each channel and of g = (r/a)^exponent; (3, n, 4)."""
         return halfspace_terms(self.compliance, self.shape, self.interactions.shape[-1])
+
+    @property
+    def loads(self) -> Array:
+        """Shares of the coefficients in a load over 2 pi; (n,)."""
+        return np.asarray(np.eye(self.interactions.shape[-1])[0])
+
+    @property
+    def edges(self) -> Array:
+        """Shares of them in the strength at the edge; (n,)."""
+        return np.asarray((-1.0) ** np.arange(self.interactions.shape[-1]))
+
+    def forms(self, x: Array) -> Array:
+        """Shares of them in a traction less its strength over x = sqrt(1 - r^2/a^2) > 0; (..., n)."""
+        return added_forms(x, self.interactions.shape[-1])
+
+    def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
+        """A traction less its strength over x at x within limits (case,), of coefficients (case, n)."""
+        return lambda x: np.asarray(np.sum(series * self.forms(x), -1))
 
     @cached_property
     def coefficients(self) -> Array:

@@ -76,9 +76,11 @@ def nodes(radius: float = np.inf, near: float = 1.0, *, parts: int = 4, kinked: 
 
 
 def waves(
-    rates: ComplexArray, depth: Array, radius: float, at: Nodes, orders: int
+    rates: ComplexArray, depth: Array, radius: float, at: Nodes, orders: int, *, potentials: bool = False
 ) -> tuple[ComplexArray, ComplexArray]:
     """int exp(-k m z) J_n(kr) k cos(kb) dk and the same of sin(kb), n = 0 .. orders - 1; (n, rate, depth, b) each.
+
+    Without the k of the middle for ``potentials``.
 
     Parameters
     ----------
@@ -95,18 +97,21 @@ def waves(
     """
     fall = (rates[:, None] * depth)[..., None]
     far = radius + at.b
-    before = _powers(fall - 1j * at.b, (fall - 1j * at.beside) * (fall - 1j * far), radius, orders)
-    after = _powers(fall + 1j * at.b, (fall + 1j * at.beside) * (fall + 1j * far), radius, orders)
+    before = _powers(fall - 1j * at.b, (fall - 1j * at.beside) * (fall - 1j * far), radius, orders, potentials)
+    after = _powers(fall + 1j * at.b, (fall + 1j * at.beside) * (fall + 1j * far), radius, orders, potentials)
     return (before + after) / 2, (before - after) / 2j
 
 
-def _powers(s: ComplexArray, square: ComplexArray, r: float, orders: int) -> ComplexArray:
-    """int exp(-k s) J_n(kr) k dk = u^n (n R + s) / R^3, R^2 = s^2 + r^2, u = r / (R + s); (n, ...)."""
+def _powers(s: ComplexArray, square: ComplexArray, r: float, orders: int, potentials: bool) -> ComplexArray:
+    """int exp(-k s) J_n(kr) k dk = u^n (n R + s) / R^3, R^2 = s^2 + r^2, u = r / (R + s); (n, ...).
+
+    Of potentials int exp(-k s) J_n(kr) dk = u^n / R.
+    """
     R = np.sqrt(square)
     u, inverse = r / (R + s), 1 / R
     out: ComplexArray = np.empty((orders, *s.shape), np.complex128)
-    power: ComplexArray = np.square(inverse, dtype=np.complex128)
+    power: ComplexArray = np.array(inverse) if potentials else np.square(inverse, dtype=np.complex128)
     for n in range(orders):
-        out[n] = power * (n + s * inverse)
+        out[n] = power if potentials else power * (n + s * inverse)
         power = power * u
     return out

@@ -12,7 +12,7 @@ import numpy as np
 
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.film.kernel import strip, wavenumbers
-from solver.film.reflection import LayerWaves, waves
+from solver.film.reflection import LayerWaves, sideways, waves
 from solver.film.stack import Layer, Stack, StackError
 from solver.film.windows import Indices
 from solver.film.within import TURN, below, layer_waves, modal
@@ -20,7 +20,7 @@ from solver.material.constants import Material
 from solver.point import hankel
 from solver.point.bessel import bessel_orders
 from solver.point.density import Density
-from solver.point.rows import ORDERS, rows_of, shear_rows
+from solver.point.rows import ORDERS, parted, rows_of, shear_rows
 from solver.point.shear import Sheared, ShearWaves
 
 _NEAR = 0.05  # of a: the depth above which the half-space's part is closed
@@ -98,6 +98,8 @@ class Inside:
     def fields(self, tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
         """Fields of ``solver.halfplane.interior.LINEAR``, SI, NaN in a rigid base; (column, field, y, x).
 
+        Potentials, too, over the unit of the body's lengths.
+
         Parameters
         ----------
         tractions
@@ -110,8 +112,13 @@ class Inside:
         Raises
         ------
         StackError
-            Points farther from the contact than is resolved.
+            Points farther from the contact than is resolved, the magnetic potential over an insulated base.
         """
+        if "magnetic_potential" in names and sideways(self.stack):
+            raise StackError(
+                "fields: 'magnetic_potential' over a base that passes no flux on is relative to nothing below it; "
+                "take magnetic_field_x, or a base that is grounded"
+            )
         out = np.zeros((tractions.ratio.size, len(names), Y.size, X.size))
         ratios, which = np.unique(tractions.ratio, return_inverse=True)
         closed = np.zeros((which.size, Y.size), dtype=bool)
@@ -125,8 +132,12 @@ class Inside:
             if self.stack.rigid:
                 out[np.ix_(columns, np.arange(len(names)), np.flatnonzero(bodies == len(self.stack.layers)))] = np.nan
         if np.any(rows := closed.any(0)):
-            own = self._closed(tractions, X, -Y[rows], names)
-            out[:, :, rows] += np.where(closed[:, None, rows, None], own, 0.0)
+            for part, integrated in parted(names):
+                own = self._closed(tractions, X, -Y[rows], tuple(names[place] for place in part), integrated)
+                own = own * tractions.ratio[:, None, None, None] if integrated else own
+                out[np.ix_(np.arange(len(out)), part, np.flatnonzero(rows))] += np.where(
+                    closed[:, None, rows, None], own, 0.0
+                )
         return out
 
     def of_layers(self, tractions: Tractions, x: float, names: tuple[str, ...]) -> Array:
@@ -187,8 +198,8 @@ class Inside:
                     )
 
     # -- near the surface ----------------------------------------------------------------------------------------------
-    def _closed(self, tractions: Tractions, X: Array, depth: Array, names: tuple[str, ...]) -> Array:
-        """The half-space's part; (column, field, depth, x)."""
+    def _closed(self, tractions: Tractions, X: Array, depth: Array, names: tuple[str, ...], potentials: bool) -> Array:
+        """The half-space's part, potentials over a; (column, field, depth, x)."""
         medium, scale = self.stack.media[0], self.stack.scale
         rates, parts = medium.modes
         answers: ComplexArray = np.concatenate([medium.compliance, np.eye(4)]) @ parts  # (rate, 8, 4)
@@ -203,7 +214,7 @@ class Inside:
         out = np.empty((tractions.ratio.size, len(names), len(continued), X.size))
         for place, x in enumerate(X.tolist()):
             at = hankel.nodes(abs(x), float(np.min(depth)), kinked=tractions.kinked)
-            cosines, sines = hankel.waves(rates, depth, abs(x), at, ORDERS if sliding else 3)
+            cosines, sines = hankel.waves(rates, depth, abs(x), at, ORDERS if sliding else 3, potentials=potentials)
             weights = at.weights
             if x < 0:
                 cosines[1::2], sines[1::2] = -cosines[1::2], -sines[1::2]
@@ -284,20 +295,22 @@ class _Block:
         assert medium is not None
         out = np.zeros((len(self.columns), len(names), depth.size, x.size))
         orders = bessel_orders(self.k, x, 3 if self._tops[1] is None else ORDERS) * self.shares[:, None]
+        parts = [(part, orders / self.k[:, None] if potentials else orders) for part, potentials in parted(names)]
         for sliding, top in enumerate(self._tops):
             if top is None:
                 continue
             states = self._states(top, depth, number, reflected=reflected)
             rows = rows_of(medium, stack.scale, names, sliding=bool(sliding))
-            for n, J in enumerate(orders):
-                _add(out, rows[n], states, J)
+            for part, weighted in parts:
+                for n, J in enumerate(weighted):
+                    _add(out, part, rows[n, part], states, J)
             if sliding and self.inside._shear is not None:
                 waved = ShearWaves(stack, self.k).at(number, depth, reflected=reflected)
                 pulled = np.einsum("skz,kc->kzsc", waved, -top[:, 0]) / stack.scale[0]
                 material = stack.layers[number].material if number < len(stack.layers) else stack.base
                 assert isinstance(material, Material)
                 for n, J in enumerate(orders):
-                    _add(out, shear_rows(Sheared.of(material), names)[n], pulled, J)
+                    _add(out, np.arange(len(names)), shear_rows(Sheared.of(material), names)[n], pulled, J)
         return out
 
     def _states(self, top: Array, depth: Array, number: int, *, reflected: bool) -> Array:
@@ -323,12 +336,12 @@ def _real(turned: ComplexArray) -> Array:
     return np.asarray((turned[0] * np.conj(TURN)[:, None]).real)
 
 
-def _add(out: Array, rows: Array, states: Array, J: Array) -> None:
-    """Add rows (field, s) of states (k, depth, s, column) times a Bessel function (k, x)."""
+def _add(out: Array, fields: Indices, rows: Array, states: Array, J: Array) -> None:
+    """Add rows (field, s) of states (k, depth, s, column) times a Bessel function (k, x) to some fields."""
     there = np.flatnonzero(rows.any(1))
     if there.size:
         taken = np.einsum("fs,kzsc->cfzk", rows[there], states, optimize=True)
-        out[:, there] += taken @ J
+        out[:, fields[there]] += taken @ J
 
 
 def whole(material: Material) -> Inside:

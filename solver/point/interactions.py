@@ -38,7 +38,7 @@ def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
         A graded layer.
     """
     if stack.top.graded:
-        raise StackError("layers: point contacts need layers that are not graded")
+        raise StackError("layers: interactions of Legendre functions need layers that are not graded")
     k, weights = wavenumbers(stack, 2 * float(np.max(radii)), strip(stack))
     added = weights * np.moveaxis(difference(stack, k)[:, 1:, 1:], 0, -1)
     found: Array = np.empty((radii.size, 3, 3, count, count))

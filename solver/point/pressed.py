@@ -6,11 +6,10 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array, BoolArray
-from solver.film.electrodes import Reading
-from solver.halfplane.pressing import ContactError
+from solver.film.reading import Reading
 from solver.point.body import Film, HalfSpace, Loading
 from solver.point.contact import State
-from solver.point.pressure import SAMPLES, added_forms, climbed, halfspace_form, halfspace_peak
+from solver.point.pressure import SAMPLES, climbed, halfspace_form, halfspace_peak
 from solver.point.table import Window
 
 
@@ -55,11 +54,6 @@ class Pressed:
         The electrode that is read; None: none.
     friction
         None where it is not asked for.
-
-    Raises
-    ------
-    ContactError
-        A disc that slides: friction makes its edge steeper than a square root.
     """
 
     body: HalfSpace | Film
@@ -70,10 +64,6 @@ class Pressed:
     conducts: BoolArray
     reading: Reading | None = None
     friction: Friction | None = None
-
-    def __post_init__(self) -> None:
-        if self.body.shape.flat and self.friction is not None and np.any(self.friction.coefficient):
-            raise ContactError("friction: of a disc is not solved, its edge has a logarithm; must be 0")
 
     @property
     def units(self) -> Array:
@@ -95,6 +85,11 @@ class Pressed:
         loading = Loading(self.coefficient / self.units[:, 0], self.force * self.units[:, 0], own, held)
         radius = self.coefficient if flat else self.body.radius(loading)
         return Contact(self, radius, loading.state(self.body.stiffness(radius), self.body.shape, radius))
+
+    @property
+    def length(self) -> Array:
+        """The unit of the body's lengths [m]: the thickness of its top layer, or the contact radius; (case,)."""
+        return self.body.thickness if isinstance(self.body, Film) else self.charged.radius
 
     @cached_property
     def charged(self) -> "Contact":
@@ -192,10 +187,9 @@ class Contact:
         return np.asarray(found)
 
     def _climbed(self, of: Window, at: Array, causes: Array, of_one: Array, between: tuple[Array, Array]) -> Array:
-        coefficients = of.tractions(at, causes)[:, 0]
+        added = of.terms.between(of.tractions(at, causes)[:, 0], *between)
 
         def pressure(x: Array) -> Array:
-            added = np.sum(coefficients * added_forms(x, coefficients.shape[1]), -1)
-            return np.asarray(of_one * halfspace_form(of.kind.shape, x) - added)
+            return np.asarray(of_one * halfspace_form(of.kind.shape, x) - added(x))
 
         return climbed(pressure, *between)

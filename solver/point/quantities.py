@@ -9,7 +9,9 @@ import numpy as np
 from solver.arrays import Array
 from solver.point.pressed import Contact, Pressed
 from solver.point.pressure import finite
-from solver.point.sliding import Rim, Rubbed
+from solver.point.rim import Rim
+from solver.point.sliding import Rubbed
+from solver.point.slidingpressure import largest_pressure
 
 _INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
 _ENDS = tuple((f"{name}_trailing", f"{name}_leading") for name in _INTENSITIES)
@@ -67,10 +69,12 @@ def sliding_quantities(pressed: Pressed, rim: Rim | None) -> dict[str, Array]:
         As :func:`quantities`.
     """
     contact = pressed.charged
-    if pressed.body.shape.flat:  # pressed alone: what slides is refused
+    if pressed.body.shape.flat:  # it stays where it is, and its edge has a logarithm
         return {}
     rubbed = Rubbed(contact)
     out = {"contact_offset": rubbed.offset}
+    if finite(pressed.body.shape) and pressed.friction is not None:
+        out["peak_pressure"] = largest_pressure(contact, pressed.friction)
     size = np.sqrt(np.pi * contact.radius)
     for field in (0, 1):
         if np.all(pressed.conducts[..., field]):

@@ -9,8 +9,10 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.fourier import Medium
+from solver.film.windows import Indices
 from solver.film.within import TURN
 from solver.halfplane.interior import LINEAR, field_rows
+from solver.halfplane.potentials import POTENTIALS
 from solver.point.shear import Sheared
 
 #: Bessel functions J_0 to J_3.
@@ -30,6 +32,8 @@ _TURNING = ("stress_xx", "stress_zz", "strain_xx")
 def rows_of(medium: Medium, scale: Array, names: tuple[str, ...], *, sliding: bool) -> Array:
     """What fields of ``LINEAR`` take of the real form [k u; t], units of the body; (order, field, 8), SI.
 
+    Potentials are times k.
+
     Parameters
     ----------
     medium
@@ -46,6 +50,10 @@ def rows_of(medium: Medium, scale: Array, names: tuple[str, ...], *, sliding: bo
     plane = field_rows(half) * units * TURN
     out = np.zeros((ORDERS, len(names), 8))
     for place, name in enumerate(names):
+        if name in POTENTIALS:
+            channel = 2 + tuple(POTENTIALS).index(name)
+            out[1 if sliding else 0, place, channel] = scale[channel]
+            continue
         own = plane[LINEAR.index(name)]
         if name in _ALONG:
             turned = (1j * own).real
@@ -79,3 +87,10 @@ def shear_rows(body: Sheared, names: tuple[str, ...]) -> Array:
         elif name in of_shear:
             out[[0, 2], place, 1] = of_shear[name]
     return out
+
+
+def parted(names: tuple[str, ...]) -> list[tuple[Indices, bool]]:
+    """Places of the fields that are no potentials, and of the potentials, which lack the k of the others' integrals."""
+    potentials = np.array([name in POTENTIALS for name in names], dtype=bool)
+    parts = [(np.flatnonzero(~potentials), False), (np.flatnonzero(potentials), True)]
+    return [part for part in parts if part[0].size]

@@ -74,9 +74,7 @@ class Along:
         for places, of in film.windows(contact.radius):
             log_ratio = np.log(contact.radius[places] / film.thickness[places])
             series = of.tractions(log_ratio, contact.state.causes[places])
-            found[places[:, None, None], np.arange(3)[:, None], below] += (
-                series @ added_forms(self._x[below], series.shape[-1]).T
-            )
+            found[places[:, None, None], np.arange(3)[:, None], below] += series @ of.terms.forms(self._x[below]).T
 
     def means(self) -> Array:
         """int_0^r t s ds / r^2, half the mean traction within r; (case, 3, position). On half-spaces only."""
@@ -128,3 +126,32 @@ def surface_fields(pressed: Pressed, positions: Array) -> dict[str, Array]:
     if isinstance(pressed.body, Film) and pressed.body.kind.film.electroded:
         del out["electric_displacement"]  # the electrode's, also beside the punch
     return out | (along.stresses(pressed.body) if isinstance(pressed.body, HalfSpace) else {})
+
+
+@dataclass(frozen=True, eq=False)
+class Below:
+    """Tractions of some cases below the punch, at places of each case's own, as :class:`Along` has them.
+
+    Attributes
+    ----------
+    contact
+        The contacts.
+    cases
+        Which of them.
+    series
+        Coefficients that the layers add; (case, 3, n).
+    """
+
+    contact: Contact
+    cases: Indices
+    series: Array
+
+    def at(self, some: Indices, r: Array) -> Array:
+        """(sigma_yy, D_y, B_y) over C a^(e-1) of some of the cases at r/a <= 1 (case, place); (case, 3, place)."""
+        shape, state, cases = self.contact.pressed.body.shape, self.contact.state, self.cases[some]
+        x = np.sqrt(np.maximum((1 - r) * (1 + r), 1e-32))
+        compliance = np.broadcast_to(state.stiffness.compliance, (self.contact.radius.size, 3, 3))[cases]
+        form = np.zeros_like(r) if shape.flat else halfspace_form(shape, x, r)
+        own = -2 / np.pi * np.linalg.inv(compliance)[..., :, :1] * form[:, None]
+        added = np.einsum("cin,crn->cir", self.series[some], added_forms(x, self.series.shape[-1]))
+        return np.asarray(state.strengths[cases, :, None] / x[:, None] + own + added)

@@ -4,9 +4,11 @@ By dimension only P R/h^3 of a sphere, P/(tan beta h^2) of a cone and their kind
 interactions of a stack are found once and serve every punch: its profile, its elasticity, what it conducts.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import product
+from typing import Protocol
 
 import numpy as np
 
@@ -17,9 +19,10 @@ from solver.film.table import LEAST, MOST
 from solver.film.windows import Kind
 from solver.point.contact import State
 from solver.point.galerkin import Added
+from solver.point.gradedterms import GradedTerms
 from solver.point.halfspace import Stiffness, conducted, halfspace
 from solver.point.interactions import interactions
-from solver.point.pressure import SAMPLES, added_forms
+from solver.point.pressure import SAMPLES
 from solver.point.profile import Shape
 
 _A_DECADE = 2  # windows, those of the plane
@@ -77,6 +80,28 @@ def contact_compliance(compliance: Array, kind: PointKind) -> Array:
     return conducted(both, np.array(kind.conducts))
 
 
+class Terms(Protocol):
+    """What the layers of a film add to the tractions of a half-space, as coefficients at radii."""
+
+    @property
+    def coefficients(self) -> Array:
+        """Times a, of u0 in each channel and of g = (r/a)^exponent; (radius, 3, n, 4)."""
+
+    @property
+    def loads(self) -> Array:
+        """Shares of the coefficients in a load over 2 pi; (n,)."""
+
+    @property
+    def edges(self) -> Array:
+        """Shares of them in the strength at the edge; (n,)."""
+
+    def forms(self, x: Array) -> Array:
+        """Shares of them in a traction less its strength over x = sqrt(1 - r^2/a^2) > 0; (x, n)."""
+
+    def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
+        """A traction less its strength over x at x within limits (case,), of coefficients (case, n)."""
+
+
 @dataclass(frozen=True, eq=False)
 class Window:
     """Contacts on one film of unit thickness, over half a decade of radii and a little more.
@@ -103,18 +128,27 @@ class Window:
         return mapped_points(_NODES, *self.ends)
 
     @cached_property
+    def terms(self) -> Terms:
+        """What the layers add, at the nodes: Legendre functions, or densities on pieces below a graded layer."""
+        kind, stack = self.kind, self.kind.film.stack()
+        if stack.top.graded:
+            return GradedTerms(stack, np.array(kind.conducts), kind.compliance, kind.shape, np.exp(self.nodes))
+        return Added(
+            kind.compliance, _masked(kernel(kind.film, self.number, kind.shape.exponent % 2 == 0), kind), kind.shape
+        )
+
+    @property
     def added(self) -> Array:
         """Coefficients that the layers add, at the nodes; (node, 3, n, 4)."""
-        masked = _masked(kernel(self.kind.film, self.number, self.kind.shape.exponent % 2 == 0), self.kind)
-        return Added(self.kind.compliance, masked, self.kind.shape).coefficients
+        return self.terms.coefficients
 
     @cached_property
     def _series(self) -> Array:
         """Chebyshev coefficients of loads, edge strengths and pressures at samples; (node, output)."""
-        added, count = self.added, self.added.shape[2]
-        loads = 2 * np.pi * added[:, :, 0]
-        edges = np.einsum("aind,n->aid", added, (-1.0) ** np.arange(count))
-        pressures = -np.einsum("and,sn->asd", added[:, 0], added_forms(SAMPLES, count))
+        terms, added = self.terms, self.added
+        loads = 2 * np.pi * np.einsum("aind,n->aid", added, terms.loads)
+        edges = np.einsum("aind,n->aid", added, terms.edges)
+        pressures = -np.einsum("and,sn->asd", added[:, 0], terms.forms(SAMPLES))
         flat = np.concatenate([part.reshape(len(added), -1) for part in (loads, edges, pressures)], -1)
         return coefficients(flat)
 

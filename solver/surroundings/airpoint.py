@@ -11,11 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
-from solver.point.profile import Shape
-from solver.surroundings.coupled import GapError
-from solver.surroundings.ringoperators import Rows
-from solver.surroundings.rings import Rings
-from solver.surroundings.ringtable import RingsByRadius
+from solver.surroundings.ringtable import Read, RingsByRadius
+from solver.surroundings.state import GapError
 
 _STEPS = 40
 _CLOSE = 1e-11
@@ -24,7 +21,7 @@ _MOST = 0.3  # of log a in a step
 
 
 @dataclass(frozen=True, eq=False)
-class AirPoint:
+class AirPoint(Read):
     """A punch with air beside it, in the units of the body; lengths over that of the body.
 
     Parameters
@@ -55,21 +52,6 @@ class AirPoint:
     media: Array
     end: float
     start: float
-
-    @property
-    def rows(self) -> Rows:
-        """Places of outputs and unknowns."""
-        return self.operators.rows
-
-    @property
-    def rings(self) -> Rings:
-        """Panels beside the contact."""
-        return self.operators.rings
-
-    @property
-    def shape(self) -> Shape:
-        """The punch."""
-        return self.operators.shape
 
     @cached_property
     def profile(self) -> Array:

@@ -17,14 +17,19 @@ from functools import cache, cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.arrays import Array
+from solver.arrays import Array, BoolArray
+from solver.surroundings.rules import GRADED, Rules, spans
+
+#: Powers with a logarithm far away: by u_y alone above a ground, and where the potentials grow like log X themselves.
+LEVEL, GROWING = (2,), (0, 1, 2)
 
 #: Ends of the panels in theta next to the edge: charges vary on the scale on which the gap opens.
 _EDGE = (0.0, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
 _WIDTH = 0.9  # of the panels beyond
 _NODES = 7  # a panel
+_NEAR = 0.04  # theta up to which what is integrated from the edge is better than a difference from the value there
 _FINE = 24  # of the rules that integrate over a panel
-_GRADED = 5  # halvings towards a singular point
+_RATIO = 0.12  # of pieces towards a singular point
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,16 +40,19 @@ class Grid:
     ----------
     ends
         Ends of the finite panels in theta, from 0; (panel + 1,).
+    logarithms
+        Powers of u whose products with log u are among the terms of the last panel.
     """
 
     ends: tuple[float, ...]
+    logarithms: tuple[int, ...] = LEVEL
 
     @classmethod
-    def up_to(cls, distance: float) -> "Grid":
+    def up_to(cls, distance: float, logarithms: tuple[int, ...] = LEVEL) -> "Grid":
         """Panels whose last finite one ends at X = distance or beyond; one for all that are not much apart."""
         last = np.arccosh(max(distance, 2.0))
         count = max(int(np.ceil((last - _EDGE[-1]) / _WIDTH)), 1)
-        return _grid(count)
+        return _grid(count, logarithms)
 
     @cached_property
     def _local(self) -> Array:
@@ -96,8 +104,25 @@ class Grid:
         differences = self._local[:, None] - self._local + np.eye(_NODES)
         return np.asarray(1 / np.prod(differences, 1))
 
+    @cached_property
+    def _at_infinity(self) -> Array:
+        """From values at the nodes of the last panel to coefficients of its terms; (term, node)."""
+        return np.asarray(np.linalg.inv(self._far_terms(self.u[-1])))
+
+    def _far_terms(self, u: Array) -> Array:
+        """Terms of u^-2 times the density on the last panel: powers, and some with the logarithm; (..., term)."""
+        share = u[..., None] / self.limits(self.panels - 1)[1]
+        powers = share ** np.arange(_NODES - len(self.logarithms))
+        logs = np.log(np.where(share > 0, share, 1.0)) * share ** np.array(self.logarithms)
+        return np.concatenate([powers, logs], -1)
+
+    def _far_interpolation(self, u: Array) -> Array:
+        return np.asarray(self._far_terms(u) @ self._at_infinity)
+
     def interpolation(self, panel: int, u: Array) -> Array:
         """From values at a panel's nodes to those at points u of it; (point, node)."""
+        if panel == self.panels - 1:
+            return self._far_interpolation(u)
         low, high = self.limits(panel)
         distance = (2 * u - low - high)[:, None] / (high - low) - self._local
         hit = distance == 0
@@ -110,7 +135,10 @@ class Grid:
         low, high = np.array([self.limits(p) for p in range(self.panels)])[panels].T[..., None]
         distance = ((2 * u - low - high) / (high - low))[..., None] - self._local
         share = self._barycentric / np.where(distance == 0, 1e-200, distance)  # at a node it alone counts
-        return np.asarray(share / share.sum(-1, keepdims=True))
+        share /= share.sum(-1, keepdims=True)
+        infinite = panels == self.panels - 1
+        share[infinite] = self._far_interpolation(u[infinite])
+        return np.asarray(share)
 
     def theta_of(self, panel: int, u: Array) -> Array:
         """theta at points of a panel."""
@@ -124,13 +152,39 @@ class Grid:
         """Points u and weights for a panel, graded towards u = at where something is singular."""
         low, high = self.limits(panel)
         ends = [low, high]
+        if panel == self.panels - 1:
+            ends += list(high * _RATIO ** np.arange(1, 10))
         if at is not None:
             inner = min(max(at, low), high)
             for side, far in ((-1.0, inner - low), (1.0, high - inner)):
                 if far > 0:
-                    ends += list(inner + side * far * 0.12 ** np.arange(1, 10))
+                    ends += list(inner + side * far * _RATIO ** np.arange(1, 10))
             ends.append(inner)
         return gauss(np.unique(ends), _FINE)
+
+    @cached_property
+    def infinite_ends(self) -> Array:
+        """Ends of the intervals of the infinite panel in u, graded towards the logarithm at its end; rising."""
+        return np.concatenate([[0.0], self.limits(self.panels - 1)[1] * GRADED[::-1]])
+
+    @cached_property
+    def rules(self) -> Rules:
+        """One rule for every finite panel and for every interval of the infinite one."""
+        last, ends, inner = self.panels - 1, np.array(self.ends), self.infinite_ends
+        start, stop = np.concatenate([ends[:-1], inner[:-1]]), np.concatenate([ends[1:], inner[1:]])
+        panel = np.minimum(np.arange(start.size), last)
+        u, weights = spans(start, stop)
+        infinite = (panel == last)[:, None]
+        theta = np.where(infinite, -np.log(u), u)
+        slope = np.where(infinite, (1 - u**2) / 2, np.sinh(u))
+        shape = (weights * slope)[..., None] * self.interpolations(panel, u)
+        return Rules(panel, start, stop, theta, shape)
+
+    def rough_at(self, X: Array, strip: float) -> BoolArray:
+        """Where a rule is not good for what has singularities at X +- i strip; (point, interval)."""
+        theta = np.arccosh(X + 1j * strip)[:, None]
+        infinite = self.rules.panel == self.panels - 1
+        return self.rules.rough(np.where(infinite, np.exp(-theta), theta))
 
     def slice(self, panel: int) -> slice:
         """Nodes of a panel among all."""
@@ -218,6 +272,25 @@ class Grid:
                 found[part, part] += rows @ to_series
         return found
 
+    @property
+    def near(self) -> int:
+        """Number of nodes next to the edge, where the gap is as small as the rounding of a displacement."""
+        return _NODES * int(np.searchsorted(self.ends[1:], _NEAR))
+
+    def from_edge(self, differences: Array, slopes: Array) -> Array:
+        """Displacements less those at the edge: next to it by integration, since a difference would have no digits.
+
+        Parameters
+        ----------
+        differences
+            Of the displacements from those at the edge, along X; (..., n, c).
+        slopes
+            Derivatives away from the edge in |X|, at the first ``near`` nodes; (..., near, c).
+        """
+        near = slopes.shape[-2]
+        rising = self.cumulative[:near, :near] * np.sinh(self.theta[:near])
+        return np.concatenate([rising @ slopes, differences[..., near:, :]], -2)
+
     @cached_property
     def edge(self) -> Array:
         """The density at the edge; (n,)."""
@@ -239,5 +312,5 @@ def _legendre(count: int) -> tuple[Array, Array]:
 
 
 @lru_cache(32)
-def _grid(count: int) -> Grid:
-    return Grid((*_EDGE, *(_EDGE[-1] + _WIDTH * np.arange(1, count + 1))))
+def _grid(count: int, logarithms: tuple[int, ...]) -> Grid:
+    return Grid((*_EDGE, *(_EDGE[-1] + _WIDTH * np.arange(1, count + 1))), logarithms)

@@ -5,8 +5,10 @@ import numpy as np
 from solver.arrays import Array
 from solver.film.crest import largest
 from solver.film.system import SAMPLES
-from solver.surroundings.coupled import State
 from solver.surroundings.operators import ANGLES, FIRST, PRESSURE, WITHIN
+from solver.surroundings.state import State
+
+_SAMPLES = 129  # of a panel
 
 
 def peak_pressure(state: State) -> float:
@@ -45,6 +47,15 @@ def peak_of_panels(values: Array) -> float:
     """Largest absolute value of polynomials by their values at Gauss's nodes; (panel, node)."""
     count = values.shape[1]
     nodes = np.polynomial.legendre.leggauss(count)[0]
-    fine = np.cos(np.pi * np.arange(129) / 128)
     series = np.linalg.solve(np.polynomial.legendre.legvander(nodes, count - 1), values.T)
-    return float(np.max(np.abs(np.polynomial.legendre.legval(fine, series))))
+    return _top(np.polynomial.legendre.legval(np.linspace(-1, 1, _SAMPLES), series))
+
+
+def _top(samples: Array) -> float:
+    """Largest absolute value of curves by samples at even distances, between them by parabolas; (curve, sample)."""
+    sizes = np.abs(samples)
+    before, here, after = sizes[:, :-2], sizes[:, 1:-1], sizes[:, 2:]
+    top = (here >= before) & (here >= after)
+    bend = np.where(top, before - 2 * here + after, -1.0)
+    rise = (after - before)[top] ** 2 / (-8 * np.where(bend < 0, bend, -1.0)[top])
+    return float(max(np.max(sizes), np.max(here[top] + rise, initial=0.0)))

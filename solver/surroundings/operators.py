@@ -19,12 +19,10 @@ from solver.film.kernel import Kernel, kernel
 from solver.film.reflection import low
 from solver.film.system import SAMPLES, System
 from solver.film.table import batches
-from solver.surroundings.grid import Grid, gauss
+from solver.surroundings.densities import Densities
+from solver.surroundings.grid import GROWING, LEVEL, Grid, gauss
 
-_RULE = 12  # nodes where a panel of charges and one of the kernel meet: exact for both
-_SHARE, _WEIGHTS = (np.polynomial.legendre.leggauss(_RULE) + np.array([[1.0], [0.0]])) / 2  # of a piece
-_GRADED = 0.12 ** np.arange(8.0)  # of the infinite panel, towards the logarithm at its end
-_REACH = 2e4  # widths of the strip at which kernels are cut: beyond, they are their logarithm
+_REACH = 8e4  # widths of the strip at which kernels are cut: beyond, they are their logarithm
 _NOTHING = 1e-13  # of the compliance: kernels of a stack that is a half-plane
 #: Rows: load, balance, displacements, edge stresses and pressures over their weight; then those beside the contact.
 LOAD, BALANCE, DISPLACEMENT, EDGE, PRESSURE = 0, 1, slice(2, 5), slice(5, 7), slice(7, 7 + SAMPLES.size)
@@ -36,9 +34,6 @@ _HALF = gauss(np.array([*_ENDS, np.pi / 2]), WITHIN)[0]
 ANGLES = np.concatenate([_HALF, np.pi - _HALF])
 _FROM = [outputs.LOAD, outputs.BALANCE, *range(*outputs.DISPLACEMENT.indices(99)),
          *range(*outputs.EDGE_STRESS.indices(99)), *range(*outputs.PRESSURE.indices(999))]  # fmt: skip
-
-#: Pieces of panels: target, panel, start and end of each.
-_Pieces = tuple[NDArray[np.intp], NDArray[np.intp], Array, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,14 +48,11 @@ class Operators:
         Panels beside the contact.
     even
         Whether both sides are mirror images: without friction, the left side is then the right one.
-    longest
-        The longest half-length that is asked for [m].
     """
 
     system: System
     grid: Grid
     even: bool
-    longest: float
 
     @property
     def sides(self) -> int:
@@ -83,8 +75,7 @@ class Operators:
         stack, own = self.system.kernel.stack, self.system.kernel
         if np.max(np.abs(own.coefficients)) < _NOTHING:
             return None
-        farthest = 2.2 * self.longest * np.cosh(self.grid.ends[-1])
-        return kernel(stack, float(max(min(farthest, _REACH * own.width), own.reach)), by_distance=True)
+        return kernel(stack, float(max(_REACH * own.width, own.reach)), by_distance=True)
 
     def at(self, half_lengths: Array) -> Array:
         """Outputs of every cause and density at half-lengths [m]; (half, row, column)."""
@@ -203,8 +194,9 @@ class _Assembled:
         if self.of._wide is None:
             zero = np.zeros((3, 2 * count, width * len(fields)))
             return zero[:, : nodes.size], zero[:, 0], zero[0, :2], zero
-        X = np.concatenate([self._positions, nodes, -nodes])
-        values = self._integrals(float(self.half_lengths[number]), X)  # (target, 7 fields, n)
+        X, h = np.concatenate([self._positions, nodes, -nodes]), float(self.half_lengths[number])
+        mix = np.concatenate([mixing(0.0, np.eye(3)[1 + f]) for f in fields], 1)
+        values = Densities(grid, self.of._wide, self.of.far).integrals(h, X, mix)
         found = []
         for place in range(len(fields)):
             part = values[:, 7 * place : 7 * place + 7]
@@ -215,72 +207,16 @@ class _Assembled:
             inside = np.concatenate([inside, sign * mirrored], -1)
             edges = np.concatenate([edges, sign * edges[::-1]], -1)
             out = np.concatenate([out, sign * out[mirror]], -1)
-            own = np.repeat(edges[:, 4:], count, 0)
+            moved = np.moveaxis(out[:, 4:] - np.repeat(edges[:, 4:], count, 0), 0, 1)
+            slopes = h * np.moveaxis(out[:, :3], 0, 1)
             found.append((
                 np.moveaxis(inside[:, :3], 0, 1),
                 np.einsum("m,moc->oc", self.basis.mean, inside[:, 4:]),
                 edges[:, 3],
-                np.moveaxis(out[:, 4:] - own, 0, 1),
+                self._from_edge(moved, slopes[:, self._near]),
             ))  # fmt: skip
-        h = self.half_lengths[number]
         gradients, mean, edge, outside = (np.concatenate([one[k] for one in found], -1) for k in range(4))
         return h * gradients, mean, h * edge, outside
-
-    def _integrals(self, h: float, X: Array) -> Array:
-        """Integrals of the kernels against the densities of the right side at targets X; (target, 7 fields, n)."""
-        grid = self.of.grid
-        wide = self.of._wide
-        assert wide is not None
-        mix = np.concatenate([mixing(0.0, np.eye(3)[1 + f]) for f in self._fields], 1)
-        finite, infinite = self._pieces(h, X, wide.edges)
-        found = []
-        for (row, panel, start, stop), to_theta in ((finite, np.asarray), (infinite, lambda u: -np.log(u))):
-            u = start[:, None] + (stop - start)[:, None] * _SHARE
-            theta = to_theta(u)
-            values = self.of.far(h * (X[row, None] - np.cosh(theta)), mix)
-            slope = np.sinh(theta) if to_theta is np.asarray else (1 - u**2) / 2
-            weighted = values * ((stop - start)[:, None] * _WEIGHTS * slope)[..., None]
-            own = np.swapaxes(weighted, 1, 2) @ grid.interpolations(panel, u)
-            found.append((row * grid.panels + panel, own))
-        out = np.zeros((X.size * grid.panels, mix.shape[1], grid.count // grid.panels))
-        for place, own in found:  # pieces of a panel follow each other
-            first = np.flatnonzero(np.diff(place, prepend=-1))
-            out[place[first]] = np.add.reduceat(own, first)
-        return np.asarray(np.moveaxis(out.reshape(X.size, grid.panels, mix.shape[1], -1), 1, 2)).reshape(
-            X.size, mix.shape[1], grid.count
-        )
-
-    def _pieces(self, h: float, X: Array, edges: Array) -> tuple[_Pieces, _Pieces]:
-        """Pieces of the finite panels and of the infinite one, on which neither a density nor a kernel has a break.
-
-        Target, panel, start and end in u of each, those of a target's panel side by side.
-
-        Parameters
-        ----------
-        h
-            Half-length [m].
-        X
-            Targets; (target,).
-        edges
-            Ends of the kernels' panels [m].
-        """
-        grid = self.of.grid
-        ends = np.array(grid.ends)
-        far = float(np.cosh(ends[-1]))
-        breaks = X[:, None] + np.concatenate([edges, -edges]) / h
-        inner = np.arccosh(np.clip(breaks, 1.0, far))
-        last = float(np.exp(-ends[-1]))
-        inverse = np.exp(-np.arccosh(np.maximum(breaks, far)))
-        found = []
-        for own, among in ((ends, inner), (np.concatenate([[0.0], last * _GRADED]), inverse)):
-            all_ends = np.sort(np.concatenate([np.tile(own, (X.size, 1)), among], 1), 1)
-            start, stop = all_ends[:, :-1], np.minimum(all_ends[:, 1:], own.max())
-            row, place = np.nonzero(stop > start)
-            start, stop = start[row, place], stop[row, place]
-            finite = own is ends
-            panel = np.searchsorted(ends, (start + stop) / 2) - 1 if finite else np.full(row.size, grid.panels - 1)
-            found.append((row, panel, start, stop))
-        return found[0], found[1]
 
     def _mean(self, number: int, f: int, smooth: Array) -> Array:
         """Displacements of the contact by densities of a field; (3, 2 n)."""
@@ -343,13 +279,28 @@ class _Assembled:
         if of._wide is None:
             return found
         for columns, nodes, rule, carried in self._assembly.sources():
-            mix = mixing(of.system.coefficients.friction, carried)[:, 4:]
+            mix = mixing(of.system.coefficients.friction, carried)
             for number, h in enumerate(self.half_lengths):
-                values = of.far((h * (self._positions[:, None] - nodes)).ravel(), mix)
-                u = np.einsum("tno,nz->otz", values.reshape(self._positions.size, nodes.size, 3), rule, optimize=True)
-                found[number, :, :count, columns] = u[:, :count] - u[:, -2, None]
-                found[number, :, count:, columns] = u[:, count:-2] - u[:, -1, None]
+                u, slopes = (
+                    np.einsum("tno,nz->otz", of.far(h * (X[:, None] - nodes), channels), rule, optimize=True)
+                    for X, channels in ((self._positions, mix[:, 4:]), (self._positions[self._near], h * mix[:, :3]))
+                )
+                ends = np.repeat(u[:, -2:], count, 1)
+                found[number, ..., columns] = self._from_edge(u[:, :-2] - ends, slopes)
         return found
+
+    @property
+    def _near(self) -> NDArray[np.intp]:
+        """The nodes next to the edges, of both sides."""
+        near = np.arange(self.of.grid.near)
+        return np.concatenate([near, self.of.grid.count + near])
+
+    def _from_edge(self, differences: Array, slopes: Array) -> Array:
+        """Displacements less those at the edges, of both sides, from du/dX at ``_near``; (..., 2 n, c)."""
+        grid = self.of.grid
+        right, left = slopes[..., : grid.near, :], -slopes[..., grid.near :, :]
+        sides = (differences[..., : grid.count, :], right), (differences[..., grid.count :, :], left)
+        return np.concatenate([grid.from_edge(*side) for side in sides], -2)
 
     def _outside(self, number: int, f: int, smooth: Array) -> Array:
         """u_y and the potentials beside the contact by densities of a field; (1 + field, n, 2 n)."""
@@ -365,10 +316,19 @@ class _Assembled:
         return np.concatenate([raised[None], own + whole[1 + fields]])[:, : of.beside]
 
 
-def operators(system: System, shortest: float, longest: float) -> Operators:
-    """Operators for half-lengths between two [m], with panels as far as the film's thickness matters."""
+def operators(system: System, shortest: float, longest: float, farthest: float = 0.0) -> Operators:
+    """Operators for half-lengths between two [m], with panels as far as the film's thickness matters.
+
+    Parameters
+    ----------
+    system, shortest, longest
+        As in :class:`Operators`.
+    farthest
+        X as far as which charges are not yet those of the open gap.
+    """
     stack = system.kernel.stack
     whole = stack.thickness
-    distance = max(30.0, 40 * whole / shortest, min(300.0, 2e3 * system.kernel.width / longest))
+    distance = max(30.0, 40 * whole / shortest, min(300.0, 2e3 * system.kernel.width / longest), farthest)
     even = system.coefficients.friction == 0 and system.degree == 1
-    return Operators(system, Grid.up_to(distance), even, longest)
+    growing = bool(np.any(np.diagonal(low(stack))[2:]))
+    return Operators(system, Grid.up_to(distance, GROWING if growing else LEVEL), even)

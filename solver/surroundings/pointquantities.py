@@ -11,7 +11,7 @@ from solver.film.windows import FIRST, LAST, number_of
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.point.body import Film, HalfSpace
 from solver.point.pressed import Contact, Pressed
-from solver.point.pressure import SAMPLES, climbed
+from solver.point.pressure import SAMPLES, climbed, finite
 from solver.point.profile import Shape
 from solver.point.quantities import RESPONSES
 from solver.point.table import PointKind, ends
@@ -132,11 +132,13 @@ def _of_case(case: _Case, contacts: dict[str, Contact]) -> dict[str, float]:
     free, size = state.flexibility, state.size / state.radius
     out = {
         "contact_radius": case.length * state.radius,
-        "peak_pressure": _peak_pressure(state) * size / float(case.units[0]),
         "depth": -float(state.displacement[0] * state.size) * case.length * float(case.units[0]),
         "contact_stiffness": float(tangent[0, 0]),
         "contact_stiffness_open": -case.length / float(free[0, 0] * case.units[0] ** 2),
     }
+    bounded = finite(state.of.shape)
+    if bounded:
+        out["peak_pressure"] = _peak_pressure(state) * size / float(case.units[0])
     fixed = np.linalg.inv(state.at_fixed_contact)
     for row, field in enumerate(case.fields):
         j, unit = 1 + row, float(case.units[1 + field])
@@ -155,9 +157,11 @@ def _of_case(case: _Case, contacts: dict[str, Contact]) -> dict[str, float]:
             beside = state.densities[row] / state.thinned
             out |= {
                 "contact_capacitance_at_force": -float(capacity),
-                "peak_displacement": max(_peak_within(state, row), _peak_beside(state, state.densities[row])) * density,
                 "gap_field": _peak_beside(state, beside) * density / float(case.permittivity[0]),
             }
+            if bounded:
+                largest = max(_peak_within(state, row), _peak_beside(state, state.densities[row]))
+                out["peak_displacement"] = largest * density
     return out
 
 
@@ -182,7 +186,7 @@ def _peak_pressure(state: PointState) -> float:
 def _peak_within(state: PointState, row: int) -> float:
     first, count = SAMPLES.size, (state.inside.size - SAMPLES.size) // len(state.of.rows.fields)
     own = state.inside[first + row * count : first + (row + 1) * count]
-    return peak_of_panels(own.reshape(-1, WITHIN))
+    return max(peak_of_panels(own[:-1].reshape(-1, WITHIN)), abs(float(own[-1])))
 
 
 def _peak_beside(state: PointState, values: Array) -> float:

@@ -1,6 +1,7 @@
 """Every quantity of contacts with air beside them by its name (theory section 10)."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -10,11 +11,12 @@ from solver.film.contact import FilmContact
 from solver.film.similar import Films
 from solver.film.windows import Kind, window
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
-from solver.surroundings.coupled import AirContact, State
+from solver.surroundings.coupled import AirContact
 from solver.surroundings.largest import gap_field, peak_density, peak_pressure
 from solver.surroundings.operators import EDGE
 from solver.surroundings.refusal import require_gap
-from solver.surroundings.table import AirTable
+from solver.surroundings.state import State
+from solver.surroundings.table import AirTable, farthest
 
 _NODES = 12  # half-lengths of a window: 1e-7 between them
 _TABLES = 16  # kept: 10 MB each at most
@@ -28,9 +30,9 @@ _RESPONSES = (
 
 
 @lru_cache(_TABLES)
-def _air_window(kind: Kind, number: int) -> AirTable:
+def _air_window(kind: Kind, number: int, reach: float) -> AirTable:
     whole = window(kind, number)
-    return AirTable(type(whole)(whole.system, whole.lower, whole.upper, _NODES))
+    return AirTable(type(whole)(whole.system, whole.lower, whole.upper, _NODES), reach)
 
 
 def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
@@ -60,15 +62,18 @@ def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
     idle = dict(_contacts(uncharged))
     for place, (number, contact) in _contacts(films):
         air = np.array([VACUUM_PERMITTIVITY * permittivity[place], VACUUM_PERMEABILITY])
-        charged = AirContact(_air_window(films.kind, number), contact, air)
+        charged = _in_air(films.kind, number, contact, air)
         bare = charged
         if uncharged is not films:
-            number, contact = idle[place]
-            bare = AirContact(_air_window(films.kind, number), contact, air)
+            bare = _in_air(films.kind, *idle[place], air)
         found = _of_case(films, place, charged.state, bare)
         for name, value in found.items():
             out.setdefault(name, np.empty(count))[place] = value
     return out
+
+
+def _in_air(kind: Kind, number: int, contact: FilmContact, air: Array) -> AirContact:
+    return AirContact(_air_window(kind, number, farthest(contact, air)), contact, air)
 
 
 def _contacts(films: Films) -> Iterator[tuple[int, tuple[int, FilmContact]]]:
@@ -105,7 +110,7 @@ def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[s
 
 def _responses(h: float, field: int, state: State, idle: State, bare: AirContact) -> tuple[float, ...]:
     j, scale = 1 + field, state.of.contact.scale
-    short = AirContact(bare.table, bare.contact, bare.permittivity, (field == 0, field == 1)).state
+    short = replace(bare, held=(field == 0, field == 1), idle=idle).state
     t = state.tangents
     return (
         h * float(state.response[j] * scale[j + 1]),

@@ -12,11 +12,10 @@ _IDLE = "the punch conducts no field, so that no charge lies beside it; must be 
 _CORNER = "the punch has a corner, beside which no narrow gap opens; must be insulated"
 _GRADED = "the film is graded, whose displacements beside the contact are not tabulated; must be insulated"
 _SIDEWAYS = "the film's base has no normal induction, so that flux leaves sideways without end; must be insulated"
-_ENDLESS = (
-    "only a sphere has a size at which its gap ends; the charge beside another point grows with its length; must be "
+_ALL_TOUCHES = (
+    "a disc's face touches all over, so that no gap lies beside the contact, only air around the punch's side; must be "
     "insulated"
 )
-_SPHERE = 2.0
 
 
 class SurroundingsError(MaterialError):
@@ -29,7 +28,7 @@ def lacking(kind: Kind) -> str | None:
         return _IDLE
     if not all(kind.smooth):
         return _CORNER
-    if callable(kind.layers[0].of):
+    if kind.graded:
         return _GRADED
     if kind.conducts[1] and kind.stack().insulated:
         return _SIDEWAYS
@@ -42,9 +41,9 @@ def lacking_at_point(body: HalfSpace | Film, conducts: BoolArray) -> str | None:
     if not np.all(np.any(conducts, -1)):
         return _IDLE
     if shape.flat:
-        return _CORNER
-    if shape.exponent != _SPHERE:
-        return _ENDLESS
+        return _ALL_TOUCHES
+    if isinstance(body, Film) and body.kind.film.graded:
+        return _GRADED
     if isinstance(body, Film) and body.kind.conducts[1] and body.kind.film.stack().insulated:
         return _SIDEWAYS
     return None

@@ -13,7 +13,7 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.film.kernel import CHANNEL
-from solver.point.pressure import SAMPLES, added_forms
+from solver.point.pressure import SAMPLES, added_forms, finite, halfspace_form
 from solver.point.profile import Shape
 from solver.surroundings.grid import gauss
 from solver.surroundings.rings import Rings
@@ -21,12 +21,13 @@ from solver.surroundings.spread import Spread
 
 _FIRST, _MORE = 14, 6.0  # of S below a narrow contact, and what wide ones add
 _FARTHEST = 19.0  # theta beyond which S is nothing
+_POWER = 3  # of the nodes where the profile is a power of s that is not even
 _RULE = 8  # nodes between two breaks of a rule
 _APART = 4.0  # growth of the distances from the target at which rules break
-#: x = sqrt(1 - r^2) below the contact at which densities are told: panels, graded to the edge.
+#: x = sqrt(1 - r^2) below the contact at which densities are told: panels, graded to the edge, and the centre.
 _ENDS = (0.0, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
 WITHIN = 8  # of them a panel
-X_WITHIN = gauss(np.array(_ENDS), WITHIN)[0]
+X_WITHIN = np.append(gauss(np.array(_ENDS), WITHIN)[0], 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,25 +132,17 @@ class RingOperators:
         """Outputs of every cause and density; (row, column)."""
         rows, channels = self.rows, self.rows.channels
         below = _Below.of(radius / self.width)
-        size, count = len(channels), below.nodes.size
-        compliance = self.compliance[np.ix_(channels, channels)]
-        given = self._given(np.append(below.nodes, 1.0))  # (channel, node and edge, column)
-        added = np.zeros((size, count + 1 + rows.nodes, rows.columns))
-        if self.layers is None:
-            S = np.einsum("ij,jnc->inc", np.linalg.inv(compliance), given[:, :count])
-        else:
-            targets = np.concatenate([below.nodes, [1.0], self.rings.grid.distance])
-            own, beside = self._kernels(radius, targets, below)
-            for place in range(len(self.fields)):
-                added[..., rows.densities(place)] = beside[:, 1 + place] @ self.rings.gathered
-            matrix = np.einsum("ij,mn->imjn", compliance, np.eye(count)) + np.moveaxis(own[:, :, :count], 1, 2)
-            right = given[:, :count] - added[:, :count]
-            S = np.linalg.solve(matrix.reshape(size * count, -1), right.reshape(size * count, -1))
-            S = S.reshape(size, count, -1)
-            added += np.einsum("ijtn,jnc->itc", own, S)
-        edge = np.linalg.solve(compliance, given[:, count] - added[:, count])
+        count, profile, inverse = below.nodes.size, rows.causes - 1, self._inverse
+        closed = np.einsum("ij,jnc->inc", inverse, self._given(below.nodes))  # S of a half-space
+        S, added = self._layered(radius, below, closed)
+        edge = inverse @ (self._given(np.ones(1))[:, 0] - added[:, count])
         found = np.empty((rows.count, rows.columns))
+        # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
+        of_power = inverse[:, 0] * self.shape.rise
+        closed[..., profile] = of_power[:, None]
+        S += closed
         found[rows.loads] = 4 * np.einsum("n,inc->ic", below.weights, S)
+        found[rows.loads, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
         found[rows.edges] = edge
         coefficients = np.einsum("mn,inc->imc", below.series, S)
         beside_it = added[:, count + 1 :] - added[:, count, None]
@@ -162,10 +155,48 @@ class RingOperators:
         raised = np.einsum("mn,inc->imc", self.rings.raised, beside_it)
         found[rows.raised : rows.pressure.start] = raised.reshape(-1, rows.columns)
         found[rows.pressure] = -added_forms(SAMPLES, count) @ coefficients[0]
+        found[rows.pressure, profile] += inverse[0, 0] * self._form(SAMPLES)
         for place in range(len(self.fields)):
             found[rows.within(place)] = added_forms(X_WITHIN, count) @ coefficients[1 + place]
             found[rows.within(place), rows.densities(place)] += self._drawn
+            found[rows.within(place), profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
         return found
+
+    def _form(self, x: Array) -> Array:
+        """Pressure of a half-space of N^-1 = 1; nothing where it has no largest value, which is then not asked for."""
+        return 2 / np.pi * halfspace_form(self.shape, x) if finite(self.shape) else np.zeros_like(x)
+
+    def _layered(self, radius: float, below: "_Below", closed: Array) -> tuple[Array, Array]:
+        """What layers add to S below the contact, and to N S at its nodes, the edge and the nodes beside it.
+
+        Smooth and even, also where the profile is a power that is not; (channel, node, column) each.
+        """
+        rows, count = self.rows, below.nodes.size
+        size = len(rows.channels)
+        added = np.zeros((size, count + 1 + rows.nodes, rows.columns))
+        if self.layers is None:
+            return np.zeros_like(closed), added
+        targets = np.concatenate([below.nodes, [1.0], self.rings.grid.distance])
+        beside = self._paired(self._beside(radius, targets))
+        for place in range(len(self.fields)):
+            added[..., rows.densities(place)] = beside[:, 1 + place] @ self.rings.gathered
+        own = self._paired(self._within(radius, targets, below))
+        added += np.einsum("ijtn,jnc->itc", own, closed)
+        if self.shape.exponent % 2:
+            fine = _Below.of(radius / self.width, even=False)
+            power = self._inverse[:, :1] * self._given(fine.nodes)[0, :, rows.causes - 1]
+            kernels = self._paired(self._within(radius, targets, fine))
+            added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", kernels, power)
+        compliance = self.compliance[np.ix_(rows.channels, rows.channels)]
+        matrix = np.einsum("ij,mn->imjn", compliance, np.eye(count)) + np.moveaxis(own[:, :, :count], 1, 2)
+        S = np.linalg.solve(matrix.reshape(size * count, -1), -added[:, :count].reshape(size * count, -1))
+        S = S.reshape(size, count, -1)
+        return S, added + np.einsum("ijtn,jnc->itc", own, S)
+
+    @cached_property
+    def _inverse(self) -> Array:
+        """Of N of the channels."""
+        return np.asarray(np.linalg.inv(self.compliance[np.ix_(self.rows.channels, self.rows.channels)]))
 
     @cached_property
     def _drawn(self) -> Array:
@@ -181,19 +212,19 @@ class RingOperators:
         found[0, :, rows.causes - 1] = self.shape.rise * nodes**self.shape.exponent
         return found
 
-    def _kernels(self, radius: float, targets: Array, below: "_Below") -> tuple[Array, Array]:
-        """From S below and beside the contact to what layers add at targets; (channel, channel, target, node)."""
-        assert self.layers is not None
+    def _paired(self, kernels: Array) -> Array:
+        """Kernels of the channels, from those of the six pairs; (channel, channel, target, node)."""
         channels = self.rows.channels
-        pairs = CHANNEL[np.ix_(channels, channels)]
+        return np.moveaxis(kernels[..., CHANNEL[np.ix_(channels, channels)]], (2, 3), (0, 1))
+
+    def _within(self, radius: float, targets: Array, below: "_Below") -> Array:
+        """From S below the contact to what layers add at targets; (target, node, 6)."""
+        assert self.layers is not None
         apart = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
-        within = radius / np.pi * np.sum(self.layers.at(radius * apart), 0) * below.weights[:, None]
-        return np.moveaxis(within[..., pairs], (2, 3), (0, 1)), np.moveaxis(
-            self._beside(radius, targets)[..., pairs], (2, 3), (0, 1)
-        )
+        return np.asarray(radius / np.pi * np.sum(self.layers.at(radius * apart), 0) * below.weights[:, None])
 
     def _beside(self, radius: float, targets: Array) -> Array:
-        """The same from S at the nodes beside the contact, six pairs; (target, node, 6)."""
+        """The same from S at the nodes beside the contact; (target, node, 6)."""
         assert self.layers is not None
         grid, size = self.rings.grid, self.rings.size
         ends = np.append(grid.ends, _FARTHEST)
@@ -222,17 +253,20 @@ class RingOperators:
 
 @dataclass(frozen=True, eq=False)
 class _Below:
-    """Gauss's nodes below the contact, for even functions of s."""
+    """Gauss's nodes below the contact."""
 
     nodes: Array
     weights: Array
 
     @classmethod
-    def of(cls, reach: float) -> "_Below":
-        """As many as layers that vary over 1/reach of the radius ask for."""
+    def of(cls, reach: float, *, even: bool = True) -> "_Below":
+        """As many as layers that vary over 1/reach of the radius ask for: for even functions of s, or for powers."""
         count = _FIRST + int(_MORE * (np.sqrt(reach) + reach))
         x, w = np.polynomial.legendre.leggauss(2 * count)
-        return cls(x[count:], w[count:])
+        if even:
+            return cls(x[count:], w[count:])
+        t = (1 + x) / 2
+        return cls(t**_POWER, w / 2 * _POWER * t ** (_POWER - 1))
 
     @property
     def series(self) -> Array:

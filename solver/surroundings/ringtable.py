@@ -15,8 +15,8 @@ from solver.surroundings.rings import Rings
 NODES = 18  # radii of a window: 1e-12 between them
 
 
-class RingsByRadius(Protocol):
-    """Outputs of :class:`solver.surroundings.ringoperators.RingOperators` at every radius of a body."""
+class Places(Protocol):
+    """What outputs and unknowns are those of."""
 
     @property
     def rows(self) -> Rows:
@@ -30,27 +30,18 @@ class RingsByRadius(Protocol):
     def shape(self) -> Shape:
         """The punch."""
 
-    def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
-        """The rows up to one, and their derivatives in log a; (row, column) each."""
-
-    def read_inside(self, log_radius: float) -> Array:
-        """The rows below the contact; (row, column)."""
-
 
 @dataclass(frozen=True, eq=False)
-class RingTable:
-    """Operators on layers between two radii, by Chebyshev's polynomials in log a.
+class Read:
+    """What is read of operators: it has their places.
 
     Parameters
     ----------
     operators
-        Operators at any radius.
-    ends
-        log a at both ends.
+        Them.
     """
 
-    operators: RingOperators
-    ends: tuple[float, float]
+    operators: Places
 
     @property
     def rows(self) -> Rows:
@@ -66,6 +57,32 @@ class RingTable:
     def shape(self) -> Shape:
         """The punch."""
         return self.operators.shape
+
+
+class RingsByRadius(Places, Protocol):
+    """Outputs of :class:`solver.surroundings.ringoperators.RingOperators` at every radius of a body."""
+
+    def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
+        """The rows up to one, and their derivatives in log a; (row, column) each."""
+
+    def read_inside(self, log_radius: float) -> Array:
+        """The rows below the contact; (row, column)."""
+
+
+@dataclass(frozen=True, eq=False)
+class RingTable(Read):
+    """Operators on layers between two radii, by Chebyshev's polynomials in log a.
+
+    Parameters
+    ----------
+    operators
+        Operators at any radius.
+    ends
+        log a at both ends.
+    """
+
+    operators: RingOperators
+    ends: tuple[float, float]
 
     @cached_property
     def values(self) -> tuple[Array, Array]:
@@ -100,7 +117,7 @@ class RingTable:
 
 
 @dataclass(frozen=True, eq=False)
-class RingsOnHalfSpace:
+class RingsOnHalfSpace(Read):
     """Operators on a half-space, the same at every radius.
 
     Parameters
@@ -110,21 +127,6 @@ class RingsOnHalfSpace:
     """
 
     operators: RingOperators
-
-    @property
-    def rows(self) -> Rows:
-        """Places of the outputs."""
-        return self.operators.rows
-
-    @property
-    def rings(self) -> Rings:
-        """Panels beside the contact."""
-        return self.operators.rings
-
-    @property
-    def shape(self) -> Shape:
-        """The punch."""
-        return self.operators.shape
 
     @cached_property
     def _values(self) -> Array:

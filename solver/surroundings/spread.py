@@ -13,21 +13,17 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
-from scipy.special import erfc
 
 from approximation.chebyshev import coefficients, mapped_points
 from solver.arrays import Array
-from solver.film.kernel import strip, wavenumbers
+from solver.film.kernel import strip, tapered
 from solver.film.reflection import waves
 from solver.film.stack import Stack
 
 _PAIRS = ((1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3))
 _DEGREE = 16  # of the panels in x, which grow as those of the plane's kernels
 _GROWTH = 1.35
-_ENDED = 40.0  # thicknesses from which Delta is ended
-_END, _SLOPE = 72.0, 12.0  # k times the distance where it ends, and the width of that: e^-36 of it is left
 _FAR = 1e4  # strips from which what is left falls like 1/x^2
-_DECAYED = 34.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,11 +85,7 @@ def spread(stack: Stack) -> Spread:
 
 def _values(stack: Stack, width: float, x: Array) -> Array:
     """Lambda at distances that are not far apart; (x, 6)."""
-    least = float(np.min(x))
-    ended = least > _ENDED * stack.thickness and (_END + 6 * _SLOPE) / least < _DECAYED / width
-    k, weights = wavenumbers(stack, float(np.max(x)), _DECAYED * least / (_END + 6 * _SLOPE) if ended else width)
-    if ended:
-        weights = weights * erfc((k * least - _END) / _SLOPE) / 2
+    k, weights, taper = tapered(stack, width, x)
     difference = waves(stack, k)[0].difference
-    rows = np.stack([weights * difference[:, i, j] for i, j in _PAIRS], -1)
+    rows = np.stack([weights * taper * difference[:, i, j] for i, j in _PAIRS], -1)
     return np.asarray(np.cos(x[:, None] * k) @ rows)

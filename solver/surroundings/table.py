@@ -4,11 +4,21 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder
 
 from approximation.chebyshev import coefficients
-from solver.arrays import Array
+from solver.arrays import Array, BoolArray
+from solver.film.contact import FilmContact
+from solver.film.reflection import low
 from solver.film.table import Table
-from solver.surroundings.operators import Operators, operators
+from solver.surroundings.operators import DISPLACEMENT, FIRST, Operators, operators
+
+#: Rows before those beside the contact: load, balance, displacements.
+SOLVING: int = DISPLACEMENT.stop
+_TERMS = 4  # of Taylor's series about a half-length
+_NEXT = 1e-3  # of log h: the fourth power of it over what tables resolve is below rounding
+
+_MARGIN, _MARGIN_OF_BASE = 10.0, 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,28 +29,111 @@ class AirTable:
     ----------
     table
         Table of the contacts without air; its half-lengths are those of this one.
+    farthest
+        X as far as which charges are not yet those of the open gap.
     """
 
     table: Table
+    farthest: float = 0.0
 
     @cached_property
     def operators(self) -> Operators:
         """Operators at any half-length of the range."""
-        return operators(self.table.system, self.table.lower, self.table.upper)
+        return operators(self.table.system, self.table.lower, self.table.upper, self.farthest)
 
     @cached_property
-    def values(self) -> Array:
-        """Outputs at the half-lengths; (node, row, column)."""
-        return self.operators.at(self.table.half_lengths)
+    def _parts(self) -> tuple[Array, Array]:
+        """Outputs at the half-lengths: rows that the equations need, and the others; (node, row, column) each."""
+        values = self.operators.at(self.table.half_lengths)
+        solving = self._solving
+        return np.ascontiguousarray(values[:, solving]), np.ascontiguousarray(values[:, ~solving])
 
-    def read(self, log_half: float) -> Array:
-        """Outputs at log h, and their derivatives in it; (2, row, column)."""
-        return np.tensordot(self.table.polynomials(np.array([log_half]))[0] @ self._series, self.values, 1)
+    @property
+    def _solving(self) -> BoolArray:
+        """Whether the equations need a row; (row,)."""
+        of = self.operators
+        needed: BoolArray = np.zeros(of.rows, dtype=bool)
+        needed[:SOLVING] = needed[FIRST : FIRST + of.beside * (1 + len(of.system.fields))] = True
+        return needed
+
+    def near(self, log_half: float) -> "Near":
+        """Rows that the equations need about log h."""
+        terms = np.tensordot(self._weights(log_half, _TERMS), self._parts[0], 1)
+        return Near(log_half, terms)
+
+    def outputs(self, log_half: float, columns: Array) -> Array:
+        """All rows at log h, of the sum of causes and densities times ``columns``; (row,)."""
+        weights, found = self._weights(log_half, 1)[0], np.empty(self.operators.rows)
+        for part, rows in zip(self._parts, (self._solving, ~self._solving), strict=True):
+            found[rows] = weights @ (part @ columns)
+        return found
+
+    def _weights(self, log_half: float, count: int) -> Array:
+        """From values at the half-lengths to coefficients of powers of a change in log h; (count, node)."""
+        return np.asarray(self.table.polynomials(np.array([log_half]))[0] @ self._series[:count])
 
     @cached_property
     def _series(self) -> Array:
-        """From values at the half-lengths to coefficients of the outputs and of their derivatives; (2, term, node)."""
-        series = coefficients(np.eye(self.table.nodes))
-        rates = np.zeros_like(series)
-        rates[:-1] = np.polynomial.chebyshev.chebder(series) * 2 / np.log(self.table.upper / self.table.lower)
-        return np.stack([series, rates])
+        """Chebyshev coefficients of the Taylor coefficients in log h, of values at the half-lengths; (_TERMS, ...)."""
+        found = [coefficients(np.eye(self.table.nodes))]
+        for power in range(1, _TERMS):
+            derived = chebder(found[-1]) * 2 / np.log(self.table.upper / self.table.lower) / power
+            found.append(np.concatenate([derived, np.zeros((1, self.table.nodes))]))
+        return np.stack(found)
+
+
+def farthest(contact: FilmContact, permittivity: Array) -> float:
+    """X as far as which charges beside a contact are not yet those of the open gap: 0 or a power of four.
+
+    Over a film they are from where the gap lets pass less than the film, D = eps0 V/(g + eps0 thickness/eps): the last
+    panel, whose terms are powers of 1/X, begins at ten times that distance, which makes 1e-6 of the charges. Over a
+    base whose potential grows it is where the gap is x eps0/eps, and the panel has the logarithms of that.
+
+    Parameters
+    ----------
+    contact
+        A case without air.
+    permittivity
+        Permittivity and permeability of what fills the gap, SI; (2,).
+    """
+    system, scale = contact.table.system, contact.scale
+    stack, powers = system.kernel.stack, [(i, abs(float(c))) for i, c in enumerate(contact.loading.slope[0]) if i and c]
+    below, reach = np.diagonal(low(stack)), 0.0
+    for f in system.fields:
+        medium = float(permittivity[f] * scale[2 + f] ** 2 / scale[1])
+        film = medium * abs(float(system.coefficients.compliance[1 + f, 1 + f])) * stack.thickness
+        base = medium * abs(float(below[2 + f]))
+        reach = max(reach, _MARGIN * min(((i + 1) * film / c) ** (1 / (i + 1)) for i, c in powers))
+        reach = max(reach, _MARGIN_OF_BASE * min(((i + 1) * base / c) ** (1 / i) for i, c in powers))
+    needed = reach / float(contact.half_width[0])
+    return float(4.0 ** np.ceil(np.log(needed) / np.log(4.0))) if needed > 1 else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Near:
+    """Rows that the equations need, by Taylor's series about one half-length.
+
+    Parameters
+    ----------
+    centre
+        log h.
+    terms
+        Coefficients of powers of the change in log h; (_TERMS, row, column).
+    """
+
+    centre: float
+    terms: Array
+
+    def holds(self, log_half: float) -> bool:
+        """Whether log h is next to the centre."""
+        return abs(log_half - self.centre) <= _NEXT
+
+    def matrix(self, log_half: float) -> Array:
+        """(row, column)."""
+        powers = (log_half - self.centre) ** np.arange(_TERMS)
+        return self.terms[0] if log_half == self.centre else np.asarray(np.tensordot(powers, self.terms, 1))
+
+    def products(self, log_half: float, columns: Array) -> tuple[Array, Array]:
+        """Rows times columns, and their derivatives in log h; (row,) each."""
+        series, change, k = self.terms @ columns, log_half - self.centre, np.arange(_TERMS)
+        return change**k @ series, (k[1:] * change ** k[:-1]) @ series[1:]

@@ -61,7 +61,7 @@ def complete_factorial(
         dimension, levels outside their range or off the Chebyshev-Gauss points.
     """
     names = output_names(dataset, outputs, exclude=())
-    factors = [one.name for one in inputs] if inputs is not None else _factors(dataset, names)
+    factors = [input_.name for input_ in inputs] if inputs is not None else _factors(dataset, names)
     for name in names:
         unknown = [str(dim) for dim in dataset[name].dims if dim not in factors]
         if unknown:

@@ -166,14 +166,14 @@ def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
 @cache
 def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, Indices, Indices]:
     """Low ends and widths on the inputs' own scales, (d, 1) each, and which inputs are on a log and a logit scale."""
-    low = np.array([[one.low] for one in inputs]).reshape(-1, 1)
+    low = np.array([[input_.low] for input_ in inputs]).reshape(-1, 1)
     width = [
-        np.log(one.high / one.low) if one.scale == "log"
-        else logit(one.high) - logit(one.low) if one.scale == "logit"
-        else one.high - one.low
-        for one in inputs
+        np.log(input_.high / input_.low) if input_.scale == "log"
+        else logit(input_.high) - logit(input_.low) if input_.scale == "logit"
+        else input_.high - input_.low
+        for input_ in inputs
     ]  # fmt: skip
-    of = {scale: np.flatnonzero([one.scale == scale for one in inputs]) for scale in SCALES}
+    of = {scale: np.flatnonzero([input_.scale == scale for input_ in inputs]) for scale in SCALES}
     return low, np.reshape(width, (-1, 1)), of["log"], of["logit"]
 
 

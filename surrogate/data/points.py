@@ -95,7 +95,7 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
         A missing or unknown name, arrays of another shape, dimensions or coordinates that do not fit, dimensions
         that cross to more than 1e7 points, values that are not finite numbers.
     """
-    names = [one.name for one in inputs]
+    names = [input_.name for input_ in inputs]
     if not isinstance(points, (Mapping, xr.Dataset)):
         points = _by_name(points, names)
     _check_names(points, names)
@@ -128,7 +128,10 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
                 f"input {name!r} is {array.values[bad][0]} at {where} of {prod(shape)} points; give finite values"
             )
     coords = {label: coord.variable for array in arrays.values() for label, coord in array.coords.items()}
-    coords |= {one.name: xr.Variable(arrays[one.name].dims, arrays[one.name].values, one.attrs) for one in inputs}
+    coords |= {
+        input_.name: xr.Variable(arrays[input_.name].dims, arrays[input_.name].values, input_.attrs)
+        for input_ in inputs
+    }
     return Points(X.reshape(-1, len(names)), tuple(sizes), shape, coords)
 
 

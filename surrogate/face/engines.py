@@ -13,6 +13,7 @@ ENGINES = {
     "scatter": ("gp.scattergp", "ScatterGP"),
     "grouped": ("transforms.groupedgp", "GroupedGP"),
     "curves": ("transforms.curves.curvegp", "CurveGP"),
+    "bounded": ("transforms.boundedgp", "BoundedGP"),
     "corrected": ("transforms.measured.corrected", "CorrectedGP"),
 }
 

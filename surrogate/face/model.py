@@ -14,6 +14,7 @@ from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.labels import Attrs
 from surrogate.data.points import EVEN, Points, Queries, named_points, outside, require_inside
 from surrogate.face.physical import Physical, in_blocks
+from surrogate.face.region import Region
 from surrogate.face.summary import page, text
 from surrogate.intervals.conformal import MINIMUM, calibrate
 from surrogate.intervals.predictive import EXTRAPOLATED, Predictive
@@ -41,6 +42,8 @@ class GaussianProcess(Physical, Predictive):
         What `calibrate` has learnt; None before.
     cases_ : int
         Number of cases that it was trained on.
+    region_ : Region or None
+        Where in the box it has answers; None where that is all of it.
     made_from_ : str
         A word of the caller's that tells what the model was made from, kept in its file; empty by default.
 
@@ -84,6 +87,7 @@ class GaussianProcess(Physical, Predictive):
 
     MEMBERS: ClassVar[tuple[str, ...]] = ()
     made_from_: str = ""
+    region_: Region | None = None
 
     def fit(self, X: xr.Dataset) -> Self:
         """Fit to a data set that holds inputs and outputs."""
@@ -197,7 +201,7 @@ class GaussianProcess(Physical, Predictive):
         level = self.checked_level(level)
         named = named_points(points, self.inputs_)
         if not extrapolate:
-            require_inside(named.X, self.inputs_)
+            self.require_answers(named.X)
         slopes = self.physical_slopes(named.X, self.slopes)
         parts = {("", "derivative"): slopes}
         if return_std:
@@ -228,7 +232,7 @@ class GaussianProcess(Physical, Predictive):
         Raises OutOfBoxError for a point outside the box.
         """
         points = np.asarray(X, dtype=np.float64)
-        require_inside(points, self.inputs_)
+        self.require_answers(points)
         return np.ascontiguousarray(self.physical_slopes(points, self.slopes).T)
 
     def score(self, X: xr.Dataset, y: xr.Dataset | None = None) -> float:
@@ -322,6 +326,29 @@ class GaussianProcess(Physical, Predictive):
         plain.calibration_ = None
         return plain
 
+    def everywhere(self) -> Self:
+        """Return the model with answers in all of its box, where cases are refused too; itself if none are."""
+        return self if self.region_ is None else self.within(None)
+
+    def within(self, region: Region | None) -> Self:
+        """Return the model with answers in a region alone; None is all of its box."""
+        model = copy(self)
+        model.region_ = region
+        return model
+
+    def require_answers(self, X: Array) -> None:
+        """Raise OutOfBoxError, naming input, value and what is allowed, unless it has answers at all points (n, d)."""
+        require_inside(X, self.inputs_)
+        if self.region_ is not None:
+            self.region_.require(X, self.inputs_)
+
+    def has_answers(self, X: Array) -> Flags:
+        """Return at which physical points, (n, d), it has answers: in the box, and where no case is refused; (n,)."""
+        inside = np.asarray(~outside(X, self.inputs_).any(axis=1))
+        if self.region_ is not None and inside.any():
+            inside[inside] = self.region_.inside(unit_coordinates(self.inputs_, X[inside]))
+        return inside
+
     def _require_fitted(self) -> None:
         if not hasattr(self, "inputs_"):
             from sklearn.exceptions import NotFittedError  # slow to import
@@ -338,10 +365,12 @@ class GaussianProcess(Physical, Predictive):
 
     def _flags(self, named: Points, extrapolate: bool) -> dict[str, Flags]:
         """Which points lie outside, with `extrapolate`, under the name that answers give it."""
-        return {"extrapolated": np.asarray(outside(named.X, self.inputs_).any(axis=1))} if extrapolate else {}
+        return {"extrapolated": ~self.has_answers(named.X)} if extrapolate else {}
 
     def _answers(self, X: Array, return_std: bool, extrapolate: bool) -> tuple[Array, Array | None]:
         """Means and standard deviations at points (n, d), (p, n) each; OutOfBoxError unless `extrapolate`."""
+        if self.region_ is not None and not extrapolate:
+            self.require_answers(X)
         single = self.single() if len(X) == 1 else None
         found = single(X[0].tolist(), return_std) if single else None
         if found is not None:

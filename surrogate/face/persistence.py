@@ -15,6 +15,7 @@ from surrogate.data.inputs import Input, stored_inputs
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.face.engines import ENGINES, engine, members_of
 from surrogate.face.model import SMALLEST, GaussianProcess
+from surrogate.face.region import Region
 from surrogate.face.sizes import check_sizes
 from surrogate.intervals.conformal import Calibration
 from surrogate.intervals.distribution import NOMINAL
@@ -87,6 +88,8 @@ def nested(model: GaussianProcess) -> xr.Dataset:
     learnt = model.calibration_
     if learnt is not None and not any(member.calibration_ is learnt for member in members.values()):
         whole = whole.assign(learnt.state())
+    if model.region_ is not None:
+        whole = whole.merge(model.region_.state())
     for name, member in members.items():
         whole = whole.merge(_prefixed(name, nested(member)), combine_attrs="no_conflicts")
     return whole
@@ -114,8 +117,8 @@ def _member(name: str, stored: xr.Dataset) -> xr.Dataset:
 
 def _answers(model: GaussianProcess, points: Array) -> dict[str, Array]:
     """Means, standard deviations and ends of intervals at points (n, d): (n, p) each."""
-    mean, std = model.predict_array(points, return_std=True)
-    lower, upper = model.interval_array(points, NOMINAL)
+    mean, std = model.predict_array(points, return_std=True, extrapolate=True)
+    lower, upper = model.interval_array(points, NOMINAL, extrapolate=True)
     return {"mean": mean, "std": std, "lower": lower, "upper": upper}
 
 
@@ -188,6 +191,7 @@ def restored(stored: xr.Dataset, engines: tuple[str, ...]) -> GaussianProcess:
     model.made_from_ = str(stored.attrs.get("made_from", ""))
     model = model.over(members)
     model.level_ = float(stored.attrs.get("level", NOMINAL))
+    model.region_ = Region.restore(stored, len(inputs))
     own_calibration = Calibration.restore(stored, model.parts, len(inputs), len(outputs))
     if own_calibration is not None:
         model.calibration_ = own_calibration

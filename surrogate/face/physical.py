@@ -42,6 +42,10 @@ class Physical(Core):
             return mean, None
         return mean, np.sqrt(variance) if calibration is None else calibration.std(variance, t)
 
+    def calibrated_at(self, X: Array) -> Array:
+        """Return the scaled coordinates that the calibration knows physical points (n, d) by: (e, n)."""
+        return unit_coordinates(self.inputs_, X)
+
     def variance(self, t: Array, weights: Array) -> Array:
         """Return the variance of `mean_variance`, (p, B)."""
         variance = self.mean_variance(t, weights)[1]

@@ -6,7 +6,11 @@ from typing import Any
 import numpy as np
 
 from surrogate.data.inputs import Input
+from surrogate.data.packing import Rounded
 from surrogate.face.model import GaussianProcess
+from surrogate.intervals.conformal import Calibration
+from surrogate.intervals.copula import Copula
+from surrogate.intervals.distribution import PROBABILITIES
 
 
 def plain_inputs(inputs: Sequence[Input]) -> list[dict[str, Any]]:
@@ -25,4 +29,13 @@ def plain_outputs(model: GaussianProcess) -> dict[str, Any]:
         "outputs": [{"name": name, **{key: attrs[name].get(key, "") for key in keys}} for name in model.outputs_],
         "calibration": {name: part for name, part in arrays.items() if name != "quantile"} or None,
         "interval": {"level": model.level_, "lower": lower, "upper": upper},
+        **({} if learnt is None or learnt.copula is None else {"together": _together(learnt, learnt.copula)}),
     }
+
+
+def _together(learnt: Calibration, copula: Copula) -> dict[str, Any]:
+    """The held-out rows as ranks (m, 1, p), and what makes scores of them: quantiles at probabilities."""
+    rows, outputs = copula.ranks.shape
+    ranks = Rounded(copula.ranks[:, None].astype(np.float64), np.ones(rows), np.ones(outputs))
+    quantiles = learnt.distribution.quantiles
+    return {"ranks": ranks, "probabilities": PROBABILITIES.tolist(), "quantiles": quantiles}

@@ -80,7 +80,7 @@ class CrossGP(GridGP):
         most: int = 10_000,
     ) -> None:
         super().__init__("chebyshev", inputs, outputs, compression=compression)
-        names = [one.name for one in inputs]
+        names = [input_.name for input_ in inputs]
         unknown = [name for name in (*crossed, *levels) if name not in names]
         if unknown or not crossed or set(levels) != set(names):
             raise ValueError(f"crossed and levels must name inputs, {', '.join(names)}, got {', '.join(unknown)}")
@@ -132,12 +132,12 @@ class CrossGP(GridGP):
             raise ValueError(f"{len(found)} places are still to be solved; `ask` names them")
         assert self.inputs is not None
         self.inputs_ = tuple(self.inputs)
-        self.levels_ = tuple(one.levels(self.levels[one.name]) for one in self.inputs)
+        self.levels_ = tuple(input_.levels(self.levels[input_.name]) for input_ in self.inputs)
         self.outputs_ = tuple(self._names(X))
         self.attrs_ = {name: text_attrs(X[name]) for name in self.outputs_}
         self.calibration_ = self.correction_ = None
         self.cases_ = int(found.entries * np.prod([self.levels[name] for name in self.whole]))
-        names = [one.name for one in self.inputs]
+        names = [input_.name for input_ in self.inputs]
         self.order_ = tuple(names.index(name) for name in (*self.crossed, *self.whole))
         self.error_ = dict(zip(self.outputs_, found.error.tolist(), strict=True))
         self.places_ = found.entries
@@ -153,7 +153,7 @@ class CrossGP(GridGP):
 
     def _input(self, name: str) -> Input:
         assert self.inputs is not None
-        return next(one for one in self.inputs if one.name == name)
+        return next(input_ for input_ in self.inputs if input_.name == name)
 
     def blocks(self, X: xr.Dataset) -> dict[tuple[int, ...], Array]:
         """Return the cases of every place, (b, p), by the place's indices among the levels; ValueError as for `fit`."""

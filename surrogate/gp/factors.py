@@ -107,6 +107,8 @@ class ChebyshevFactor(Factor):
         Number of levels n.
     decay : ndarray, shape (2n,) or, affine, (2,)
         Coefficients of the kernel without its constant.
+    eigenvalues : ndarray, shape (n,)
+        Of every mode of the basis, over the square of its weight those of the kernel on the levels.
     damping : ndarray, shape (n,)
         Share of every mode that its alias takes.
     unknown : ndarray, shape (n,)
@@ -128,9 +130,9 @@ class ChebyshevFactor(Factor):
         alias = np.zeros(n)
         if not self.affine:
             alias[1:] = decay[:n:-1]
-        self._eigenvalues = decay[:n] + alias
-        self._eigenvalues[0] = 1.0
-        self.damping = alias / self._eigenvalues
+        self.eigenvalues = decay[:n] + alias
+        self.eigenvalues[0] = 1.0
+        self.damping = alias / self.eigenvalues
         # T_{n-m} takes the m-th share, hence the reversal; T_0 stands for the term of T_n itself
         self.unknown = np.zeros(n)
         if not self.affine:
@@ -143,7 +145,7 @@ class ChebyshevFactor(Factor):
 
     def inverse(self) -> tuple[Array, Array]:
         """Return K^-1 basis and the diagonal of K^-1; the basis diagonalises K."""
-        inverse = self.basis * (self.weights**2 / self._eigenvalues)
+        inverse = self.basis * (self.weights**2 / self.eigenvalues)
         return inverse, np.einsum("im,im->i", inverse, self.basis)
 
     def features(self, t: Array, modes: int) -> Features:

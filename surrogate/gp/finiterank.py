@@ -63,7 +63,7 @@ class FiniteRank:
     parts = 2
 
     @classmethod
-    def fit(cls, t: Array, values: Array, rank: int, seed: int) -> "FiniteRank":
+    def fit(cls, t: Array, values: Array, rank: int, seed: int, weights: Array | None = None) -> "FiniteRank":
         """Condition on cases.
 
         Parameters
@@ -76,16 +76,22 @@ class FiniteRank:
             Number of features.
         seed : int
             Of the choice of the cases from which the kernel's decay is learnt.
+        weights : ndarray, shape (n,), optional
+            What the variance of a case's noise is divided by.
         """
+        root_weight = np.ones(t.shape[1]) if weights is None else np.sqrt(weights)
         offset, scale = values.mean(axis=0), values.std(axis=0)
         scale = np.where(scale > 0, scale, 1.0)
         y = (values - offset) / scale
         some = np.random.default_rng(seed).permutation(t.shape[1])[:SUBSET]
         varies = y[some].std(axis=0) > 0
-        decay = most_likely(t[:, some], y[some][:, varies])[0] if varies.any() else Decay(*np.full((2, len(t)), 0.5))
-        indices, weights = largest(decay, rank)
-        gram, seen = _products(t, y, indices)
-        root = np.sqrt(weights)
+        decay = Decay(*np.full((2, len(t)), 0.5))
+        if varies.any():
+            decay = most_likely(t[:, some], y[some][:, varies], root_weight[some] ** 2)[0]
+        indices, sizes = largest(decay, rank)
+        y = y * root_weight[:, None]
+        gram, seen = _products(t, y, indices, root_weight)
+        root = np.sqrt(sizes)
         spectrum, vectors = eigh(gram * root * root[:, None], overwrite_a=True, check_finite=False, driver="evd")
         # what rounding leaves of small squares says nothing: as good as not seen by any case
         spectrum[spectrum < ROUNDING * spectrum[-1]] = 0.0
@@ -95,7 +101,7 @@ class FiniteRank:
         found = [rest.variances(spectrum, p, t.shape[1]) for p in range(y.shape[1])]
         # products of features know squares of the outputs to rounding only; what is left after a first fit knows more
         first = rest.weights(spectrum, np.array([noise / signal for signal, noise in found]))
-        seen, energy = _left(t, y, indices, directions @ first)
+        seen, energy = _left(t, y, indices, directions @ first, root_weight)
         rest = Rest(first, _along(directions, spectrum, seen), energy)
         signal, noise = np.array([rest.variances(spectrum, p, t.shape[1]) for p in range(y.shape[1])]).T
         coefficients = directions @ rest.weights(spectrum, noise / signal)
@@ -189,11 +195,12 @@ def products(indices: Indices, t: Array, derived: int = -1) -> Array:
     return found
 
 
-def _products(t: Array, y: Array, indices: Indices) -> tuple[Array, Array]:
-    """Products of the features with each other, (r, r), and with the outputs, (r, p), over all cases."""
+def _products(t: Array, y: Array, indices: Indices, root_weight: Array) -> tuple[Array, Array]:
+    """Products of the weighted features with each other, (r, r), and with the outputs, (r, p), over all cases."""
     gram, seen = np.zeros((len(indices), len(indices)), order="F"), np.zeros((len(indices), y.shape[1]))
     for start in range(0, t.shape[1], BLOCK):
         features = products(indices, t[:, start : start + BLOCK])
+        features *= root_weight[start : start + BLOCK]
         # half of the products, added in place; the block's transpose is what LAPACK's order sees
         gram = dsyrk(1.0, features.T, 1.0, gram, trans=1, lower=1, overwrite_c=1)
         seen += features @ y[start : start + BLOCK]
@@ -205,11 +212,12 @@ def _along(directions: Array, spectrum: Array, seen: Array) -> Array:
     return np.asarray(np.where(spectrum[:, None] > 0, directions.T @ seen, 0.0))
 
 
-def _left(t: Array, y: Array, indices: Indices, coefficients: Array) -> tuple[Array, Array]:
-    """Products of the features with what coefficients leave of the outputs, (r, p), and its sums of squares, (p,)."""
+def _left(t: Array, y: Array, indices: Indices, coefficients: Array, root_weight: Array) -> tuple[Array, Array]:
+    """Products of the weighted features with what coefficients leave of the outputs, (r, p), and its squares, (p,)."""
     seen, energy = np.zeros_like(coefficients), np.zeros(y.shape[1])
     for start in range(0, t.shape[1], BLOCK):
         features = products(indices, t[:, start : start + BLOCK])
+        features *= root_weight[start : start + BLOCK]
         left = y[start : start + BLOCK] - features.T @ coefficients
         seen += features @ left
         energy += np.einsum("np,np->p", left, left)

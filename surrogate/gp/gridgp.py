@@ -132,7 +132,7 @@ class GridGP(GaussianProcess):
             raise ValueError(f"kernel {self.kernel!r} is none of {', '.join(KERNELS)}")
         data = complete_factorial(X, self.inputs, self.outputs, self.kernel == "chebyshev")
         for name in self.hyperparameters or {}:
-            if name not in [one.name for one in data.inputs]:
+            if name not in [input_.name for input_ in data.inputs]:
                 raise ValueError(f"hyperparameters name {name!r}, which is no input")
         return data
 

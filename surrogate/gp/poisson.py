@@ -36,11 +36,20 @@ def kernel(decay: Decay, t: Array, at: Array) -> Array:
     """Return the kernel between scaled coordinates (d, n) and (d, m): (n, m)."""
     product = np.ones((t.shape[1], at.shape[1]))
     for first, rho, x, y in zip(decay.first, decay.rho, t, at, strict=True):
-        product *= 1 + first * _sums(x, y, rho)[0]
+        product *= 1 + first * sums(x, y, rho)[0]
     return product
 
 
-def most_likely(t: Array, y: Array) -> tuple[Decay, float]:
+def squares(decay: Decay, t: Array) -> Array:
+    """Return the kernel of scaled coordinates (d, n) with themselves, (n,)."""
+    product = np.ones(t.shape[1])
+    for first, rho, x in zip(decay.first, decay.rho, np.clip(t, -1, 1), strict=True):
+        cosine = 2 * x * x - 1  # of the sum of the angles; that of their difference is one
+        product *= 1 + first / 2 * ((cosine - rho) / (1 + rho * rho - 2 * rho * cosine) + 1 / (1 - rho))
+    return product
+
+
+def most_likely(t: Array, y: Array, weights: Array | None = None) -> tuple[Decay, float]:
     """Return the kernel under which outputs are most likely, and the share of noise.
 
     Parameters
@@ -49,6 +58,8 @@ def most_likely(t: Array, y: Array) -> tuple[Decay, float]:
         Scaled coordinates of the cases; the cost grows with the cube of n.
     y : ndarray, shape (n, p)
         Standardised outputs; each has a variance of its own, which is profiled out.
+    weights : ndarray, shape (n,), optional
+        What the variance of a case's noise is divided by.
 
     Returns
     -------
@@ -56,17 +67,17 @@ def most_likely(t: Array, y: Array) -> tuple[Decay, float]:
     noise : float
         Variance of the noise over that of the process, one for all outputs.
     """
-    d = len(t)
+    d, share = len(t), np.ones(t.shape[1]) if weights is None else 1 / weights
     start = np.log(np.concatenate([np.full(d, 0.3), np.full(d, 0.3), [1e-3]]))
     bounds = [tuple(np.log(one)) for one in [FIRST] * d + [RHO] * d + [NOISE]]
     found = scipy.optimize.minimize(
-        _cost, start, (t, y), method="L-BFGS-B", jac=True, bounds=bounds, options={"maxiter": ITERATIONS}
+        _cost, start, (t, y, share), method="L-BFGS-B", jac=True, bounds=bounds, options={"maxiter": ITERATIONS}
     )
     parameters = np.exp(found.x)
     return Decay(parameters[:d], parameters[d : 2 * d]), float(parameters[-1])
 
 
-def _cost(logs: Array, t: Array, y: Array) -> tuple[float, Array]:
+def _cost(logs: Array, t: Array, y: Array, share: Array | float = 1.0) -> tuple[float, Array]:
     """Minus twice the logarithm of the likelihood, over the cases, and its slopes by the logarithms of the parameters.
 
     C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning (2006), eqs. 5.8 and 5.9, with the
@@ -74,12 +85,12 @@ def _cost(logs: Array, t: Array, y: Array) -> tuple[float, Array]:
     """
     d, (n, p) = len(t), y.shape
     first, rho, noise = np.exp(logs[:d]), np.exp(logs[d:-1]), float(np.exp(logs[-1]))
-    sums = [_sums(x, x, one) for x, one in zip(t, rho, strict=True)]
-    factors = [1 + one * some[0] for one, some in zip(first, sums, strict=True)]
+    parts = [sums(x, x, one) for x, one in zip(t, rho, strict=True)]
+    factors = [1 + one * some[0] for one, some in zip(first, parts, strict=True)]
     C = np.ones((n, n))
     for factor in factors:
         C *= factor
-    C[np.diag_indices(n)] += noise
+    C[np.diag_indices(n)] += noise * share
     try:
         L = cholesky(C, lower=True, check_finite=False)
     except LinAlgError:
@@ -91,12 +102,12 @@ def _cost(logs: Array, t: Array, y: Array) -> tuple[float, Array]:
     inverse += np.tril(inverse, -1).T  # only the lower triangle was filled
     weight = p / n * inverse - (alpha / energy) @ alpha.T
     slopes = np.empty_like(logs)
-    slopes[-1] = noise * np.trace(weight)
+    slopes[-1] = noise * float((np.diag(weight) * share).sum())
     before = weight  # the product with all factors before the current one
     after = [np.ones((1, 1))]
     for factor in factors[:0:-1]:
         after.append(after[-1] * factor)
-    for j, (factor, (value, slope)) in enumerate(zip(factors, sums, strict=True)):
+    for j, (factor, (value, slope)) in enumerate(zip(factors, parts, strict=True)):
         rest = before * after[d - 1 - j]
         slopes[j] = first[j] * np.vdot(rest, value)
         slopes[d + j] = first[j] * rho[j] * np.vdot(rest, slope)
@@ -104,7 +115,7 @@ def _cost(logs: Array, t: Array, y: Array) -> tuple[float, Array]:
     return cost, slopes
 
 
-def _sums(x: Array, y: Array, rho: float) -> tuple[Array, Array]:
+def sums(x: Array, y: Array, rho: float) -> tuple[Array, Array]:
     """sum_{m>0} rho^(m-1) T_m(x) T_m(y), (n, m), and its slope by rho."""
     inside = np.clip(x, -1, 1), np.clip(y, -1, 1)
     a, b = (np.arccos(one) for one in inside)
@@ -117,3 +128,33 @@ def _sums(x: Array, y: Array, rho: float) -> tuple[Array, Array]:
         value += part / 2
         slope += part * part - inverse / 2
     return value, slope
+
+
+def sum_slopes(x: Array, y: Array, rho: float) -> Array:
+    """Slopes by x of the sums of `sums`, (n, m), by the quotient of polynomials that these are; zero beyond [-1, 1]."""
+    inside = np.clip(x, -1, 1)[:, None], np.clip(y, -1, 1)[None]
+    below, above, _, by_below, by_above = _quotient(*inside, rho)
+    slope = (by_above / 2 - above / below / 2 * by_below) / below
+    return np.asarray(np.where(np.abs(x)[:, None] <= 1, slope, 0.0))
+
+
+def sum_curvature(x: Array, rho: float) -> Array:
+    """Slopes by x and by y of the sums of `sums` at y = x, (n,)."""
+    inside = np.clip(x, -1, 1)
+    below, above, squared, by_below, by_above = _quotient(inside, inside, rho)
+    value = above / below / 2
+    slope = (by_above / 2 - value * by_below) / below
+    both = (2 * rho * rho + squared) - by_above / 2 * by_below / below  # the numerator's own slope by both, halved
+    found = (both - slope * by_below + 4 * rho * squared * value + value * by_below**2 / below) / below
+    return np.asarray(np.where(np.abs(x) <= 1, found, 0.0))
+
+
+def _quotient(x: Array, y: Array, rho: float) -> tuple[Array, Array, float, Array, Array]:
+    """Denominator and numerator of twice the sums, 1 + rho^2, and the slopes of both by x."""
+    squared = 1 + rho * rho
+    even, circle = 2 * x * y, x * x + y * y - 1
+    below = squared**2 - 2 * rho * squared * even + 4 * rho * rho * circle
+    above = (squared + 2 * rho * rho) * even - 4 * rho * circle - 2 * rho * squared
+    by_below = -4 * rho * squared * y + 8 * rho * rho * x
+    by_above = 2 * (squared + 2 * rho * rho) * y - 8 * rho * x
+    return below, above, squared, by_below, by_above

@@ -11,12 +11,12 @@ from approximation.arrays import Array
 from surrogate.data.factorial import output_names, text_attrs
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.face.model import GaussianProcess
+from surrogate.gp.exact import Exact, chosen, parameters, regressor
 from surrogate.gp.finiterank import FiniteRank
-from surrogate.gp.stationary import Stationary, regressor
 
 KernelName = Literal["auto", "rbf", "matern32", "matern52", "chebyshev"]
 KERNELS: tuple[str, ...] = get_args(KernelName)
-#: Cases above which "auto" is the kernel "chebyshev", whose cost is that of their number.
+#: Cases above which "auto" is the kernel "chebyshev" of finite rank, whose cost is that of their number.
 MANY = 500
 
 
@@ -26,19 +26,22 @@ class ScatterGP(GaussianProcess):
     With the kernels "rbf", "matern32" and "matern52" the outputs are independent regressors of scikit-learn with a
     length scale an input, free of noise but for a tiny nugget; the cost of a fit grows with the cube of the number of
     cases. With "chebyshev", the kernel of `GridGP`, they are one process of finite rank (module `finiterank`), whose
-    cost grows with the number of cases. It estimates the noise of every output, and its standard deviation is that of a
-    new case, with its noise; `_std` of a gradient has no noise in it.
+    cost grows with the number of cases. "auto" is that for more than 500 cases; up to then every output takes the
+    kernel under which it is most likely, the whole Chebyshev kernel, "rbf" or "matern52". Both estimate the noise of
+    every output, and their standard deviation is that of a new case, with its noise; `_std` of a gradient has no noise
+    in it.
 
     Parameters
     ----------
     kernel : {"auto", "rbf", "matern32", "matern52", "chebyshev"}
-        Correlation function; "auto" is "matern52" for up to 500 cases and "chebyshev" for more.
+        Correlation function; "auto" is the most likely one of an output for up to 500 cases, "chebyshev" for more.
     inputs : sequence of Input, optional
         Inputs with box and scale; by default the variables that are not `outputs`, with the range of the cases.
     outputs : sequence of str, optional
         Outputs, by default the variables that are not `inputs`. One of the two must be given.
     nugget : float
-        Added to the diagonal, relative to the variance of the output; "chebyshev" estimates it.
+        Added to the diagonal, relative to the variance of the output, beside the noise that "auto" estimates;
+        "chebyshev" has none.
     restarts : int
         Restarts of the search for the maximum of the marginal likelihood; "chebyshev" has none.
     random_state : int
@@ -48,7 +51,7 @@ class ScatterGP(GaussianProcess):
 
     Attributes
     ----------
-    process_ : Stationary or FiniteRank
+    process_ : Exact or FiniteRank
         What was fitted.
 
     Examples
@@ -66,7 +69,7 @@ class ScatterGP(GaussianProcess):
     """
 
     engine: ClassVar[str] = "scatter"
-    process_: Stationary | FiniteRank
+    process_: Exact | FiniteRank
 
     def __init__(
         self,
@@ -89,15 +92,18 @@ class ScatterGP(GaussianProcess):
     @property
     def regressors_(self) -> list[GaussianProcessRegressor]:
         """The fitted regressors, one an output; none with "chebyshev"."""
-        return self.process_.regressors if isinstance(self.process_, Stationary) else []
+        return self.process_.regressors if isinstance(self.process_, Exact) else []
 
-    def fit(self, X: xr.Dataset) -> Self:
+    def fit(self, X: xr.Dataset, weights: Array | None = None) -> Self:
         """Fit to scattered cases.
 
         Parameters
         ----------
         X : Dataset
             One dimension (such as `case`); inputs and outputs are variables over it.
+        weights : ndarray, shape (n,), optional
+            How many cases each counts as: what the variance of its noise is divided by, all of them positive. Kernels
+            without noise have no use for them.
 
         Raises
         ------
@@ -110,7 +116,7 @@ class ScatterGP(GaussianProcess):
         if self.rank < 1:
             raise ValueError(f"rank {self.rank} must be at least 1")
         inputs, names = self._roles(X)
-        columns = {name: _column(X, name) for name in [*(one.name for one in inputs), *names]}
+        columns = {name: _column(X, name) for name in [*(input_.name for input_ in inputs), *names]}
         for one in inputs:
             low, high = columns[one.name].min(), columns[one.name].max()
             if low < one.low or high > one.high:
@@ -119,27 +125,22 @@ class ScatterGP(GaussianProcess):
         self.inputs_, self.outputs_ = tuple(inputs), tuple(names)
         self.attrs_ = {name: text_attrs(X[name]) for name in names}
         self.calibration_ = None
-        points = np.stack([columns[one.name] for one in inputs], axis=1)
+        points = np.stack([columns[input_.name] for input_ in inputs], axis=1)
         values = np.stack([columns[name] for name in names], axis=1)
-        self.cases_, self.process_ = len(points), self._process(points, values)
+        self.cases_, self.process_ = len(points), self._process(points, values, weights)
         return self
 
-    def _process(self, points: Array, values: Array) -> Stationary | FiniteRank:
-        cases, kernel = len(points), self.kernel
-        if kernel == "auto":
-            kernel = "chebyshev" if cases > MANY else "matern52"
-        if kernel != "chebyshev":
-            self.points_, self.values_ = points, values
-            return self._stationary(kernel, [None] * values.shape[1])
-        if cases < 2:
-            raise ValueError(f"the kernel 'chebyshev' needs at least 2 cases, got {cases}")
-        t = unit_coordinates(self.inputs_, points)
-        return FiniteRank.fit(t, values, min(self.rank, cases // 2), self.random_state)
-
-    def _stationary(self, kernel: str, thetas: Sequence[Array | None]) -> Stationary:
-        t, how = unit_coordinates(self.inputs_, self.points_).T, (self.nugget, self.restarts, self.random_state)
-        pairs = zip(self.values_.T, thetas, strict=True)
-        return Stationary(kernel, [regressor(kernel, t, values, theta, *how) for values, theta in pairs])
+    def _process(self, points: Array, values: Array, weights: Array | None) -> Exact | FiniteRank:
+        cases, t = len(points), unit_coordinates(self.inputs_, points)
+        if self.kernel == "chebyshev" or (self.kernel == "auto" and cases > MANY):
+            if cases < 2:
+                raise ValueError(f"the kernel 'chebyshev' needs at least 2 cases, got {cases}")
+            return FiniteRank.fit(t, values, min(self.rank, cases // 2), self.random_state, weights)
+        self.points_, self.values_, self.weights_ = points, values, weights
+        how = self.nugget, self.restarts, self.random_state
+        if self.kernel == "auto":
+            return Exact(*zip(*[chosen(t.T, column, *how, weights) for column in values.T], strict=True))
+        return Exact([self.kernel] * values.shape[1], [regressor(self.kernel, t.T, y, None, *how) for y in values.T])
 
     def state(self) -> xr.Dataset:
         """Return what a file must hold beside inputs, outputs and probes."""
@@ -147,14 +148,19 @@ class ScatterGP(GaussianProcess):
         attrs = {name: getattr(self, name) for name in names}
         if isinstance(self.process_, FiniteRank):
             return self.process_.state().assign_attrs(attrs)
-        theta = np.stack([one.kernel_.theta for one in self.process_.regressors])
+        thetas = [one.kernel_.theta for one in self.process_.regressors]
+        theta = np.zeros((len(thetas), max(map(len, thetas))))  # kernels have unequally many parameters
+        for row, one in zip(theta, thetas, strict=True):
+            row[: len(one)] = one
+        weights = np.ones(len(self.points_)) if self.weights_ is None else self.weights_
         return xr.Dataset(
             {
                 "point": (("case", "input"), self.points_),
                 "value": (("case", "output"), self.values_),
+                "weight": ("case", weights),
                 "theta": (("output", "theta_index"), theta),
             },
-            attrs=attrs,
+            attrs=attrs | {"kernels": " ".join(self.process_.kernels)},
         )
 
     @classmethod
@@ -178,15 +184,23 @@ class ScatterGP(GaussianProcess):
             return model
         model.points_ = stored["point"].transpose("case", "input").values
         model.values_ = stored["value"].transpose("case", "output").values
+        model.weights_ = stored["weight"].values if "weight" in stored else None
         theta = stored["theta"].transpose("output", "theta_index").values
-        if theta.shape[1] != len(inputs) + 1:
+        usual = " ".join(["matern52" if model.kernel == "auto" else model.kernel] * len(outputs))
+        kernels, noisy = attrs.get("kernels", usual).split(), model.kernel == "auto" and "kernels" in attrs
+        if len(kernels) != len(outputs) or not set(kernels) <= set(KERNELS) - {"auto"}:
+            raise ValueError(f"kernels {' '.join(kernels)!r} for {len(outputs)} outputs")
+        counts = [parameters(kernel, len(inputs), noisy) for kernel in kernels]
+        if theta.shape[1] != max(counts):
             raise ValueError(f"theta has {theta.shape[1]} columns for {len(inputs)} inputs")
-        model.process_ = model._stationary("matern52" if model.kernel == "auto" else model.kernel, list(theta))
+        t, how = unit_coordinates(inputs, model.points_).T, (model.nugget, 0, model.random_state, model.weights_, noisy)
+        every = zip(kernels, model.values_.T, theta, counts, strict=True)
+        model.process_ = Exact(kernels, [regressor(kernel, t, y, own[:n], *how) for kernel, y, own, n in every])
         return model
 
     def _roles(self, X: xr.Dataset) -> tuple[Sequence[Input], list[str]]:
         if self.inputs is not None:
-            return self.inputs, output_names(X, self.outputs, exclude=[one.name for one in self.inputs])
+            return self.inputs, output_names(X, self.outputs, exclude=[input_.name for input_ in self.inputs])
         if self.outputs is None:
             raise ValueError(
                 "scattered cases do not tell inputs from outputs; give inputs=[Input(...), ...] or outputs=[...]"

@@ -68,7 +68,7 @@ class SinglePoint:
     """
 
     def __init__(self, process: Process) -> None:
-        self._inputs = [mapping(one) for one in process.inputs]
+        self._inputs = [mapping(input_) for input_ in process.inputs]
         self._offset, self._scale = process.offset, process.scale
         self._rows = _Rows(process)
         self._lay_out_mean(process)
@@ -223,7 +223,7 @@ class SingleGuard:
         pooled = np.zeros(outputs) if guard.pooled is None else guard.pooled
         parts = (guard.slabs.reshape(-1, outputs), guard.corners.reshape(-1, outputs), pooled[None])
         self._cells = np.concatenate(parts)
-        self._inputs = [mapping(one) for one in inputs]
+        self._inputs = [mapping(input_) for input_ in inputs]
         self._pairs = {pair: SLABS * d + 9 * k for k, pair in enumerate(combinations(range(d), 2))}
 
     def __call__(self, point: Sequence[float]) -> Array:

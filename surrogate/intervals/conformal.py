@@ -1,12 +1,13 @@
 """Predictive distributions that hold: made right on held-out cases, everywhere in the box and at every level.
 
-Four steps, each from the errors on cases that the model was not trained on:
+Five steps, each from the errors on cases that the model was not trained on:
 
 1. weights of the parts of the variance (what each factor leaves unknown) and a floor, by maximum likelihood;
 2. a local scale, the exponential of a polynomial of the scaled inputs, additive but for the two inputs in which the
    errors are waves, such that the nominal share of the errors lies within it (quantile regression of their logarithms);
 3. a guard (module `guard`): slabs and corners of the box where this share needs more, from cross-fitted scores;
-4. the distribution of the scores (module `distribution`), of which the standard deviation is half of the central 68 %.
+4. the distribution of the scores (module `distribution`), of which the standard deviation is half of the central 68 %;
+5. how scores of outputs and of near points go together (module `copula`).
 
 Sources: J. Lei et al., J. Am. Stat. Assoc. 113 (2018) 1094 (locally weighted split conformal prediction); V. Vovk, Ann.
 Math. Artif. Intell. 74 (2015) 9 (cross-conformal).
@@ -23,6 +24,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from approximation.arrays import Array, Flags, Indices
+from surrogate.intervals.copula import Copula
 from surrogate.intervals.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
 from surrogate.intervals.guard import SLABS, Guard, fill, unguarded
 from surrogate.intervals.quantile import quantile_regression
@@ -85,6 +87,8 @@ class Calibration:
     outer : Guard, optional
         Beyond all this, over the inputs of a model that stands on this one: what it has more needs no share of its own
         in `std` and `stretch`, which know these inputs not.
+    copula : Copula, optional
+        How errors of outputs and points go together; None in files of before.
     """
 
     weights: Array
@@ -95,6 +99,7 @@ class Calibration:
     guard: Guard
     distribution: Tabulated
     outer: Guard | None = None
+    copula: Copula | None = None
 
     def std(self, variance: Array, t: Array) -> Array:
         """Return calibrated standard deviations (p, B) from weighted variances (p, B) at scaled coordinates (d, B)."""
@@ -120,6 +125,7 @@ class Calibration:
             guard=self.guard.only(chosen),
             distribution=self.distribution.only(chosen),
             outer=None if self.outer is None else self.outer.only(chosen),
+            copula=None if self.copula is None else self.copula.only(chosen),
         )
 
     def arrays(self) -> dict[str, NDArray[Any]]:
@@ -138,7 +144,8 @@ class Calibration:
             for name, array in self.arrays().items()
             if array.size
         }
-        return {**state, "calibration_cases": ((), np.array(self.distribution.cases))}
+        together = {} if self.copula is None else self.copula.state()
+        return {**state, **together, "calibration_cases": ((), np.array(self.distribution.cases))}
 
     @classmethod
     def restore(cls, stored: xr.Dataset, parts: int, inputs: int, outputs: int) -> Self | None:
@@ -172,7 +179,8 @@ class Calibration:
         guard = Guard(arrays["guard"], arrays["corner_guard"])
         distribution = Tabulated(arrays["quantile"], cases)
         weights, floor, trend, within = (arrays[name] for name in ("weights", "floor", "trend", "trend_range"))
-        return cls(weights, floor, trend, degree.astype(np.intp), within, guard, distribution, _outer(stored, outputs))
+        beside = _outer(stored, outputs), Copula.restore(stored, inputs, outputs)
+        return cls(weights, floor, trend, degree.astype(np.intp), within, guard, distribution, *beside)
 
 
 def _outer(stored: xr.Dataset, outputs: int) -> Guard | None:
@@ -233,7 +241,8 @@ def calibrate(
     logarithms -= guard.at(t).T
     if further is not None and outer is not None:
         logarithms -= further.at(outer).T
-    distribution = _distribution((np.sign(errors) * np.exp(logarithms))[:, even])
+    scores = (np.sign(errors) * np.exp(logarithms))[:, even]
+    distribution = _distribution(scores)
     # in standard deviations from here on
     one = np.ptp(distribution.ends(ONE_STD), axis=0) / 2
     one = np.where(one > 0, one, 1.0)
@@ -241,7 +250,7 @@ def calibrate(
     fitted = A @ whole
     within = np.stack([fitted.min(axis=0), fitted.max(axis=0)])
     table = replace(distribution, quantiles=distribution.quantiles / one)
-    return Calibration(weights, floor, whole, degrees, within, guard, table, further)
+    return Calibration(weights, floor, whole, degrees, within, guard, table, further, Copula.of(scores, t[:, even]))
 
 
 def _sizes(errors: Array, parts: Sequence[Array]) -> tuple[Array, Array, Array]:
@@ -272,7 +281,9 @@ def _fitted(logarithms: Array, t: Array, groups: Indices) -> tuple[Indices, Arra
     pairs = [pair for pair in combinations(range(d), 2) if apart[list(pair)].min() >= PAIRWISE]
     degrees = np.concatenate([degrees, *(products(d, pair, 2) for pair in pairs)])
     A = values(degrees, t).T
-    trend = np.array([quantile_regression(A, one, NOMINAL) for one in logarithms]).reshape(-1, len(degrees)).T
+    trend = (
+        np.array([quantile_regression(A, logarithm, NOMINAL) for logarithm in logarithms]).reshape(-1, len(degrees)).T
+    )
     waves = _waves(A, logarithms, trend, t, pairs) if cases >= WAVES else None
     if waves is None:
         return degrees, trend

@@ -40,6 +40,9 @@ class Distribution(Protocol):
     def ends(self, level: float) -> Array:
         """Return the lower and upper end of the central interval of a level: (2, p) or (2, 1)."""
 
+    def inverse(self, q: Array) -> Array:
+        """Return the quantiles of every output at probabilities of its own, (p, n)."""
+
     def cdf(self, z: Array) -> Array:
         """Return the probability of no more than z, (p, n)."""
 
@@ -61,6 +64,10 @@ class Normal:
     def ends(self, level: float) -> Array:
         """Return the lower and upper end of the central interval of a level: (2, 1)."""
         return self.quantile(central(level))
+
+    def inverse(self, q: Array) -> Array:
+        """Return quantiles at probabilities of any shape."""
+        return np.asarray(ndtri(q))
 
     def cdf(self, z: Array) -> Array:
         """Return the probability of no more than z, any shape."""
@@ -116,6 +123,10 @@ class Tabulated:
     def ends(self, level: float) -> Array:
         """Return the lower and upper end of the central interval of a level: (2, p)."""
         return self.quantile(central(level))
+
+    def inverse(self, q: Array) -> Array:
+        """Return the quantiles of every output at probabilities of its own, (p, n)."""
+        return np.stack([np.interp(own, PROBABILITIES, z) for own, z in zip(q, self.quantiles.T, strict=True)])
 
     def cdf(self, z: Array) -> Array:
         """Return the probability of no more than z, (p, n)."""

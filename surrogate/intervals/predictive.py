@@ -12,7 +12,9 @@ from approximation.arrays import Array, Flags
 from surrogate.data.labels import Attrs, Labels
 from surrogate.data.points import Points, Queries
 from surrogate.intervals.conformal import Calibration
+from surrogate.intervals.copula import MOST_POINTS
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
+from surrogate.intervals.sums import ends
 
 #: Attributes of the variable that tells where an answer is outside of the trained box.
 EXTRAPOLATED = {"extrapolated": {"long_name": "outside the trained box"}}
@@ -44,6 +46,14 @@ class Predictive(ABC):
         self, X: NDArray[np.floating[Any]], return_std: Literal[True], *, extrapolate: bool = False
     ) -> tuple[Array, Array]:
         """Return means and standard deviations at plain points, (n, d) -> two of (n, n_outputs)."""
+
+    def reached(self, mean: Array, std: Array, away: Array) -> Array:
+        """Return what lies so many standard deviations away from means; all broadcast, outputs first."""
+        return mean + away * std
+
+    @abstractmethod
+    def calibrated_at(self, X: Array) -> Array:
+        """Return the scaled coordinates that the calibration knows physical points (n, d) by: (e, n)."""
 
     @abstractmethod
     def _asked(
@@ -103,15 +113,15 @@ class Predictive(ABC):
         level = self.checked_level(level)
         named, (mean, std), flags = self._asked(points, True, extrapolate)
         away = self._ends(level)[..., None]
-        ends = {"lower": mean + away[0] * std, "upper": mean + away[1] * std}
-        values = {f"{name}_{end}": ends[end][k] for k, name in enumerate(self.outputs_) for end in ends}
+        both = {end: self.reached(mean, std, own) for end, own in zip(("lower", "upper"), away, strict=True)}
+        values = {f"{name}_{end}": both[end][k] for k, name in enumerate(self.outputs_) for end in both}
 
         def attrs() -> Attrs:
             of = f"end of the {100 * level:g} % interval of"
             own = {
                 f"{name}_{end}": {**told, "long_name": f"{end} {of} {told.get('long_name', name)}"}
                 for name, told in self.attrs_.items()
-                for end in ends
+                for end in both
             }
             return {**own, **EXTRAPOLATED}
 
@@ -146,8 +156,15 @@ class Predictive(ABC):
         found = self._quantiles(points, asked, extrapolate)
         return found if np.ndim(q) else found.isel(quantile=0)
 
-    def sample(self, points: Queries, n: int, seed: int, *, extrapolate: bool = False) -> xr.Dataset:
-        """Draw from the predictive distributions, independently for every point and output.
+    def sample(
+        self, points: Queries, n: int, seed: int, *, extrapolate: bool = False, together: bool = True
+    ) -> xr.Dataset:
+        """Draw from the predictive distributions, outputs and points together.
+
+        Errors of outputs go together as those of the held-out cases did, and those of near points by a length along
+        every input (module `copula`): a ratio or a difference of what is drawn is as uncertain as it really is. A model
+        that is not calibrated, or that measured rows have corrected, knows of no such thing, and draws every point
+        and output for itself.
 
         Parameters
         ----------
@@ -157,6 +174,8 @@ class Predictive(ABC):
             Draws, >= 1.
         seed : int
             The same seed gives the same draws.
+        together : bool
+            Whether points are drawn together, 3,000 of them at most; else each for itself, with its outputs together.
 
         Returns
         -------
@@ -166,21 +185,67 @@ class Predictive(ABC):
         Raises
         ------
         OutOfBoxError, ValueError
-            As for `predict`; n below one.
+            As for `predict`; n below one; more points than are drawn together; a model whose file, of an earlier
+            version, kept no rows of its calibration.
         """
         if n < 1:
             raise ValueError(f"n {n} must be at least 1")
-        found = self.predict(points, extrapolate=extrapolate)
-        random = np.random.default_rng(seed)
-        answer: dict[str, xr.DataArray] = {}
-        for k, name in enumerate(self.outputs_):
-            mean, std = found[name], found[f"{name}_std"]
-            share = random.uniform(np.finfo(float).tiny, 1, (n, *mean.shape))
-            away = self.distribution.quantile(share)
-            drawn = mean.values + std.values * away[..., k if away.shape[-1] > 1 else 0]
-            answer[name] = xr.DataArray(drawn, coords=mean.coords, dims=("sample", *mean.dims), attrs=mean.attrs)
-        flags = {"extrapolated": found["extrapolated"]} if extrapolate else {}
-        return xr.Dataset(answer | flags)
+        named, (mean, std), flags = self._asked(points, True, extrapolate)
+        share = self._shares(named.X, n, np.random.default_rng(seed), together)
+        away = self.distribution.inverse(share.reshape(len(share), -1)).reshape(share.shape)
+        drawn = self.reached(np.broadcast_to(mean[:, None], away.shape), std[:, None], away)
+        found = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
+        dims = ("sample", *named.dims)
+        return found.assign(
+            {
+                name: xr.Variable(dims, own.reshape(n, *named.shape), self.attrs_[name])
+                for name, own in zip(self.outputs_, drawn, strict=True)
+            }
+        )
+
+    def _shares(self, X: Array, n: int, random: np.random.Generator, together: bool) -> Array:
+        """Draw a probability for every output and point (m, d): (p, n, m)."""
+        if self.calibration_ is None:
+            return random.uniform(np.finfo(float).tiny, 1, (len(self.outputs_), n, len(X)))
+        copula = self.calibration_.copula
+        if copula is None:
+            raise ValueError("the model's file kept no rows of its calibration to draw together: `make run` anew")
+        if not together:
+            alone = copula.drawn(np.zeros((len(copula.lengths), 1)), n * len(X), random)
+            return alone.reshape(len(self.outputs_), n, len(X))
+        if len(X) > MOST_POINTS:
+            raise ValueError(
+                f"{len(X)} points are more than the {MOST_POINTS} that are drawn together; together=False draws each "
+                "for itself"
+            )
+        return copula.drawn(self.calibrated_at(X), n, random)
+
+    def ends_of_sum(self, X: NDArray[np.floating[Any]], weights: Array, level: float | None = None) -> Array:
+        """Return the ends of the interval of a weighted sum of outputs at points, less its mean.
+
+        Parameters
+        ----------
+        X : ndarray, shape (n, d)
+            Plain points.
+        weights : ndarray, shape (n, n_outputs)
+            Of every output at every point, with signs: the derivatives of what follows from the outputs.
+        level : float, optional
+            As for `interval`.
+
+        Returns
+        -------
+        ndarray, shape (2,)
+            By how errors go together (module `sums`); without a calibration the ends of all of them are added up.
+
+        Raises
+        ------
+        OutOfBoxError, ValueError
+            As `predict_array`; a level that the calibration cases do not tell.
+        """
+        _, std = self.predict_array(X, return_std=True)
+        copula = None if self.calibration_ is None else self.calibration_.copula
+        known = self.calibrated_at(np.asarray(X, dtype=np.float64))
+        return ends(self.distribution, copula, self.checked_level(level), (weights * std).T, known)
 
     def interval_array(
         self, X: NDArray[np.floating[Any]], level: float | None = None, *, extrapolate: bool = False
@@ -191,8 +256,8 @@ class Predictive(ABC):
         """
         level = self.checked_level(level)
         mean, std = self.predict_array(X, return_std=True, extrapolate=extrapolate)
-        lower, upper = self._ends(level)
-        return mean + lower * std, mean + upper * std
+        lower, upper = (self.reached(mean.T, std.T, away[:, None]).T for away in self._ends(level))
+        return lower, upper
 
     def _ends(self, level: float) -> Array:
         """Ends of the central interval of a level in standard deviations, (2, p) or (2, 1)."""
@@ -220,13 +285,13 @@ class Predictive(ABC):
         return f", all that {self.calibration_.distribution.cases} calibration cases tell"
 
     def _quantiles(self, points: Queries, q: Array, extrapolate: bool) -> xr.Dataset:
-        found = self.predict(points, extrapolate=extrapolate)
-        away = self.distribution.quantile(q)
-        answer: dict[str, xr.Variable] = {}
-        for k, name in enumerate(self.outputs_):
-            mean, std = found.variables[name], found.variables[f"{name}_std"]
-            own = away[:, k if away.shape[1] > 1 else 0].reshape(-1, *[1] * mean.ndim)
-            answer[name] = xr.Variable(("quantile", *mean.dims), mean.values + own * std.values, mean.attrs)
-        flags = {"extrapolated": found.variables["extrapolated"]} if extrapolate else {}
-        along = xr.Variable("quantile", q, {"long_name": "probability of no more"})
-        return xr.Dataset(answer | flags, {**found.coords, "quantile": along})
+        named, (mean, std), flags = self._asked(points, True, extrapolate)
+        away = np.broadcast_to(self.distribution.quantile(q).T, (len(mean), len(q)))[..., None]
+        values = self.reached(np.repeat(mean[:, None], len(q), axis=1), std[:, None], away)
+        found = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
+        dims = ("quantile", *named.dims)
+        answer = {
+            name: xr.Variable(dims, own.reshape(len(q), *named.shape), self.attrs_[name])
+            for name, own in zip(self.outputs_, values, strict=True)
+        }
+        return found.assign(answer).assign_coords(quantile=("quantile", q, {"long_name": "probability of no more"}))

@@ -108,7 +108,7 @@ def choose_levels(
 def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | None = None) -> Decays:
     """Judge the decay of every output along every input of a complete factorial on Chebyshev-Gauss levels."""
     factorial = complete_factorial(data, inputs, outputs, chebyshev=True)
-    names = [one.name for one in factorial.inputs]
+    names = [input_.name for input_ in factorial.inputs]
     return {
         name: dict(zip(names, map(decay_of, _lines(values)), strict=True)) for name, values in factorial.outputs.items()
     }
@@ -212,7 +212,9 @@ def _equally_shared(found: Decays, tolerance: float, given: Mapping[str, int]) -
 
 def _fewest(decays: Sequence[Decay], error: float) -> int | None:
     """Fewest levels along one input at which no output errs by more, None where the most allowed are too few."""
-    return next((count for count in range(2, MOST_LEVELS) if max(one.error(count) for one in decays) <= error), None)
+    return next(
+        (count for count in range(2, MOST_LEVELS) if max(decay.error(count) for decay in decays) <= error), None
+    )
 
 
 def _trimmed(counts: dict[str, int], found: Decays, tolerance: float, given: Mapping[str, int]) -> dict[str, int]:

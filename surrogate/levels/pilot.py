@@ -66,8 +66,8 @@ def explore(
         As `levels.choose_levels`.
     """
     found: dict[str, dict[str, Decay]] = {}
-    fineness = dict.fromkeys((one.name for one in inputs), 0)
-    waiting, spent = [one.name for one in inputs], 0
+    fineness = dict.fromkeys((input_.name for input_ in inputs), 0)
+    waiting, spent = [input_.name for input_ in inputs], 0
     while waiting:
         for name in waiting:
             axes = _levels(inputs, name, LEVELS[fineness[name]], budget)
@@ -81,14 +81,14 @@ def explore(
             if finer < len(LEVELS) and spent + LEVELS[finer] * lines <= budget:
                 fineness[name] = finer
                 waiting.append(name)
-    ordered = {output: {one.name: along[one.name] for one in inputs} for output, along in found.items()}
+    ordered = {output: {input_.name: along[input_.name] for input_ in inputs} for output, along in found.items()}
     choice = choose(ordered, tolerance, budget, given)
     return Pilot(choice, {name: LEVELS[fine] for name, fine in fineness.items()}, spent)
 
 
 def _levels(inputs: Sequence[Input], along: str, count: int, budget: int) -> dict[str, Array]:
     others = _others(len(inputs), budget)
-    return {one.name: one.levels(count if one.name == along else others) for one in inputs}
+    return {input_.name: input_.levels(count if input_.name == along else others) for input_ in inputs}
 
 
 def _others(inputs: int, budget: int) -> int:

@@ -219,6 +219,10 @@ class GroupedGP(Transformed):
 
         return answer
 
+    def calibrated_at(self, X: Array) -> Array:
+        """Return the scaled axes at physical points (n, d), since the calibration is that of the process over them."""
+        return self.reduced_.calibrated_at(self.grouping.products.values(X))
+
     def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
         """Return means and calibrated deviations at points (B, d), from those over the axes: (p, B) each."""
         learnt, spread = self.reduced_.mean_std(self.grouping.products.values(X), with_std)

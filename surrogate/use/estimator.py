@@ -7,18 +7,24 @@ from typing import Literal, Self, get_args, overload
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
+from scipy.optimize import brentq
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin
-from sklearn.utils.validation import check_is_fitted, validate_data
+from sklearn.utils.validation import _check_sample_weight, check_array, check_is_fitted, validate_data
 
 from approximation.arrays import Array, Indices
+from approximation.chebyshev import gauss_points
 from surrogate.data.factorial import follows_chebyshev
 from surrogate.data.inputs import Input
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.gridgp import GridGP
+from surrogate.gp.missing import MOST
+from surrogate.gp.missing import fit as fit_with_missing
 from surrogate.gp.scattergp import KernelName, ScatterGP
+from surrogate.transforms.boundedgp import BoundedGP, linked
 
 Design = Literal["auto", "factorial", "scattered"]
 _SAME = 1e-9  # of the range of an output, by which cases that stand twice may differ
+_STEEPNESS = (1e-3, 20.0)  # of levels spread by their logarithms: half of that of the largest over the least
 _NEARLY = 0.95  # of the combinations of all levels, from which on the rest is called missing
 
 
@@ -27,9 +33,10 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
 
     Cases that are every combination of the levels of their columns, in any order, are fitted by `GridGP` at a cost that
     grows little faster than their number, free of noise but for `nugget`; a case that stands twice with the same
-    outputs counts once, and a warning says where a few combinations are missing. All others are fitted by `ScatterGP`:
-    up to 500 as free of noise, at the cube of their number, more with a noise that is estimated, at a cost that grows
-    with their number.
+    outputs counts once, and where a few combinations are missing they are filled in by the process itself, and a
+    warning says so. All others are fitted by `ScatterGP`,
+    with a noise that is estimated: up to 500 by the kernel that is most likely, at the cube of their number, more at a
+    cost that grows with their number.
 
     Parameters
     ----------
@@ -37,8 +44,9 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         Which of the two the cases are; by default they are looked at. "factorial" refuses those that are none.
     kernel : {"auto", "rbf", "matern32", "matern52", "chebyshev"}
         Correlation function of scattered cases, see `ScatterGP`, and of a factorial of any levels, where "auto" is
-        "matern52". A factorial whose columns all have Chebyshev-Gauss levels (see `chebyshev_levels`) is interpolated
-        by the kernel of that name, with spectral accuracy.
+        "matern52". A factorial whose columns all have Chebyshev-Gauss levels (see `chebyshev_levels`), or what a
+        scaler makes of such levels, is interpolated by the kernel of that name, with spectral accuracy. By that name a
+        factorial of other levels counts as scattered cases, unless `design` asks for a factorial, which refuses it.
     inputs : sequence of Input, optional
         Range and scale of every column, in their order. By default the range of the cases on a linear scale or, of
         Chebyshev-Gauss levels, the range and scale that they are those of.
@@ -46,12 +54,18 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         Added to the diagonal of the correlation, relative to the variance of the output; the chebyshev kernel has none.
     extrapolate : bool
         Answer outside the range of the cases too, as cross-validation must; False raises `OutOfBoxError` there.
+    bounds : (float, float), optional
+        Lower and upper bound of all outputs, infinite where there is none: predictions and intervals stay between them,
+        see `BoundedGP`. Means are then medians.
 
     Attributes
     ----------
-    model_ : GridGP or ScatterGP
+    model_ : GridGP or ScatterGP, with `bounds` a BoundedGP over one
         The fitted process: intervals, gradients, sensitivities, files. Its inputs have the names of the columns, or
-        `x0`, `x1`, ...; its outputs are `y0`, `y1`, ...
+        `x0`, `x1`, ..., and are these less `shift_`; its outputs are `y0`, `y1`, ...
+    shift_ : ndarray
+        Zero for every column, but for one whose levels are logarithmic Chebyshev-Gauss levels that a scaler has moved:
+        what takes these back, but for their unit.
     n_features_in_ : int
         Number of columns.
     feature_names_in_ : ndarray of str
@@ -78,14 +92,16 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         inputs: Sequence[Input] | None = None,
         nugget: float = 1e-10,
         extrapolate: bool = True,
+        bounds: tuple[float, float] | None = None,
     ) -> None:
         self.design = design
         self.kernel = kernel
         self.inputs = inputs
         self.nugget = nugget
         self.extrapolate = extrapolate
+        self.bounds = bounds
 
-    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
+    def fit(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Fit to cases.
 
         Parameters
@@ -94,12 +110,15 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
             Inputs, a row a case.
         y : array-like, shape (n,) or (n, p)
             Outputs.
+        sample_weight : array-like, shape (n,), optional
+            How many cases each counts as: none of those of weight zero, and of others the noise has so many times less
+            variance. What has no noise, a factorial or a kernel that is named, has no other use for them.
 
         Raises
         ------
         ValueError
-            Values that are not finite numbers, fewer than two cases, a constant column, cases outside of `inputs`, an
-            unknown kernel or design, or no factorial where one is asked for; one line.
+            Values that are not finite numbers, negative weights, fewer than two cases, a constant column, cases outside
+            of `inputs`, an unknown kernel or design, or no factorial where one is asked for; one line.
         """
         if self.design not in get_args(Design):
             raise ValueError(f"design {self.design!r} is none of {', '.join(get_args(Design))}")
@@ -108,6 +127,10 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         columns, outputs = validate_data(
             self, X, y, dtype=np.float64, multi_output=True, y_numeric=True, ensure_min_samples=2
         )
+        weights = _check_sample_weight(sample_weight, columns, dtype=np.float64, ensure_non_negative=True)
+        if (weights == 0).any():
+            columns, outputs, weights = columns[weights > 0], outputs[weights > 0], weights[weights > 0]
+            check_array(columns, ensure_min_samples=2)
         names = [str(name) for name in getattr(self, "feature_names_in_", [f"x{k}" for k in range(columns.shape[1])])]
         if self.inputs is not None and len(self.inputs) != len(names):
             raise ValueError(f"inputs has {len(self.inputs)} entries for the {len(names)} columns {', '.join(names)}")
@@ -116,23 +139,33 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
                 raise ValueError(f"column {name!r} is {column[0]:g} in all {len(column)} cases; leave it out")
         self._single = outputs.ndim == 1
         values = np.asarray(outputs, dtype=np.float64).reshape(len(columns), -1)
+        if self.bounds is not None:
+            values = linked("y", values, *self.bounds)
         levels = [np.unique(column) for column in columns.T]
-        places = None if self.design == "scattered" else _places(columns, levels)
-        if places is None and self.design != "scattered":
-            columns, values = _once(columns, values)
-            places = _places(columns, levels)
+        if self.inputs is not None:
+            names = [input_.name for input_ in self.inputs]
+        apart = self.design == "scattered" or (
+            self.design == "auto" and self.kernel == "chebyshev" and not self._spread(names, levels)[0]
+        )
+        places = None if apart else _places(columns, levels)
+        if places is None:
+            columns, values, weights = _once(columns, values, weights)
+            places = None if apart else _places(columns, levels)
         if places is None and self.design == "factorial":
             raise ValueError(
                 f"the {len(columns)} cases are no factorial: the columns have "
                 f"{' x '.join(str(len(some)) for some in levels)} levels, and every combination is needed once"
             )
-        if places is None and self.design == "auto":
-            _tell_missing(columns, levels)
-        if self.inputs is not None:
-            names = [one.name for one in self.inputs]
-        self.model_ = (
-            self._scattered(names, columns, values) if places is None else self._grid(names, levels, values, places)
-        )
+        if places is None and self.design == "auto" and not apart:
+            places = _some_places(columns, levels)
+        self.shift_ = np.zeros(len(names))
+        if places is None:
+            self.model_ = self._scattered(names, columns, values, weights)
+        else:
+            self.model_ = self._grid(names, levels, values, places)
+        if self.bounds is not None:
+            bounded = BoundedGP(None, dict.fromkeys(self.model_.outputs_, self.bounds))
+            self.model_ = bounded.over({"free": self.model_})
         return self
 
     @overload
@@ -160,7 +193,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
             cases (`OutOfBoxError`) without `extrapolate`.
         """
         check_is_fitted(self)
-        points = validate_data(self, X, dtype=np.float64, reset=False)
+        points = validate_data(self, X, dtype=np.float64, reset=False) - self.shift_
         if return_std:
             mean, std = self.model_.predict_array(points, return_std=True, extrapolate=self.extrapolate)
             return self._shaped(mean), self._shaped(std)
@@ -171,23 +204,41 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
 
     def _grid(self, names: list[str], levels: list[Array], values: Array, places: Indices) -> GaussianProcess:
         sizes = [len(some) for some in levels]
-        ordered = np.empty_like(values)
-        ordered[places] = values
+        ordered, missing = np.zeros((np.prod(sizes), values.shape[1])), np.ones(np.prod(sizes), dtype=bool)
+        ordered[places], missing[places] = values, False
         outputs = _outputs(names, values)
         data = xr.Dataset(
             {name: (names, column.reshape(sizes)) for name, column in zip(outputs, ordered.T, strict=True)},
             coords=dict(zip(names, levels, strict=True)),
         )
-        chebyshev = follows_chebyshev(data, names, self.inputs)
+        chebyshev, self.shift_ = self._spread(names, levels)
+        data = data.assign_coords({name: data[name] - one for name, one in zip(names, self.shift_, strict=True)})
         other = "matern52" if self.kernel == "auto" else self.kernel
-        return GridGP("chebyshev" if chebyshev else other, self.inputs, outputs, nugget=self.nugget).fit(data)
 
-    def _scattered(self, names: list[str], columns: Array, values: Array) -> GaussianProcess:
+        def made() -> GridGP:
+            return GridGP("chebyshev" if chebyshev else other, self.inputs, outputs, nugget=self.nugget)
+
+        return fit_with_missing(made, data, missing.reshape(sizes)) if missing.any() else made().fit(data)
+
+    def _spread(self, names: list[str], levels: list[Array]) -> tuple[bool, Array]:
+        """Whether levels are Chebyshev-Gauss levels, of `inputs` or of any range, once what is given is taken away."""
+        grid, none = xr.Dataset(coords=dict(zip(names, levels, strict=True))), np.zeros(len(names))
+        if follows_chebyshev(grid, names, self.inputs):
+            return True, none
+        if self.inputs is None:
+            shift = np.array([_shift(some) for some in levels])
+            moved = {name: some - one for name, some, one in zip(names, levels, shift, strict=True)}
+            if follows_chebyshev(xr.Dataset(coords=moved), names, None):
+                return True, shift
+        return False, none
+
+    def _scattered(self, names: list[str], columns: Array, values: Array, weights: Array) -> GaussianProcess:
         outputs = _outputs(names, values)
         case = _free("case", names)
         every = zip([*names, *outputs], [*columns.T, *values.T], strict=True)
         data = xr.Dataset({name: (case, column) for name, column in every})
-        return ScatterGP(self.kernel, self.inputs, outputs, self.nugget).fit(data)
+        own = None if (weights == 1).all() else weights
+        return ScatterGP(self.kernel, self.inputs, outputs, self.nugget).fit(data, own)
 
 
 def _places(columns: Array, levels: Sequence[Array]) -> Indices | None:
@@ -196,33 +247,60 @@ def _places(columns: Array, levels: Sequence[Array]) -> Indices | None:
     if int(np.prod([float(size) for size in sizes])) != len(columns):
         return None
     indices = [np.searchsorted(some, column) for some, column in zip(levels, columns.T, strict=True)]
-    places = np.ravel_multi_index(indices, sizes)
+    places: Indices = np.ravel_multi_index(indices, sizes)
     return places if (np.bincount(places, minlength=len(columns)) == 1).all() else None
 
 
-def _once(columns: Array, values: Array) -> tuple[Array, Array]:
-    """The cases without those that stand several times with the same outputs; all of them where outputs differ."""
-    _, first, which = np.unique(columns, axis=0, return_index=True, return_inverse=True)
-    which = which.ravel()
-    if len(first) == len(columns):
-        return columns, values
-    apart = np.abs(values - values[first][which]).max(axis=0)
-    if (apart > _SAME * np.ptp(values, axis=0)).any():
-        return columns, values
-    return columns[first], values[first]
+def _once(columns: Array, values: Array, weights: Array) -> tuple[Array, Array, Array]:
+    """The cases in an order of their own; those that stand several times with the same outputs once, with all weight.
+
+    Copies to the last bit count once in any case, others where no two cases at a place differ by more than rounding.
+    """
+    for keys in (np.column_stack([columns, values]), None):
+        _, first, which = np.unique(columns if keys is None else keys, axis=0, return_index=True, return_inverse=True)
+        which = which.ravel()
+        apart = np.abs(values - values[first][which]).max(axis=0)
+        if (apart <= _SAME * np.ptp(values, axis=0)).all():
+            columns, values, weights = columns[first], values[first], np.bincount(which, weights).astype(np.float64)
+    return columns, values, weights
 
 
-def _tell_missing(columns: Array, levels: Sequence[Array]) -> None:
-    """Warn where cases are a factorial but for a few: as scattered ones they are learnt far less exactly."""
-    whole, there = float(np.prod([float(len(some)) for some in levels])), len(np.unique(columns, axis=0))
-    if columns.shape[1] > 1 and min(len(some) for some in levels) > 2 and _NEARLY * whole <= there < whole:
-        sizes = " x ".join(str(len(some)) for some in levels)
-        warnings.warn(
-            f"{whole - there:.0f} of the {whole:.0f} combinations of {sizes} levels are missing: "
-            "the cases are learnt as scattered ones, far less exactly than a factorial",
-            UserWarning,
-            stacklevel=3,
-        )
+def _shift(levels: Array) -> float:
+    """What is to be taken from levels a + b exp(c x) at Chebyshev points x, at least four, so that a log scale fits."""
+    points = gauss_points(len(levels))
+    if len(levels) < 4:
+        return 0.0  # any three levels are of this kind
+    middle = len(levels) // 2
+    share = (levels[middle] - levels[0]) / (levels[-1] - levels[0])
+
+    def missed(steepness: float) -> float:
+        grown = np.expm1(steepness * (points - points[0]))
+        return float(grown[middle] / grown[-1] - share)
+
+    if not missed(_STEEPNESS[1]) < 0 < missed(_STEEPNESS[0]):
+        return 0.0
+    found = brentq(missed, *_STEEPNESS, xtol=1e-15, rtol=4 * np.finfo(float).eps)
+    return float(levels[0] - (levels[-1] - levels[0]) / np.expm1(found * (points[-1] - points[0])))
+
+
+def _some_places(columns: Array, levels: Sequence[Array]) -> Indices | None:
+    """The places of cases that are a factorial but for a few, which a warning tells; None unless they are such."""
+    sizes = tuple(len(some) for some in levels)
+    whole = float(np.prod([float(size) for size in sizes]))
+    few = min((1 - _NEARLY) * whole, MOST)
+    if len(sizes) == 1 or min(sizes) < 3 or not 0 < whole - len(columns) <= few:
+        return None
+    indices = [np.searchsorted(some, column) for some, column in zip(levels, columns.T, strict=True)]
+    places: Indices = np.ravel_multi_index(indices, sizes)
+    if len(np.unique(places)) < len(columns):
+        return None
+    warnings.warn(
+        f"{whole - len(columns):.0f} of the {whole:.0f} combinations of {' x '.join(map(str, sizes))} levels are "
+        "missing: the process fills them in",
+        UserWarning,
+        stacklevel=3,
+    )
+    return places
 
 
 def _outputs(names: Sequence[str], values: Array) -> list[str]:

@@ -3,12 +3,12 @@
 from typing import Any
 
 from surrogate.data.packing import encoded
-from surrogate.face.core import Core
+from surrogate.face.model import GaussianProcess
 
 FORMAT = 4
 
 
-def exported(model: Core) -> dict[str, Any] | None:
+def exported(model: GaussianProcess) -> dict[str, Any] | None:
     """Return everything that mean, standard deviation and interval need, as what JSON can hold.
 
     Arrays are ``{"shape": [...], "data": base64 of little-endian float64}``, so that no digit is lost; cores are as
@@ -16,7 +16,7 @@ def exported(model: Core) -> dict[str, Any] | None:
 
     Parameters
     ----------
-    model : Core
+    model : GaussianProcess
         A fitted model.
 
     Returns
@@ -25,4 +25,7 @@ def exported(model: Core) -> dict[str, Any] | None:
         None for a model that only Python evaluates, such as one of other kernels than "chebyshev".
     """
     plain = model.plain()
-    return None if plain is None else {"format": FORMAT, **encoded(plain)}
+    if plain is None:
+        return None
+    region = {} if model.region_ is None else {"region": model.region_.plain()}
+    return {"format": FORMAT, **encoded({**plain, **region})}

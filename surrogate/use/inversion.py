@@ -82,7 +82,9 @@ class Inversion:
                 raise ValueError(f"{name!r} is not an output of the model")
         if len(infer) not in _FIRST or not measured:
             raise ValueError(f"one to three inputs can be inferred, from one or more outputs, not {len(infer)}")
-        self._model, self._at = model, dict(at)
+        # beyond the edge of the cases that have answers nothing can have been measured
+        self._model, self._at, self._answers = model.everywhere(), dict(at), model.has_answers
+        self._everywhere = model.region_ is None
         self._inputs: list[Input] = [model.box[name] for name in infer]
         self._columns = [list(model.outputs_).index(name) for name in measured]
 
@@ -105,7 +107,7 @@ class Inversion:
             raise ValueError(
                 f"measured values must be finite, their errors within {SMALLEST_ERROR:g} to {LARGEST_ERROR:g}"
             )
-        cells = self._first
+        cells = self._answered(self._first)
         for _ in range(_ROUNDS):
             density, far = _log_density(cells, values, errors**2 + cells.std**2 + cells.change.sum(1) ** 2)
             if far > _HOPELESS:  # all cells would be halved without end
@@ -115,7 +117,8 @@ class Inversion:
             coarse = changes.sum(-1) > _FINE
             if not coarse.any() or len(cells.centre) > _MOST:
                 break
-            cells = cells.only(~coarse).joined(self._halved(cells.only(coarse), changes[coarse].argmax(-1)))
+            halves = self._answered(self._halved(cells.only(coarse), changes[coarse].argmax(-1)))
+            cells = cells.only(~coarse).joined(halves)
         density, misfit = _log_density(cells, values, errors**2 + cells.std**2)
         weights = np.exp(density - density.max()) * np.prod(cells.half, axis=-1)
         return self._summary(cells, weights / weights.sum(), misfit, level)
@@ -149,11 +152,22 @@ class Inversion:
         change[rows, along] = np.abs(mean.reshape(len(along), 2, -1) - parents.mean[:, None]).max(1)
         return _Cells(centre, np.repeat(half, 2, axis=0), mean, std, np.repeat(change, 2, axis=0))
 
-    def _forward(self, centre: Array) -> tuple[Array, Array]:
-        """Mean and standard deviation of the measured outputs, (n, m), at scaled values of the inferred inputs."""
+    def _points(self, centre: Array) -> Array:
+        """Physical points (n, d) at scaled values of the inferred inputs."""
         places = {one.name: one.from_unit(centre[:, k]) for k, one in enumerate(self._inputs)}
         columns = [places.get(name, np.full(len(centre), self._at.get(name, np.nan))) for name in self._model.box]
-        mean, std = self._model.predict_array(np.stack(columns, -1), return_std=True)
+        return np.stack(columns, -1)
+
+    def _answered(self, cells: "_Cells") -> "_Cells":
+        """Those whose middle has answers; all of them if none has."""
+        if self._everywhere:
+            return cells
+        inside = self._answers(self._points(cells.centre))
+        return cells.only(inside) if inside.any() else cells
+
+    def _forward(self, centre: Array) -> tuple[Array, Array]:
+        """Mean and standard deviation of the measured outputs, (n, m), at scaled values of the inferred inputs."""
+        mean, std = self._model.predict_array(self._points(centre), return_std=True)
         return mean[:, self._columns], std[:, self._columns]
 
     def _summary(self, cells: "_Cells", weights: Array, misfit: float, level: float) -> Estimate:

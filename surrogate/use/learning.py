@@ -149,8 +149,6 @@ def learn(
 
     Raises
     ------
-    ValueError
-        Fewer values than unknowns: constants that are not `own`, and an amplitude an output.
     NotSettledError
         An estimate that moves without end.
 
@@ -166,13 +164,6 @@ def learn(
     True
     """
     single = np.zeros(constants, np.bool_) if own is None else own
-    whole = constants - int(single.sum())
-    unknowns = whole + len(rows.outputs)
-    if len(rows.value) < unknowns:
-        raise ValueError(
-            f"{len(rows.value)} measured values are fewer than {unknowns} unknowns "
-            f"({whole} constants, {len(rows.outputs)} discrepancies)"
-        )
     model = _Linearised(forward, rows, inputs, spread)
     about, start = np.zeros(constants), None
     for number in range(_CHAINS):
@@ -193,10 +184,10 @@ def learn(
             break
     wild = np.zeros(len(rows.value))
     for q in rows.outputs:
-        wild[rows.of(q)] = np.mean([one[q].wild > 0 for one in states], axis=0)
+        wild[rows.of(q)] = np.mean([state[q].wild > 0 for state in states], axis=0)
         some = parts[q].few()[1]
-        wild[rows.of(q)[some]] = np.mean([one[q].wild > 0 for one in chain.states], axis=0)
-    plain = [{q: part.usual(one[q]) for q, part in parts.items()} for one in states]
+        wild[rows.of(q)[some]] = np.mean([state[q].wild > 0 for state in chain.states], axis=0)
+    plain = [{q: part.usual(state[q]) for q, part in parts.items()} for state in states]
     predicted, variance = moments([_left_out(rows, one, noise) for one, noise in zip(draws, plain, strict=True)])
     return Learnt(about, draws, chain, wild, (predicted, np.sqrt(variance)))
 

@@ -62,7 +62,7 @@ def chosen(joints: Sequence[Array], noise: Array, wanted: Indices, count: int) -
 
     Examples
     --------
-    Of three readings of one constant the two that hang on it most:
+    Of three readings of one constant the two that depend on it most:
 
     >>> slopes = np.array([[0.1], [2.0], [-1.0]])
     >>> both = np.block([[np.ones((1, 1)), slopes.T], [slopes, slopes @ slopes.T]])

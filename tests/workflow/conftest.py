@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.workflow import plans
+from tests.workflow import plans, warm
 from workflow.run.provenance import ROOMS, ROOT
 
 SMALL = """\
@@ -54,12 +54,16 @@ class Project:
     folder: Path
     modules: Path | None = None  # where Python finds the project's packages; by default in the copy
 
-    def run(self, *command: str, check: bool = True, said: str = "") -> subprocess.CompletedProcess[str]:
-        """Run a command of the virtual environment inside the copy."""
-        program = Path(sys.executable).with_name(command[0])
+    def run(
+        self, *command: str, check: bool = True, said: str = "", cold: bool = False
+    ) -> subprocess.CompletedProcess[str]:
+        """Run a command of the virtual environment inside the copy; a run's jobs are forks, unless it is cold."""
+        program = [Path(sys.executable).with_name(command[0])]
+        if (command[0] == "snakemake" or command[:2] == ("meecontact", "run")) and not cold and not self.modules:
+            program = [Path(sys.executable), Path(warm.__file__), program[0]]
         environment = {**os.environ, "PYTHONPATH": str(self.modules or self.folder), "OMP_NUM_THREADS": "1"}
         done = subprocess.run(
-            [program, *command[1:]],
+            [*program, *command[1:]],
             cwd=self.folder,
             env=environment,
             input=said,

@@ -80,8 +80,8 @@ class FilmContact:
     @cached_property
     def body(self) -> Body:
         """The meshed layers and base."""
-        mesh = layered_mesh([one.thickness / self.half_length for one in self.layers], self.base is None)
-        materials = [one.material for one in self.layers]
+        mesh = layered_mesh([layer.thickness / self.half_length for layer in self.layers], self.base is None)
+        materials = [layer.material for layer in self.layers]
         return Body(mesh, materials if self.base is None else [*materials, self.base], self.order)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""A sphere pressed on layers with air beside the contact, by axisymmetric spectral finite elements.
+"""A rigid punch of revolution pressed on layers with air beside the contact, by axisymmetric spectral finite elements.
 
 Written from the equations: the weak form of (1a)-(1c) about an axis, hoop stretch u_r/r, and in the gap
 D_y (1 + r^2/end^2) = -eps0 (V - phi)/g. The air is a spring on the potentials of the surface beside the contact; gaps
@@ -13,13 +13,14 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array, eye_array
+from scipy.special import gamma
 
 from verification.oracles.fem import STIFFNESS, UNITS
 from verification.oracles.fem_film import ELECTRIC, Layer
 from verification.oracles.fem_gap import VACUUM, Dry, lagrange, lobatto, sides
 from verification.oracles.film_mesh import FAR, assemble, growing
 from verification.oracles.spectral import Body, Index, Quadrilaterals
-from verification.oracles.surface_response import Array
+from verification.oracles.surface_response import Array, surface_response
 
 _FORCES = STIFFNESS / UNITS
 _STEPS = 60
@@ -104,9 +105,15 @@ def _mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:
     return assemble(r, y, layer, [int(np.flatnonzero(r == 1)[0])])
 
 
+def _tests(r: Array, order: int) -> Array:
+    """P_0, P_2, ... of sqrt(1 - r^2); (..., n)."""
+    x = np.sqrt(np.maximum((1 - r) * (1 + r), 0))
+    return np.asarray(np.polynomial.legendre.legvander(x, order)[..., ::2])
+
+
 @dataclass(frozen=True, eq=False)
 class PointContact:
-    """The contact of a given radius under a rigid sphere.
+    """The contact of a given radius under a rigid sphere, cone or power of r.
 
     Attributes
     ----------
@@ -115,7 +122,7 @@ class PointContact:
     base : mapping or None
         Constants of the half-space below them; None: rigid.
     sphere : float
-        Radius of the punch [m], at which its gap ends.
+        Radius of the punch [m], at which its gap ends; of a sphere that of its face, too.
     radius : float
         Of the contact [m].
     charge : float
@@ -124,6 +131,8 @@ class PointContact:
         Of the medium in the gap over vacuum's; 0: D_y = 0 beside the contact.
     order : int
         Of the polynomials of an element.
+    power : (float, float), optional
+        Exponent e and coefficient C [m^(1-e)] of the profile C r^e; None: the sphere's, 2 and 1/(2 sphere).
     """
 
     layers: Sequence[Layer]
@@ -133,6 +142,13 @@ class PointContact:
     charge: float = 0.0
     permittivity: float = 1.0
     order: int = 8
+    power: tuple[float, float] | None = None
+
+    @property
+    def _profile(self) -> tuple[float, float]:
+        """Exponent, and the profile at the edge [m]."""
+        exponent, coefficient = self.power or (2.0, 1 / (2 * self.sphere))
+        return exponent, coefficient * self.radius**exponent
 
     @cached_property
     def body(self) -> Revolved:
@@ -176,7 +192,7 @@ class PointContact:
                 held[np.isclose(y, -depth), potential] = True
         held[below, 1:3] = True
         u = np.zeros((4 * len(r), 3))
-        u[4 * below + 1, :2] = r[below, None] ** [0, 2]
+        u[4 * below + 1, :2] = r[below, None] ** [0, self._profile[0]]
         u[4 * below + ELECTRIC, 2] = 1.0
         beside = np.setdiff1d(self._edges, below)
         touched = (4 * below[:, None] + np.arange(4)).ravel()
@@ -196,7 +212,7 @@ class PointContact:
         return csr_array(coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count)))
 
     def _states(self, gap: Array) -> tuple[Array, Array]:
-        """Scaled u and nodal loads of the states u_y = 1, r^2 and phi = 1 under the punch; (node, 4, state) each."""
+        """Scaled u and nodal loads of the states u_y = 1, r^e and phi = 1 under the punch; (node, 4, state) each."""
         dry, spring = self._dry, self._spring(gap)
         nodes = dry.airy // 4
         held = dry.given[ELECTRIC::4].copy()
@@ -217,20 +233,36 @@ class PointContact:
         return u.reshape(-1, 4, 3), loads.reshape(-1, 4, 3)
 
     def _strength(self, forces: Array) -> Array:
-        """Of the singular pressure at the edge, from nodal forces (nodes, states)."""
+        """Of the singular pressure at the edge, from nodal forces (nodes, states).
+
+        What a half-space of the top's material does below r^e is taken off: it has no strength, but a kink at the apex.
+        """
         r = self.body.places[self._below, 0]
-        x = np.sqrt(np.maximum((1 - r) * (1 + r), 0))
         orders = 2 * np.arange(self.order + 4)
-        test = np.polynomial.legendre.legvander(x, orders[-1])[:, ::2]
         ends = np.polynomial.legendre.legvander(np.zeros(1), orders[-1])[0, ::2]
-        return np.asarray(((2 * orders + 1) * ends) @ (test.T @ forces))
+        found = _tests(r, orders[-1]).T @ forces
+        found[:, 1] += self._smooth(orders[-1])
+        return np.asarray(((2 * orders + 1) * ends) @ found)
+
+    def _smooth(self, order: int) -> Array:
+        """Minus the scaled nodal forces of p = A int_r^1 s^(e-1) / sqrt(s^2 - r^2) ds, tested."""
+        exponent, _ = self._profile
+        N = surface_response(self.layers[0].material).normal_compliance[:2, :2]
+        rise = np.sqrt(np.pi) * gamma(exponent / 2 + 1) / gamma((exponent + 1) / 2)
+        x, w = np.polynomial.legendre.leggauss(40)
+        t, weights = (1 + x) / 2, w / 2
+        s, angle = t**4, np.pi / 2 * t
+        inner = _tests(s[:, None] * np.sin(angle), order) * np.sin(angle)[:, None]
+        share = weights * 4 * t**3 * s**exponent
+        tested = np.einsum("s,sam,a->m", share, inner, np.pi / 2 * weights)
+        return np.asarray(2 / np.pi * np.linalg.inv(N)[0, 0] * exponent * rise * tested / _FORCES[1])
 
     @cached_property
     def _solved(self) -> tuple[Array, Array, Array, Array]:
         """Scaled u, nodal loads, weights of the states, gaps over a (side, point)."""
         shapes, r, _ = self._rule
-        curved = self.radius**2 / (2 * self.sphere)
-        gap = (r**2 - 1) ** 1.5 / r * curved / self.radius
+        exponent, curved = self._profile
+        gap = (r**2 - 1) ** 1.5 * r ** (exponent - 3) * curved / self.radius
         gap = gap if self.permittivity else np.full_like(gap, np.inf)
         last = np.zeros(3)
         for _ in range(_STEPS):
@@ -244,7 +276,7 @@ class PointContact:
             if not self.permittivity or change < _CLOSE:
                 return u, loads @ weights, weights, gap
             raised = u[self._edges, 1] @ shapes.T
-            gap, last = (weights[0] + curved * r**2 - raised) / self.radius, weights
+            gap, last = (weights[0] + curved * r**exponent - raised) / self.radius, weights
         raise ArithmeticError(f"the punch's place and potential still change by {change:.1e} after {_STEPS} steps")
 
     def _per_load(self, field: int) -> float:

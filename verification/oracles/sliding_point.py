@@ -124,7 +124,9 @@ class SlidingSphere:
         return np.asarray(k / self._size, dtype=np.float64), np.asarray(np.linalg.inv(N), dtype=np.float64)
 
     def solved(self) -> dict[str, float]:
-        """Force [N], charge [C] and first moments of both along x [N m, C m], without signs of tension.
+        """Force [N], charge [C], first moments of both along x [N m, C m] and largest pressure [Pa].
+
+        Without signs of tension; the largest on a parabola through the cells along x of a row beside the middle.
 
         Raises
         ------
@@ -147,6 +149,7 @@ class SlidingSphere:
                 return {
                     "force": -float(load.sum()), "charge": -float(charge.sum()),
                     "force_moment": -float((x * load).sum()), "charge_moment": -float((x * charge).sum()),
+                    "peak_pressure": _crest(-load[:, self.cells // 2]) / area,
                 }  # fmt: skip
             inside = now
             seen.add(inside.tobytes())
@@ -174,3 +177,10 @@ class SlidingSphere:
         if failed:
             raise RuntimeError("the equations of the grid are not solved")
         return spread(found)
+
+
+def _crest(values: Array) -> float:
+    """Largest of the parabola through the largest of some values and those beside it."""
+    best = int(np.clip(np.argmax(values), 1, values.size - 2))
+    before, top, after = values[best - 1 : best + 2].tolist()
+    return float(top - (after - before) ** 2 / (8 * (before - 2 * top + after)))

@@ -1,10 +1,12 @@
-"""Films of the calculator: what balls and discs on a few stacks answer, as Chebyshev series that a browser reads.
+"""Films of the calculator: what balls, cones and discs on a few stacks answer, as Chebyshev series for a browser.
 
 A series is in log(radius/thickness): `loads` of loads and edges by channel and cause, `pressures` by place and cause.
-Materials that do not couple magnetically need two channels of three.
+Materials that do not couple magnetically need two channels of three. A table under other published constants of the
+film or its base makes the band of a figure: to fewer digits, and with the pressure at the centre alone.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -30,15 +32,17 @@ FILMS: dict[str, dict[str, Any]] = {
     "AlScN (30 % Sc) on silicon": {"composite": "AlScN", "scandium_fraction": 0.3, "base": "silicon"},
     "PVDF on glass": {"material": "PVDF", "base": "glass"},
 }
+#: How thick they usually are.
+THICKNESSES = dict(zip(FILMS, ("50 um", "1 um", "1 um", "1 um", "110 um"), strict=True))
 #: What presses on them.
 PUNCHES = (RIGID_PUNCH, "steel", "tungsten_carbide")
 #: Radius of the contact over the thickness of the film, from and to.
 RANGE = 0.01, 10.0
 _NODES = 48
-_EXACT, _DRAWN = 1e-8, 1e-4  # of the largest coefficient of loads and pressures; smaller ones are left out
+_EXACT, _BAND, _DRAWN = 1e-8, 1e-5, 1e-4  # of the largest coefficient of a series; smaller ones are left out
 _CHANNELS = [0, 1]  # displacement and voltage
-_CAUSES = [0, 1, 3]  # those and the profile
-_SPHERE = Shape(2.0)
+_CAUSES = [0, 1, 3]  # those and the profile, of a ball; that of a cone follows
+_SHAPES = (Shape(2.0), Shape(1.0))
 _SHOWN = np.arange(2, SAMPLES.size, 3)  # places at which the pressure is given, the centre among them
 
 
@@ -49,42 +53,68 @@ def top_of(film: dict[str, Any]) -> Material:
     return made(str(film["composite"]), (find("BaTiO3"), find("CoFe2O4")), film["scandium_fraction"])
 
 
+def variants(film: dict[str, Any]) -> Iterator[tuple[Material, Material]]:
+    """Top and base of a film: the library's own, then each with its other published constants in turn.
+
+    Examples
+    --------
+    >>> [f"{top.name} on {base.name}" for top, base in variants(FILMS["PZT-4 on steel"])]
+    ['PZT-4 on steel', 'PZT-4 (alternative 1) on steel', 'PZT-4 on steel (alternative 1)']
+    """
+    top, base = top_of(film), find(str(film["base"]))
+    yield top, base
+    yield from ((other, base) for other in top.variants())
+    yield from ((top, other) for other in base.variants())
+
+
 def tables(names: Iterable[str] = FILMS) -> list[dict[str, Any]]:
     """Films under every punch as plain data; a series is a list of coefficients, rising.
+
+    `variants` of a table are those of other constants, each with the constants of its top.
 
     Examples
     --------
     >>> len(PUNCHES) * len(FILMS)
     15
     """
-    return [_table(name, FILMS[name], punch) for name in names for punch in PUNCHES]
+    return [_with_variants(name, punch) for name in names for punch in PUNCHES]
 
 
-def _table(name: str, film: dict[str, Any], punch: str) -> dict[str, Any]:
-    top = Coat(constants_of(top_of(film)))
-    kind = Kind((top,), constants_of(find(str(film["base"]))), 0.0, (True, True), (True, True), 1)
-    of = PointKind(kind, (True, True), _SPHERE, _compliance(punch))
+@cache
+def _with_variants(name: str, punch: str) -> dict[str, Any]:
+    (top, base), *others = variants(FILMS[name])
     low, high = np.log(RANGE)
-    found = [_entries(of, place) for place in mapped_points(_NODES, low, high)]
+    own = {"film": name, "punch": punch, "range": [low, high], "samples": SAMPLES[_SHOWN].tolist()}
+    told = [_table(*pair, punch, _BAND, SAMPLES.size - 1) for pair in others]
+    plain = [{key: number for key, number in top.plain().items() if isinstance(number, float)} for top, _ in others]
+    varied = [{"top": constants, "samples": [1.0], **table} for constants, table in zip(plain, told, strict=True)]
+    return own | _table(top, base, punch, _EXACT, *_SHOWN) | {"variants": varied}
+
+
+def _table(top: Material, base: Material, punch: str, kept: float, *shown: int) -> dict[str, Any]:
+    """Units and series of a film, kept to a share of their largest coefficients; the pressure at the places shown."""
+    kind = Kind((Coat(constants_of(top)),), constants_of(base), 0.0, (True, True), (True, True), 1)
+    kinds = [PointKind(kind, (True, True), shape, _compliance(punch)) for shape in _SHAPES]
+    found = [_entries(kinds, place, shown) for place in mapped_points(_NODES, *np.log(RANGE))]
     loads, pressures = (coefficients(np.array(part)).T for part in zip(*found, strict=True))
-    centre = len(pressures) - len(_CAUSES)  # where the pressure is largest; elsewhere it is drawn
+    centre = len(pressures) - len(_CAUSES) - 1  # where the pressure is largest; elsewhere it is drawn
     return {
-        "film": name,
-        "punch": punch,
-        "range": [low, high],
-        "units": of.scale[1:].tolist(),
-        "samples": SAMPLES[_SHOWN].tolist(),
-        "loads": [_short(one, _EXACT) for one in loads],
-        "pressures": [_short(one, _EXACT if k >= centre else _DRAWN) for k, one in enumerate(pressures)],
+        "units": kinds[0].scale[1:].tolist(),
+        "loads": [_short(series, kept) for series in loads],
+        "pressures": [_short(series, kept if k >= centre else _DRAWN) for k, series in enumerate(pressures)],
     }
 
 
-def _entries(of: PointKind, place: float) -> tuple[Array, Array]:
-    """What the layers add at log(a/h): loads and edges (12,), and pressures (sample * 3,)."""
-    at = window(of, int(number_of(np.exp(np.array([place])))[0]))
-    read = at.read(np.array([place]))[0, :2][:, _CHANNELS][:, :, _CAUSES]
-    pressures = at.pressures(np.full(len(_CAUSES), place), np.eye(4)[_CAUSES])[:, _SHOWN]
-    return read.ravel(), pressures.T.ravel()
+def _entries(kinds: list[PointKind], place: float, shown: tuple[int, ...]) -> tuple[Array, Array]:
+    """What the layers add at log(a/h): loads and edges (16,), and pressures (sample * 4,)."""
+    number = int(number_of(np.exp(np.array([place])))[0])
+    loads, pressures = [], []
+    for of, causes in zip(kinds, (_CAUSES, _CAUSES[-1:]), strict=True):
+        at = window(of, number)
+        loads.append(at.read(np.array([place]))[0, :2][:, _CHANNELS][:, :, causes])
+        places = np.full(len(causes), place)
+        pressures.append(at.pressures(places, np.eye(4)[causes])[:, list(shown)])
+    return np.concatenate(loads, axis=-1).ravel(), np.concatenate(pressures).T.ravel()
 
 
 def _short(series: Array, kept: float) -> list[float]:
@@ -92,7 +122,7 @@ def _short(series: Array, kept: float) -> list[float]:
     large = np.flatnonzero(np.abs(series) > kept * np.max(np.abs(series)))
     ends = int(large[-1]) + 1 if large.size else 0
     places = int(np.ceil(-np.log10(kept * np.max(np.abs(series))))) + 1 if ends else 0
-    return [round(float(one), places) for one in series[:ends]]
+    return [round(float(value), places) for value in series[:ends]]
 
 
 def _compliance(punch: str) -> float:

@@ -11,7 +11,8 @@ from solver.material.laws import made
 from solver.material.library import find, materials
 from solver.material.punches import punches
 from solver.names import ALL_QUANTITIES, FACTORS, LIMITS
-from workflow.calculator.films import FILMS, top_of
+from workflow.calculator.films import FILMS, THICKNESSES, top_of
+from workflow.language.evidence import unverified
 from workflow.language.titles import title
 
 _SYMBOLS = ("m", "g", "s", "A", "K", "N", "Pa", "J", "C", "V", "F", "T", "Wb", "H", "Ohm")
@@ -29,9 +30,12 @@ def library() -> dict[str, Any]:
     return {
         "constants": UNITS,
         "defaults": {"eps": VACUUM_PERMITTIVITY, "mu": VACUUM_PERMEABILITY},
-        "materials": {name: one.plain() for name, one in materials().items()},
+        "materials": {name: _marked(material.plain()) for name, material in materials().items()},
         "alloy": _alloy(),
-        "films": {name: {"factors": film, "top": top_of(film).plain()} for name, film in FILMS.items()},
+        "films": {
+            name: {"factors": film, "top": _marked(top_of(film).plain()), "thickness": THICKNESSES[name]}
+            for name, film in FILMS.items()
+        },
         "punches": {name: {"modulus": one.modulus, "poisson": one.poisson} for name, one in punches().items()},
         "limits": {name: {"title": title(name), "units": one.units} for name, one in LIMITS.items()},
         "units": {name: one.units for name, one in (ALL_QUANTITIES | FACTORS).items()},
@@ -49,10 +53,18 @@ def _alloy() -> dict[str, Any]:
     return {
         "values": {name: np.broadcast_to(one, (3,)).tolist() for name, one in own.items() if not np.any(np.isnan(one))},
         "source": alloy.source,
-        "limits": made("AlScN", phases, 0.3).plain()["limits"],
+        "limits": _marked(made("AlScN", phases, 0.3).plain())["limits"],
+    }
+
+
+def _marked(material: dict[str, Any]) -> dict[str, Any]:
+    """A material whose limits say where they were not read at their sources."""
+    limits = material["limits"].items()
+    return material | {
+        "limits": {name: limit | {"source": limit["source"] + unverified(limit["source"])} for name, limit in limits}
     }
 
 
 def _measured(symbol: str) -> list[Any]:
     unit = units.parse(symbol)
-    return [unit.scale, [int(one) for one in unit.exponents]]
+    return [unit.scale, [int(exponent) for exponent in unit.exponents]]

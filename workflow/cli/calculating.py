@@ -5,8 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from storage.files import output, write_text
-from workflow.cli.words import say
-from workflow.study.reading import InputError
+from workflow.cli.words import say, written_as
 
 
 def add(commands: "argparse._SubParsersAction[Any]") -> None:
@@ -17,20 +16,14 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
         description="One file: every material, punch and profile of the library by closed forms, a few films by "
         "tables, own constants pasted in. It is docs/calculator.html.",
     )
-    command.add_argument("-o", "--output", type=Path, default=Path("calculator.html"), metavar="OUT.html")
+    command.add_argument(
+        "-o", "--output", type=written_as(html="HTML"), default=Path("calculator.html"), metavar="OUT.html"
+    )
     command.set_defaults(run=write)
 
 
 def write(options: argparse.Namespace) -> None:
-    """Write the page.
-
-    Raises
-    ------
-    InputError
-        A file that is not named as one of HTML.
-    """
-    if options.output.suffix not in (".html", ".htm"):
-        raise InputError(f"--output: {options.output.name!r} must end in .html")
+    """Write the page."""
     from workflow.calculator.page import page  # tables of films: not for every command
 
     path = output(options.output)

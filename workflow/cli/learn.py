@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from storage.files import output, regular
-from workflow.cli.words import quantity, say, surrogate_file
+from workflow.cli.words import quantity, say, surrogate_file, written_as
 from workflow.study.reading import InputError, number, one_line
 
 if TYPE_CHECKING:
@@ -51,7 +51,11 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
     )
     command.add_argument("--within", action="append", metavar="FACTOR=LOW:HIGH,...", help="where --plan may measure")
     command.add_argument(
-        "-o", "--output", type=Path, metavar="OUT.nc", help=f"default: {CORRECTED} beside the surrogate"
+        "-o",
+        "--output",
+        type=written_as(nc="netCDF"),
+        metavar="OUT.nc",
+        help=f"default: {CORRECTED} beside the surrogate",
     )
     command.add_argument("--json", action="store_true", help="print JSON instead of words")
     command.set_defaults(run=learn)
@@ -82,7 +86,7 @@ def learn(options: argparse.Namespace) -> None:
     instruments = _instruments(options.instrument, study)
     if options.plan is None and any((options.wanted, options.errors, options.within)):
         raise InputError("--for, --errors and --within say what --plan N is to do; --plan is not given")
-    known = [one.name for one in asked] + [one.name for one in instruments]
+    known = [one.name for one in asked] + [instrument.name for instrument in instruments]
     wanted, errors, box = _names(options.wanted), _errors(options.errors), _box(options.within)
     if options.plan is not None:
         plan.check(model, options.plan, wanted, known, errors, box)

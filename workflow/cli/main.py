@@ -16,7 +16,7 @@ import xarray as xr
 from solver import FactorError, Material, MaterialError, PrecisionWarning, solve, solve_interior
 from solver.body import kind_of
 from solver.names import ALL_QUANTITIES, CHOICES
-from storage.files import output
+from storage.files import output, write_text
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
 from workflow.cli import calculating, learn, materials, sensing, serving, studies
@@ -25,7 +25,7 @@ from workflow.cli.launch import launch
 from workflow.cli.progress import busy
 from workflow.cli.query import query
 from workflow.cli.solving import solved
-from workflow.cli.words import cores, netcdf_file, numbers, say, surrogate_file
+from workflow.cli.words import cores, numbers, say, surrogate_file, written_as
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, one_line, read_material
 
@@ -120,7 +120,7 @@ def _parser() -> _Parser:
         "table", type=Path, nargs="?", metavar="AT.csv", help="one row a point, columns are the inputs"
     )
     command.add_argument("--at", metavar="NAME=VALUE,...", help="one point, printed")
-    command.add_argument("-o", "--output", type=Path, metavar="OUT.csv")
+    command.add_argument("-o", "--output", type=written_as(csv="CSV"), metavar="OUT.csv")
     command.add_argument(
         "--level", type=float, metavar="SHARE", help="of cases that intervals hold; default: the study's"
     )
@@ -159,6 +159,9 @@ def _parser() -> _Parser:
     command.add_argument("--limit", action="append", metavar="'trailing_tension <= 50 MPa'")
     _add_si(command)
     command.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    command.add_argument(
+        "-o", "--output", type=written_as(csv="CSV", json="JSON"), metavar="OUT.csv|.json", help="write it instead"
+    )
     command.set_defaults(run=_design)
 
     command = commands.add_parser("invert", help="from measured quantities back to factors, with intervals")
@@ -198,7 +201,7 @@ def _add_si(command: argparse.ArgumentParser) -> None:
 
 def _add_cases(command: argparse.ArgumentParser) -> None:
     command.add_argument("cases", type=Path, metavar="CASES.csv", help="one row a case, columns are factors")
-    command.add_argument("-o", "--output", type=netcdf_file, required=True, metavar="OUT.nc")
+    command.add_argument("-o", "--output", type=written_as(nc="netCDF"), required=True, metavar="OUT.nc")
     command.add_argument(
         "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"
     )
@@ -249,10 +252,16 @@ def _material(options: argparse.Namespace) -> None:
 def _design(options: argparse.Namespace) -> None:
     from workflow.cli import questions  # scikit-learn and the searches: not for every command
     from workflow.design.told import table
+    from workflow.design.told.words import verdict
 
-    with busy("searching"):
-        answer = questions.ask(options.results, vars(options))
-    print(table.as_json(answer) if options.json else _shown(table.as_text(answer, si=options.si)))
+    path = None if options.output is None else output(options.output)
+    with busy("searching") as tell:
+        answer = questions.ask(options.results, vars(options), tell)
+    if path is not None:
+        write_text(path, f"{table.as_json(answer)}\n" if path.suffix == ".json" else table.as_csv([answer]))
+        say(f"wrote {options.output}: {verdict(answer)}")
+    else:
+        print(table.as_json(answer) if options.json else _shown(table.as_text(answer, si=options.si)))
 
 
 def _invert(options: argparse.Namespace) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.names import ALL_QUANTITIES
-from surrogate import GaussianProcess
+from surrogate import GaussianProcess, OutOfBoxError
 from surrogate.data.measurements import Measurements
 from surrogate.data.points import outside
 from workflow.cli.casetable import Table, read_cases
@@ -43,6 +43,12 @@ def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measureme
         raise InputError(
             f"{table.at(int(row))}: {one.name} = {X[row, k]:.10g} is outside the trained box {one.range_text()}"
         )
+    if not (answers := model.has_answers(X)).all():
+        row = int((~answers).argmax())
+        try:
+            model.require_answers(X[row : row + 1])
+        except OutOfBoxError as error:
+            raise InputError(f"{table.at(row)}: {error}") from None
     kinds = _kinds(table, study)
     rows, outputs, values, errors = [], [], [], []
     for name in quantities:

@@ -28,7 +28,7 @@ def predicted(model: GaussianProcess, table: Table, level: float, *, extrapolate
         with np.errstate(all="ignore"):  # what is not finite is named below
             answer = predictions.predicted(model, named, level, extrapolate=extrapolate)
     except OutOfBoxError as error:
-        raise InputError(f"{table.at(int(wrong.any(axis=1).argmax()))}: {error}") from None
+        raise InputError(f"{table.at(int((~model.has_answers(X)).argmax()))}: {error}") from None
     except ValueError as error:
         raise InputError(f"{table.source}: {error}") from None
     bad = ~np.all([np.isfinite(array.values) for array in answer.data_vars.values()], axis=0)

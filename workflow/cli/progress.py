@@ -19,6 +19,7 @@ _STEPS = {
     "quantities": "gathering the quantities",
     "card": "describing the data set",
     "cases": "solving random cases",
+    "calibration": "solving random cases for the intervals",
     "surrogate": "fitting the surrogate",
     "surface": "fitting the fields under the punch",
     "validation": "comparing the surrogate with exact cases",
@@ -26,6 +27,7 @@ _STEPS = {
     "target": "target {name}",
     "design": "gathering the designs",
     "readout": "read-out {name}",
+    "press": "a press in time",
     "effect": "effect of {name}",
     "interior": "effect of {name} below the punch",
     "check": "verification {group}",
@@ -143,13 +145,17 @@ def followed(study: Study, stream: TextIO | None = None) -> Iterator[None]:
 
 
 @contextmanager
-def busy(words: str) -> Iterator[None]:
-    """Say on a terminal what takes a while, until it is done; nothing in a log."""
+def busy(words: str) -> Iterator[Callable[[str], None]]:
+    """Say on a terminal what takes a while, until it is done; nothing in a log. What is given says what comes next."""
     terminal = sys.stderr.isatty()
-    if terminal:
-        print(f"{words} ...", end="", file=sys.stderr, flush=True)
+
+    def tell(words: str) -> None:
+        if terminal:
+            print(f"{_CLEAR}{words} ...", end="", file=sys.stderr, flush=True)
+
+    tell(words)
     try:
-        yield
+        yield tell
     finally:
         if terminal:
             print(_CLEAR, end="", file=sys.stderr, flush=True)

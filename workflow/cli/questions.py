@@ -1,6 +1,6 @@
 """Design questions from the command line: words to a target, and its answer."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -116,8 +116,10 @@ def _usual(study: Study, name: str) -> str:
     return usual if usual in study.categories[name] else ""
 
 
-def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> Answer:
-    """Answer a question from the results of a study.
+def ask(
+    folder: Path, words: Mapping[str, Sequence[str] | None], tell: Callable[[str], None] = lambda words: None
+) -> Answer:
+    """Answer a question from the results of a study; what is being done is told in words.
 
     Raises
     ------
@@ -129,11 +131,12 @@ def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> Answer:
     if wider := widened.beyond(study, asked):
         keep = widened.lines(study, wider)
         notes = [f"the ranges are wider than the study's and were solved anew for this question; to keep them: {keep}"]
+        tell("solving the wider ranges anew")
         study = widened.made(study, asked, wider)
         model = widened.learned(_checked(study, asked))
     else:
         _checked(study, asked)
-    answer = targets.answer(study, "question", asked, model)
+    answer = targets.answer(study, "question", asked, model, tell)
     answer = replace(answer, flags="; ".join([*filter(None, [answer.flags]), *notes]))
     if not answer.feasible:
         at = [f"{name} = {kind}" for name, kind in answer.kinds.items()]
@@ -169,7 +172,7 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
             check_values(study, "--at", name, [given])
         kinds = {name: str(at.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in at.items()}
-        asked = [output(name, kinds) for name, _ in pairs]
+        asked = [_learned(study, name, kinds) for name, _ in pairs]
         inversion = Inversion(model.only(asked) if study.kind.tabled else model, infer, asked, held)
     except ValueError as error:
         raise InputError(f"invert: {error}") from None
@@ -179,15 +182,23 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
             f"invert: no case within the study's ranges gives these measurements (misfit {found.misfit:.3g})"
         )
     rows = zip(infer, found.mean, found.low, found.high, strict=True)
-    return "\n".join(f"{name:16s} {_told(model.box[name], *numbers, si=si)}" for name, *numbers in rows)
+    return "\n".join(_told(model.box[name], *numbers, si=si) for name, *numbers in rows)
+
+
+def _learned(study: Study, name: str, kinds: Mapping[str, str]) -> str:
+    """The surrogate's output of a measured quantity."""
+    if name not in study.outputs:
+        raise InputError(f"--measured: {name}: is not learned by the study; {nearest(name, list(study.outputs))}")
+    return output(name, kinds)
 
 
 def _told(axis: Input, mean: float, low: float, high: float, *, si: bool) -> str:
     """A factor with its interval, unless that is little narrower than the study's range."""
     units = FACTORS[axis.name].units
     if axis.to_unit(high) - axis.to_unit(low) > _UNTOLD * 2:  # the range is [-1, 1]
-        return f"cannot be told from this: the study's range is {shown(axis.low, units)} to {shown(axis.high, units)}"
-    return predictions.with_units(mean, low, high, units, si=si)
+        within = f"the study's range is {shown(axis.low, units)} to {shown(axis.high, units)}"
+        return f"{axis.name} cannot be told from this: {within}"
+    return f"{axis.name:16s} {predictions.with_units(mean, low, high, units, si=si)}"
 
 
 def _measured(name: str, text: str) -> tuple[float, float]:

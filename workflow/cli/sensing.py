@@ -14,10 +14,10 @@ from solver.face.materials import material_of
 from solver.names import FACTORS
 from storage.files import output, write_text
 from workflow.cli.casetable import TEXT_FACTORS, read_cases
-from workflow.cli.words import quantity, say
+from workflow.cli.words import quantity, say, written_as
 from workflow.device.circuit import Circuit
-from workflow.device.contact import Contact
-from workflow.device.signal import History, Signal, read
+from workflow.device.contact import Contact, film
+from workflow.device.signal import DROP, Figures, History, Signal, read
 from workflow.language.numbers import shown
 from workflow.study.device import Amplifier, Device
 from workflow.study.messages import first_problem
@@ -25,7 +25,6 @@ from workflow.study.reading import InputError, number, read_material
 
 _MOST_ROWS = 2000  # each is an integration of its own
 _MOST_PARTS = 1000
-_DROP = 10.0  # s over which the drop under a constant force is told
 _ROUGH = 1e-6  # of curves that are told to be rough
 
 
@@ -44,7 +43,7 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
     )
     command.add_argument("--temperature", default="293.15", metavar="K", help="of the circuit; default: 293.15")
     command.add_argument("--parts", type=int, default=1, help="into which every interval of the history is divided")
-    command.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.csv")
+    command.add_argument("-o", "--output", type=written_as(csv="CSV"), required=True, metavar="OUT.csv")
     command.add_argument(
         "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"
     )
@@ -70,10 +69,11 @@ def signal(options: argparse.Namespace) -> None:
     length = numbers.get("electrode_length", 1.0)
     history = _history(options.history, kind, length)
     most = float(history.forces.max())
-    contact = Contact.of(case, most, length=length, materials=own)
+    material = material_of(Cases(checked({**case, kind.loads.force: most}), own, ("BaTiO3", "CoFe2O4")))
+    body = film(case, material) if "collector" in case and "thickness" in case else None
+    contact = Contact.of(case, most, length=length, materials=own, body=body)
     if contact.roughness > _ROUGH:
         say(f"the contact's curves are not smooth over these forces: they are met to {contact.roughness:.1g} only")
-    material = material_of(Cases(checked({**case, kind.loads.force: most}), own, ("BaTiO3", "CoFe2O4")))
     try:
         circuit = Circuit.of(numbers, material)
     except ValueError as error:
@@ -182,24 +182,21 @@ def _write(path: Path, history: History, found: Signal) -> None:
 
 def _figures(history: History, found: Signal, contact: Contact, circuit: Circuit, temperature: float) -> list[str]:
     """What is told of a signal."""
-    charge, capacitance = (float(values[0]) for values in contact.at(np.array([contact.most])))
-    lasting = circuit.time_constant(capacitance)
-    noise = circuit.noise(capacitance, temperature)
-    amplified = abs(circuit.gain) / (capacitance + circuit.capacitance)
+    told = Figures.of(contact, circuit, temperature)
+    noise, at_output, as_force = told.noise
     constant = "is held: nothing leaks"
-    if np.isfinite(lasting):
-        drop = -np.expm1(-_DROP / lasting)
+    if np.isfinite(told.lasting):
         constant = (
-            f"decays with the time constant {shown(lasting, 's', 4)}: {shown(drop, '%', 4)} less after {_DROP:g} s"
+            f"decays with the time constant {shown(told.lasting, 's', 4)}: {shown(told.drop(DROP), '%', 4)} less after "
+            f"{DROP:g} s"
         )
     return [
         f"{name}: {shown(float(values[place]), 'V', 5)} at {shown(float(history.times[place]), 's', 5)}"
         for name, values in (("peak voltage of the punch", found.voltage), ("peak output", found.output))
         for place in [int(np.abs(values).argmax())]
     ] + [
-        f"contact at {shown(contact.most, 'N', 5)}: {shown(charge, 'C', 5)} at zero volts, "
-        f"{shown(capacitance, 'F', 5)}",
+        f"contact at {shown(contact.most, 'N', 5)}: {shown(told.charge, 'C', 5)} at zero volts, "
+        f"{shown(told.capacitance, 'F', 5)}",
         f"a constant force {constant}",
-        f"noise floor: {shown(noise, 'C', 3)}, {shown(noise * amplified, 'V', 3)} at the output, "
-        f"{shown(noise * contact.most / abs(charge), 'N', 3)}",
+        f"noise floor: {shown(noise, 'C', 3)}, {shown(at_output, 'V', 3)} at the output, {shown(as_force, 'N', 3)}",
     ]

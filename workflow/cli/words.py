@@ -2,7 +2,7 @@
 
 import sys
 from argparse import ArgumentTypeError
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from solver.units import in_si
@@ -65,11 +65,22 @@ def surrogate_file(text: str) -> Path:
     return path / "surrogate.nc" if path.is_dir() else path
 
 
-def netcdf_file(text: str) -> Path:
-    """Where to write what is netCDF, whatever else its name would promise."""
-    if Path(text).suffix != ".nc":
-        raise ArgumentTypeError(f"{text!r}: must end in .nc: the answer is written as netCDF")
-    return Path(text)
+def written_as(**endings: str) -> Callable[[str], Path]:
+    """Where to write an answer by an option: what the path's ending says, by `endings` and their words, and no other.
+
+    Examples
+    --------
+    >>> written_as(csv="CSV", json="JSON")("designs.csv").name
+    'designs.csv'
+    """
+
+    def path(text: str) -> Path:
+        if Path(text).suffix.removeprefix(".") not in endings:
+            allowed, forms = (" or ".join(some) for some in ([f".{one}" for one in endings], endings.values()))
+            raise ArgumentTypeError(f"{text!r}: must end in {allowed}: the answer is written as {forms}")
+        return Path(text)
+
+    return path
 
 
 def cores(text: str) -> str:

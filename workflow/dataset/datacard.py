@@ -7,15 +7,17 @@ from typing import Any
 
 import netCDF4
 import numpy as np
+import xarray as xr
 
 from storage.blocks import STATISTICS
 from storage.netcdf import MAX_BYTES
 from storage.rootunits import unscaled
 from storage.sealed import check_seal
-from workflow.dataset import similar
+from workflow.dataset import holes, similar
 from workflow.dataset.batches import PLACE
 from workflow.study import datum, grouped
 from workflow.study.model import Study
+from workflow.study.refusals import REASON, REFUSAL, masked
 from workflow.study.representatives import middles
 
 
@@ -31,6 +33,7 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
     benchmarks
         Snakemake's records of their jobs; where one is missing, the times are not told.
     """
+    lacking = _refused(study, slabs)
     files = [_file(path, PLACE if study.crossed else next(iter(study.axes))) for path in slabs]
     variables = {one: _merged([file["variables"][one] for file in files]) for one in files[0]["variables"]}
     seconds = [_seconds(path) for path in benchmarks if path.is_file()]
@@ -48,11 +51,14 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
         **({"absolute": True} if study.kind.datum == "absolute" else {}),
         "on_datum": sorted(datum.hanging(study) & variables.keys()),
         "bytes": sum(file["bytes"] for file in files),
-        "bytes_unpacked": sum(one["count"] * np.dtype(one["type"]).itemsize for one in variables.values()),
+        "bytes_unpacked": sum(
+            variable["count"] * np.dtype(variable["type"]).itemsize for variable in variables.values()
+        ),
         "seconds_of_jobs": sum(seconds) if len(seconds) == len(slabs) else None,
         "files": [{key: file[key] for key in ("name", "levels", "bytes", "sha256")} for file in files],
         "variables": variables,
         "positions": files[0]["positions"],
+        **({"refused": lacking} if lacking else {}),
     }
 
 
@@ -85,7 +91,8 @@ def markdown(card: Mapping[str, Any]) -> str:
         *(f"{name}: {', '.join(names)}.  " for name, names in card["categories"].items()),
         f"Fixed: {fixed or 'nothing'}.  ",
         *(f"Layer {number}: {words}.  " for number, words in enumerate(card["body"], 1)),
-        f"{_datum(card)}.",
+        f"{_datum(card)}.{'  ' if 'refused' in card else ''}",
+        *([f"{card['refused']['told']}."] if "refused" in card else []),
         "",
         "| variable | unit | minimum | maximum | mean | standard deviation | type | meaning |",
         "|---|---|---|---|---|---|---|---|",
@@ -97,6 +104,22 @@ def markdown(card: Mapping[str, Any]) -> str:
         shown = " | ".join(f"{value:.5g}" for value in numbers)
         lines.append(f"| {name} | {attrs['units']} | {shown} | {one['type']} | {attrs['long_name']} |")
     return "\n".join(lines) + "\n"
+
+
+def _refused(study: Study, slabs: Sequence[Path]) -> dict[str, Any]:
+    """How many places the solver refuses, where and why; empty where it refuses none."""
+    parts = []
+    for slab in slabs:
+        with netCDF4.Dataset(slab, "r") as file:
+            dims = [*study.axes, *study.categories]
+            part = xr.Dataset(coords={name: np.asarray(file[name][:]) for name in dims if name in file.variables})
+            if REFUSAL in file.variables:
+                mask = xr.Variable(file[REFUSAL].dimensions, np.asarray(file[REFUSAL][:]))
+                part = masked(part, mask, file[REASON][:].tolist())
+        parts.append(part)
+    if not any(REFUSAL in part for part in parts):
+        return {}
+    return holes.summary(holes.joined(parts, next(iter(study.axes))), list(study.axes))
 
 
 def _groups(study: Study) -> dict[str, Any]:
@@ -154,7 +177,7 @@ def _stored(groups: Mapping[str, Any]) -> list[str]:
 
 
 def _datum(card: Mapping[str, Any]) -> str:
-    """Which variables hang on the datum, and which datum that is."""
+    """Which variables depend on the datum, and which datum that is."""
     if "absolute" in card:
         return "Datum: none; depths and potentials are absolute"
     names = [name for name in card["variables"] if name in card["on_datum"]]
@@ -167,6 +190,8 @@ def _datum(card: Mapping[str, Any]) -> str:
 def _file(path: Path, first: str) -> dict[str, Any]:
     digest = check_seal(path, MAX_BYTES, digest=False)
     with netCDF4.Dataset(path, "r") as file:
+        mask = np.asarray(file[REFUSAL][:]) if REFUSAL in file.variables else np.zeros(1)
+        answered = np.count_nonzero(mask == 0) / mask.size
         return {
             "name": f"{path.parent.name}/{path.name}",
             "levels": file.dimensions[first].size,
@@ -174,7 +199,11 @@ def _file(path: Path, first: str) -> dict[str, Any]:
             "sha256": digest,
             "positions": file["position"][:].tolist() if "position" in file.variables else [],
             "variables": {
-                name: {"type": str(variable.dtype), "count": int(variable.size), "attributes": _attributes(variable)}
+                name: {
+                    "type": str(variable.dtype),
+                    "count": round(variable.size * answered),
+                    "attributes": _attributes(variable),
+                }
                 for name, variable in file.variables.items()
                 if "actual_range" in variable.ncattrs()
             },
@@ -187,13 +216,14 @@ def _attributes(variable: "netCDF4.Variable[Any]") -> dict[str, Any]:
 
 
 def _merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """One variable from its parts in several files, statistics and all."""
+    """One variable from its parts in several files, statistics and all; of a file without any, nothing."""
+    parts = [part for part in parts if part["count"]]
     attrs = [part["attributes"] for part in parts]
     count = np.array([part["count"] for part in parts], dtype=np.float64)
-    means, deviations = (np.array([one[key] for one in attrs]) for key in ("mean", "standard_deviation"))
+    means, deviations = (np.array([attr[key] for attr in attrs]) for key in ("mean", "standard_deviation"))
     mean = float(np.average(means, weights=count))
     variance = float(np.average(deviations**2 + (means - mean) ** 2, weights=count))
-    lows, highs = zip(*(one["actual_range"] for one in attrs), strict=True)
+    lows, highs = zip(*(attr["actual_range"] for attr in attrs), strict=True)
     plain = {key: value for key, value in attrs[0].items() if key not in STATISTICS}
     statistics = {"actual_range": [min(lows), max(highs)], "mean": mean, "standard_deviation": variance**0.5}
     return {"type": parts[0]["type"], "count": int(count.sum()), "attributes": {**plain, **statistics}}

@@ -15,6 +15,7 @@ from workflow.dataset import refused, similar
 from workflow.language.factors import FACTORS
 from workflow.study import categories, representatives
 from workflow.study.model import Study
+from workflow.study.refusals import AllRefusedError, answered
 from workflow.study.sections import Axis
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
@@ -84,15 +85,16 @@ def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
 def cases(study: Study, name: str) -> xr.Dataset:
     """Random exact cases of one of `SAMPLES`, over dimension ``case`` and the categories.
 
-    Those for calibration have the curves that the surrogate learns, where it can correct them.
+    Those for calibration have the curves that the surrogate learns, where it can correct them. Those that the solver
+    refuses are masked.
     """
     number, key = SAMPLES[name]
     drawn = points(study, getattr(study.validation, key), (study.validation.seed, number))
     if name != "calibration" or not study.groups or study.regions:
-        return exact(study, drawn, curves=name == "calibration" and not study.groups)
+        return exact(study, drawn, curves=name == "calibration" and not study.groups, holes=np.inf)
     with_ends, even = towards_ends(study, drawn, (study.validation.seed, number, 1))
     told = {"long_name": "1 where a case is spread evenly over the box, 0 where it is drawn towards its ends"}
-    return exact(study, with_ends).assign_coords({EVEN: ("case", even, told)})
+    return exact(study, with_ends, holes=np.inf).assign_coords({EVEN: ("case", even, told)})
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
@@ -157,18 +159,24 @@ def exact(
     peaks: Collection[str] | None = None,
     regular: bool = False,
     curves: bool = False,
+    holes: float | None = None,
 ) -> xr.Dataset:
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
     ``axes`` hold factors, or of a study with groups all of its axes: then the factors of the cases are coordinates.
     With the largest stresses that ``peaks`` names, by default those that the data set has; with the regular
     parts of the surface fields where ``regular``; with the curves that the surrogate learns where ``curves``. Without
-    what is no number in some cases, which no file would hold.
+    what is no number in some cases, which no file would hold. With ``holes`` cases that the solver refuses are masked
+    (`workflow.study.refusals`), at most so many.
 
     Raises
     ------
     FactorError
         A case that the solver refuses: why, and its factors.
+    AllRefusedError
+        With ``holes``: all cases are refused.
+    HolesError
+        More cases are refused than ``holes``.
     """
     grouped = bool(study.groups) and axes.keys() >= study.products.keys() and not axes.keys() >= study.factors.keys()
     over = list(study.products) if grouped else []
@@ -186,7 +194,9 @@ def exact(
         return found.merge(along, compat="override", join="exact", combine_attrs="override")
 
     try:
-        solved = whole(factors)
+        solved = whole(factors) if holes is None else answered(whole, factors, holes)
+    except AllRefusedError:
+        raise
     except FactorError as error:
         raise refused.named(study, whole, factors, error) from None
     if over:

@@ -112,7 +112,7 @@ def _with_scale(study: Study, text: str, scale: str) -> Study:
 def _error_along(study: Study, name: str) -> float:
     """Largest predicted error of any output on a line of `_TRIED` levels of one axis."""
     inputs = factorial.axis_inputs(study)
-    axes = {one.name: one.levels(_TRIED if one.name == name else _ACROSS) for one in inputs}
+    axes = {input_.name: input_.levels(_TRIED if input_.name == name else _ACROSS) for input_ in inputs}
     data = factorial.scaled(study, factorial.learned(study, factorial.exact(study, axes)), factorial.grouping(study))
     return max(along[name].error(_TRIED) for along in decays(data, inputs).values())
 

@@ -3,13 +3,12 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
 
 from solver import FactorError
 from workflow.language.factors import FACTORS
 from workflow.study.model import Study
+from workflow.study.refusals import labelled
 
 
 def named(
@@ -30,7 +29,7 @@ def named(
     reason
         What the solver says to all of them.
     """
-    cases = {name: _labelled(name, value) for name, value in factors.items()}
+    cases = {name: labelled(name, value) for name, value in factors.items()}
     while (half := _half(solved, cases)) is not None:
         cases, reason = half
     if any(array.size > 1 for array in cases.values()):  # they are refused together only
@@ -41,7 +40,7 @@ def named(
         for name in (*study.factors, *study.categories)
         if name in cases
     ]  # fmt: skip
-    return FactorError(f"{reason}; the case is {', '.join(given)}") if given else reason
+    return type(reason)(f"{reason}; the case is {', '.join(given)}") if given else reason
 
 
 def _half(
@@ -60,7 +59,3 @@ def _half(
         except FactorError as error:
             return half, error
     return None
-
-
-def _labelled(name: str, value: ArrayLike | xr.DataArray) -> xr.DataArray:
-    return value if isinstance(value, xr.DataArray) else xr.DataArray(np.asarray(value), dims=(name,) * np.ndim(value))

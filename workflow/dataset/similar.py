@@ -37,7 +37,7 @@ def grouping(
     weights
         Names of the outputs with that of the quantity or field as which they scale; by default the study's outputs.
     """
-    names = [one.name for one in inputs]
+    names = [input_.name for input_ in inputs]
     groups = tuple(_group(study, one, names) for one in axes)
     scalings = (
         {name: Scaling(scale(study, of)) for name, of in weights.items()}
@@ -49,7 +49,7 @@ def grouping(
         }
     )
     added = {name: -power for name, power in scale(study, study.kind.ends[0]).items()}
-    used = any(one.coefficient for one in scalings.values())
+    used = any(scaling.coefficient for scaling in scalings.values())
     return Grouping(tuple(inputs), groups, scalings, added if used else {}, middles(study))
 
 

@@ -6,7 +6,8 @@ levels are shared out among slabs.
 
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -19,30 +20,36 @@ from tqdm.auto import tqdm
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
+from solver import FactorError
 from solver.curves import REGIONS
 from solver.names import FIELDS
 from storage.blocks import Region, write_blocks
 from storage.netcdf import MAX_BYTES, read_whole
 from storage.sealed import check_seal
-from workflow.dataset import factorial, tiling
+from workflow.dataset import factorial, holes, tiling
 from workflow.run.joblog import log
 from workflow.study import partition
 from workflow.study.model import Study
+from workflow.study.refusals import MOST
 
 CARD = "datacard.json"
 _BLOCK = 2**20  # values of a field that are solved at a time: some twenty temporaries of 8 MiB
 _CHUNK_CASES, _CHUNK_POSITIONS = 2**14, 16
+_TRIES = 40  # places of which one is answered, as long as no more are missing than may be
 
 
 def write_slab(study: Study, index: int, path: Path) -> None:
     """Solve one slab of the factorial exactly, and write it.
 
-    Shows cases done of all and the time left on a terminal.
+    Shows cases done of all and the time left on a terminal. Cases that the solver refuses are masked, and the file says
+    why (`workflow.study.refusals`); a file without such a case is as it was before there were masks.
 
     Raises
     ------
     FactorError
-        A case without a finite solution.
+        No case has a solution.
+    HolesError
+        More cases are refused than may be missing of the whole factorial.
     ValueError
         A value beyond the range of the stored precision.
     OSError
@@ -60,23 +67,33 @@ def write_slab(study: Study, index: int, path: Path) -> None:
     cases = prod(levels.size for levels in axes.values())
 
     def part(region: Region) -> xr.Dataset:
-        return factorial.exact(
-            study,
-            {one: levels[some] for (one, levels), some in zip(axes.items(), region, strict=True)},
-            positions,
-            curves=True,
-        )
+        own = {one: levels[some] for (one, levels), some in zip(axes.items(), region, strict=True)}
+        return factorial.exact(study, own, positions, curves=True, holes=mask.left)
 
     def blocks() -> Iterator[tuple[Region, Mapping[str, NDArray[Any]]]]:
         with tqdm(total=cases, desc=name, unit=" cases", disable=None, leave=False) as bar:
             for region in regions:
-                yield region, {str(one): array.values for one, array in part(region).data_vars.items()}
+                yield region, mask.values(region, partial(part, region), frame)
                 bar.update(prod(some.stop - some.start for some in region))
 
-    one_case = part(tuple(slice(0, None if one in study.categories else 1) for one in axes))
+    mask = holes.Mask(axes, MOST * study.cases)
+    frame = _frame(_one_case(study, axes, positions), axes, study.dataset.precision)
     chunks = {"position": _CHUNK_POSITIONS, **dict(zip(axes, chunk, strict=True))}
-    write_blocks(path, _frame(one_case, axes, study.dataset.precision), blocks(), chunks)
-    log.info("%s: %d cases of %d", name, cases, study.cases)
+    write_blocks(path, frame, blocks(), chunks, mask.stored)
+    log.info("%s: %d cases of %d%s", name, cases, study.cases, f", {mask.count} refused" if mask.count else "")
+
+
+def _one_case(study: Study, axes: Mapping[str, NDArray[np.float64]], positions: Iterable[float] | None) -> xr.Dataset:
+    """A case with all categories: the first of the slab, or if that is refused one that is not, tried at random."""
+    whole, random = factorial.axes(study), np.random.default_rng(0)
+    at = {one: levels if one in study.categories else levels[:1] for one, levels in axes.items()}
+    for _ in range(_TRIES):
+        try:
+            return factorial.exact(study, at, positions, curves=True)
+        except FactorError as error:
+            refusal = error
+        at = {one: at[one] if one in study.categories else random.choice(whole[one], 1) for one in axes}
+    raise refusal
 
 
 def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision: str) -> xr.Dataset:

@@ -1,15 +1,21 @@
-"""What a contact gives to a circuit by its force: charge at zero volts, and capacitance, from the exact solver."""
+"""What a contact gives to a circuit by its force: charge at zero volts, and capacitance, from the exact solver.
 
-from collections.abc import Mapping
+The charge is that of the punch, or of a patch of an electrode below it where the case has a ``collector``.
+"""
+
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from approximation.chebyshev import coefficients, gauss_points, polynomials, slopes
-from solver import FactorError, Material, solve
+from solver import FactorError, Layer, Material, Stack, solve
 from solver.body import Kind, kind_of
+from solver.film.electrodes import Electrode
+from solver.names import BODY
 
 Array = NDArray[np.float64]
 
@@ -26,7 +32,8 @@ class Contact:
 
     C is what takes the charge Q, at P, from zero volts to the open circuit: -Q over the open-circuit voltage. So the
     charge is exact at zero volts and at zero charge; between, it is so where the contact does not widen by the voltage,
-    as on half-spaces. On films the capacitance of a contact held fixed differs from it by about one percent.
+    as on half-spaces. On films the capacitance of a contact held fixed differs from it by about one percent. That of a
+    patch is that of plates, whatever presses: its edges, and other patches, are left out.
 
     Attributes
     ----------
@@ -34,6 +41,8 @@ class Contact:
         The largest force [N].
     curves
         Coefficients of Q/P [C/N] and of log C [F]; (2, point).
+    plates
+        Capacitance of the patch that is read [F]; None: the punch is read.
 
     Examples
     --------
@@ -45,6 +54,7 @@ class Contact:
 
     most: float
     curves: Array
+    plates: float | None = None
 
     @classmethod
     def of(
@@ -54,6 +64,8 @@ class Contact:
         *,
         length: float = 1.0,
         materials: Mapping[str, Material] | None = None,
+        solved: Callable[[dict[str, Any]], xr.Dataset] | None = None,
+        body: Stack | None = None,
     ) -> Self:
         """Curves of a case from the exact solver.
 
@@ -67,16 +79,30 @@ class Contact:
             Of a line contact [m], whose load is per metre.
         materials
             Own materials by name, beside the built-in ones.
+        solved
+            Gives quantities of cases in place of :func:`solver.solve`, as a study with a body does.
+        body
+            The layers, where an electrode is read.
 
         Raises
         ------
         FactorError, MaterialError
             As :func:`solver.solve`; a force or a charge among the factors; a contact without charge, or whose voltage
-            hangs on a datum.
+            depends on a datum; an electrode that is read as a whole, which has no end.
         """
-        kind = _readable(case)
+        kind = _readable(case, body)
         forces = most * _SPAN ** ((gauss_points(_COUNT) - 1) / 2)
-        answer = solve({**case, kind.loads.force: forces / length}, materials=materials or {})
+        given = {**case, kind.loads.force: forces / length}
+        answer = solved(given) if solved else solve(given, materials=materials or {})
+        if body is not None and "collector" in case:
+            charge = np.broadcast_to(answer["patch_charge_per_force"].values, forces.shape)
+            size, shape = float(case["patch_size"]), case.get("patch", "strip" if kind.contact == "line" else "disc")
+            across = float(case["patch_length"]) if shape == "rectangle" else length
+            area = size * across
+            if shape in ("disc", "ring"):
+                area = np.pi * (size**2 - float(case.get("patch_hole", 0.0)) ** 2) / 4
+            plates = Electrode(body, int(case["collector"])).capacitance * area
+            return cls(most, coefficients(np.stack([charge, 0 * charge]), axis=1), plates)
         if "charge_sensitivity" not in answer:
             raise FactorError("electric: a punch that does not conduct has no charge to be read")
         charge = np.broadcast_to(answer["charge_sensitivity"].values, forces.shape)
@@ -89,6 +115,8 @@ class Contact:
     def at(self, force: Array) -> tuple[Array, Array]:
         """Charge at zero volts [C] and capacitance [F] at forces from 0 to the largest [N], (force,): (force,) each."""
         charge, capacitance = self.curves @ polynomials(self._places(force), _COUNT)
+        if self.plates is not None:
+            return charge * force, np.full_like(charge, self.plates)
         return charge * force, np.exp(capacitance) * np.minimum(force / self._least, 1)
 
     def rates(self, force: Array) -> tuple[Array, Array]:
@@ -97,6 +125,8 @@ class Contact:
         T = polynomials(places, _COUNT)
         charge, capacitance = self.curves @ T
         charge_slope, slope = np.where(within, self.curves @ slopes(places, T) * 2 / np.log(_SPAN), 0.0)
+        if self.plates is not None:
+            return charge + charge_slope, np.zeros_like(charge)
         reached = np.maximum(force, self._least)
         return charge + charge_slope, np.exp(capacitance) / reached * np.where(within, slope, 1.0)
 
@@ -112,19 +142,29 @@ class Contact:
     @property
     def roughness(self) -> float:
         """Last of the coefficients over the largest: how far the polynomials are from having met the curves."""
-        size = np.abs(self.curves)
+        size = np.abs(self.curves if self.plates is None else self.curves[:1])
         return float(np.max(size[:, -2:].max(axis=1) / size.max(axis=1)))
 
 
-def _readable(case: Mapping[str, Any]) -> Kind:
+def film(case: Mapping[str, Any], material: Material) -> Stack:
+    """What lies between the electrodes of a case on a single film, whatever its base."""
+    return Stack([Layer(material, float(case["thickness"]))], electroded=case.get("electrode") == "top")
+
+
+def _readable(case: Mapping[str, Any], body: Stack | None) -> Kind:
     """The kind of a case whose charge can be read."""
-    kind = kind_of([*case], case.get("profile", "cylinder"))
+    kind = kind_of([*case, *([BODY] if body else [])], case.get("profile", "cylinder"))
     for name in (kind.loads.force, *kind.loads.charges):
         if name in case:
             raise FactorError(f"{name}: is not the case's: the history gives the force, and the circuit the charge")
-    if kind.datum == "relative" or (kind.datum == "by_base" and case.get("interface_electric") == "bonded"):
+    if "collector" in case:
+        if "patch_size" not in case:
+            raise FactorError("patch_size: missing; an electrode that is read as a whole has no end")
+        if kind.contact == "point" and case.get("patch", "disc") == "strip":
+            raise FactorError("patch: 'strip' below a point has no end; must be disc, ring or rectangle")
+    elif kind.datum == "relative" or (kind.datum == "by_base" and case.get("interface_electric") == "bonded"):
         raise FactorError(
-            "contact: its voltage hangs on the datum, so that it has no capacitance; take a film on a grounded "
+            "contact: its voltage depends on the datum, so that it has no capacitance; take a film on a grounded "
             "interface, or a point contact"
         )
     return kind

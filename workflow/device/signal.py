@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Self
 
 import numpy as np
 import scipy  # scipy.integrate, slow to import, when a signal is asked for
@@ -12,6 +13,8 @@ from workflow.device.contact import Contact
 
 Array = NDArray[np.float64]
 
+#: Time over which the drop under a constant force is told [s].
+DROP = 10.0
 _RELATIVE, _ABSOLUTE = 1e-6, 1e-8  # tolerances of the voltage; the absolute one of the largest
 _SAME = 1e-9  # of the fastest rate, by which rates of one straight line may differ
 
@@ -108,6 +111,39 @@ def read(history: History, contact: Contact, circuit: Circuit) -> Signal:
         voltage[first : last + 1] = found.y[0]
     charge, capacitance = contact.at(history.forces)
     return Signal(charge + capacitance * voltage, voltage, circuit.gain * voltage)
+
+
+@dataclass(frozen=True)
+class Figures:
+    """What is told of a contact that a circuit reads, at its largest force.
+
+    Attributes
+    ----------
+    charge, capacitance
+        At zero volts [C], and of the contact [F].
+    lasting
+        Time constant of a constant force [s]; infinite where nothing leaks.
+    noise
+        As charge [C], at the output [V] and as force [N], root mean square.
+    """
+
+    charge: float
+    capacitance: float
+    lasting: float
+    noise: tuple[float, float, float]
+
+    @classmethod
+    def of(cls, contact: Contact, circuit: Circuit, temperature: float) -> Self:
+        """Those of a contact and a circuit at a temperature [K]."""
+        charge, capacitance = (float(values[0]) for values in contact.at(np.array([contact.most])))
+        noise = circuit.noise(capacitance, temperature)
+        amplified = abs(circuit.gain) / (capacitance + circuit.capacitance)
+        by_force = noise * contact.most / abs(charge)
+        return cls(charge, capacitance, circuit.time_constant(capacitance), (noise, noise * amplified, by_force))
+
+    def drop(self, time: float) -> float:
+        """Share that a constant force has lost after a time [s]."""
+        return float(-np.expm1(-time / self.lasting))
 
 
 def _size(history: History, contact: Contact, circuit: Circuit) -> float:

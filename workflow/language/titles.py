@@ -1,5 +1,6 @@
 """Readable names of quantities, factors, expressions and limits: what a page says before the name of the interface."""
 
+import re
 from collections.abc import Sequence
 
 from solver.names import ALL_QUANTITIES
@@ -9,6 +10,8 @@ from workflow.language.expressions import Call, Expression, Name, Operation
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.wordings import TITLES
+
+_NAME, _SIZE, _OTHERS = re.compile(r"[A-Za-z_]\w*"), re.compile(r"\babs\(([^()]*)\)"), re.compile(r"[-+*^]|/.*/")
 
 
 def title(name: str) -> str:
@@ -45,13 +48,16 @@ def listed(words: Sequence[str]) -> str:
 
 
 def spoken(expression: Expression, text: str) -> str:
-    """A name, its size, or the ratio of two in words; any other expression as the study writes it.
+    """A name, its size, or the ratio of two in words; any other expression as the study writes it, its names in words.
 
     Examples
     --------
     >>> from workflow.language import grammar
     >>> [spoken(grammar.parse(text), text) for text in ("abs(voltage) / load", "load^2 + 1")]
     ['voltage over load', 'load^2 + 1']
+    >>> bounded = "abs(signal_charge) / feedback_capacitance"
+    >>> spoken(grammar.parse(bounded, "point"), bounded)
+    'signal charge over feedback capacitance'
     """
     figure = text.strip().removeprefix("abs(").removesuffix(")").strip()
     if figure in FIGURES:
@@ -62,8 +68,14 @@ def spoken(expression: Expression, text: str) -> str:
         return spoken(expression.arguments[0], text)
     if isinstance(expression, Operation) and expression.symbol == "/":
         parts = [spoken(part, "") for part in (expression.left, expression.right)]
-        return " over ".join(parts) if all(parts) else text
-    return text
+        return " over ".join(parts) if all(parts) else _in_words(text)
+    return _in_words(text)
+
+
+def _in_words(text: str) -> str:
+    """An expression with its names in words, sizes without their bars, and a lone division as "over"."""
+    told = _NAME.sub(lambda found: title(found[0]), _SIZE.sub(r"\1", text))
+    return told.replace(" / ", " over ") if not _OTHERS.search(text) else told
 
 
 def stated(one: statements.Objective | statements.Limit) -> str:

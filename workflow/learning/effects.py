@@ -61,7 +61,7 @@ class Effects:
         self._study, self._model, self._constants, self._say, self._silent = study, model, constants, say, silent
         self._levels = _levels(study, model)
         tables = int(np.prod([len(self._levels[name]) for name in study.tabled])) * len(study.combinations)
-        solved = sum(not self._parts(one) for one in constants)
+        solved = sum(not self._parts(constant) for constant in constants)
         if study.tabled and tables * solved > _MOST_TABLES:
             raise InputError(
                 f"{study.path}: effects of {solved} constants need {tables} tables of films each, more than "
@@ -75,7 +75,7 @@ class Effects:
     @property
     def cases(self) -> int:
         """Cases that are solved for every constant."""
-        return int(np.prod([len(one) for one in self._levels.values()])) * len(self._study.combinations)
+        return int(np.prod([len(level) for level in self._levels.values()])) * len(self._study.combinations)
 
     def at(self, z: Array) -> GridGP:
         """The change of every output at scaled constants, then its derivative by each unknown, for every output."""
@@ -102,7 +102,7 @@ class Effects:
     def _differences(self, z: Array, here: xr.Dataset) -> list[xr.Dataset]:
         """Derivatives of all outputs by every scaled constant, zero where it has no part."""
         found: dict[str, xr.Dataset] = {}
-        solved = [one for one in self._constants if not self._parts(one)]
+        solved = [constant for constant in self._constants if not self._parts(constant)]
         for number, one in enumerate(solved, 1):
             self._say(f"{number} of {len(solved)}: {one.name}")
             k = self._constants.index(one)
@@ -119,7 +119,7 @@ class Effects:
             for part in self._parts(one):
                 share = found[part.name] * (one.std / part.std)
                 found[one.name] = found[one.name] + share if one.name in found else share
-        return [found[one.name] for one in self._constants]
+        return [found[constant.name] for constant in self._constants]
 
     def _parts(self, one: Constant) -> list[Constant]:
         """The members of a family, where all of them are uncertain too, each for itself."""

@@ -21,8 +21,6 @@ from workflow.study.uncertainty import Constant
 
 Array = NDArray[np.float64]
 
-#: Rows that may be learnt from, at least.
-FEWEST = 10
 _WRONG_UNIT = 30.0  # measured over predicted values, as a factor, by which no constant changes a quantity
 _VAGUE = 1e9  # an error of measurement over the largest value: beyond it a row says nothing, and squares overflow
 
@@ -58,19 +56,12 @@ def learn(
     Raises
     ------
     InputError
-        Too few or too many rows, fewer values than unknowns, values that are no such quantity in SI units, or rows that
+        No row or too many, values that are no such quantity in SI units, or rows that
         the constants explain nowhere.
     """
     count = len(np.unique(rows.row))
-    if not FEWEST <= count <= MOST_ROWS:
-        raise InputError(f"{count} rows with a measured value; must be {FEWEST} to {MOST_ROWS}")
-    given = len(constants) + len(instruments)
-    unknowns = given + len(rows.outputs)
-    if len(rows.value) < unknowns:
-        raise InputError(
-            f"{len(rows.value)} measured values are fewer than {unknowns} unknowns ({given} constants, "
-            f"{len(rows.outputs)} discrepancies); measure more, or name fewer constants with --uncertain"
-        )
+    if not 1 <= count <= MOST_ROWS:
+        raise InputError(f"{count} rows with a measured value; must be 1 to {MOST_ROWS}")
     nominal = model.predict_array(rows.points)
     lower, upper = model.interval_array(rows.points, NOMINAL)
     mean = nominal[rows.row, rows.output]
@@ -80,7 +71,7 @@ def learn(
             raise InputError(f"--instrument: {one.name}: no row holds a measured {one.quantity}")
     singles = uncertainty.own(study, constants)
     every, count = [*constants, *singles], len(constants) + len(singles)
-    effects = Effects(study, model, every, say, [one.name for one in instruments])
+    effects = Effects(study, model, every, say, [instrument.name for instrument in instruments])
     own = np.maximum(upper - nominal, nominal - lower)[rows.row, rows.output] / Normal().ends(NOMINAL)[1, 0]
     spread = np.hypot(own, effects.error[rows.output])
     latest: list[GaussianProcess] = []

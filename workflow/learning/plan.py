@@ -129,14 +129,14 @@ def plan(
     slopes = shown(instruments, model, readings, about, mean, physical)[1]
     scaled = unit_coordinates(model.inputs_, points).T[where]
     draws = model.draws_[:: max(1, len(model.draws_) // _DRAWS)][:_DRAWS]
-    joints = [planning.joint(one, scaled, output, slopes) for one in draws]
+    joints = [planning.joint(draw, scaled, output, slopes) for draw in draws]
     noise = absolute**2 + (share * mean) ** 2 + 1e-24 * float(np.mean(mean**2)) + 1e-300
     places = np.array([names.index(name) for name in wanted], np.intp)
     chosen = planning.chosen(joints, noise, places, count)
     random = np.random.default_rng(0)
     others = [random.choice(len(noise), count, replace=False).tolist() for _ in range(_RANDOM)]
     now, planned = (planning.widths(joints, noise, one, len(names)) for one in ([], chosen))
-    beside = np.median([planning.widths(joints, noise, one, len(names)) for one in others], axis=0)
+    beside = np.median([planning.widths(joints, noise, other, len(names)) for other in others], axis=0)
     rows = []
     for k in chosen:
         row: dict[str, float | str] = dict(zip(model.box, points[where[k]].tolist(), strict=True))

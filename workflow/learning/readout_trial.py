@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 from surrogate import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL
 from surrogate.use.inversion import Inversion
-from workflow.dataset import factorial
+from workflow.dataset import factorial, holes
 from workflow.study.categories import output
 from workflow.study.model import Study
 from workflow.study.readout import Readout, error
+from workflow.study.refusals import REASON, REFUSAL
 
 Array = NDArray[np.float64]
 
@@ -20,6 +21,8 @@ _LEVEL = NOMINAL  # of the intervals
 def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     """Infer random true cases from exact quantities with random errors of measurement.
 
+    Cases that solver or model have no answer to are left out.
+
     Returns
     -------
     xarray.Dataset
@@ -28,18 +31,25 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
         on the factor's own scale) over ``factor``.
     """
     random = np.random.default_rng((study.validation.seed, 2))
-    inputs = [one for one in factorial.inputs(study) if one.name in readout.infer]
+    inputs = [input_ for input_ in factorial.inputs(study) if input_.name in readout.infer]
     names = list(readout.measured)
-    true = np.stack([one.from_unit(random.uniform(-1, 1, readout.cases)) for one in inputs])
+    true = np.stack([input_.from_unit(random.uniform(-1, 1, readout.cases)) for input_ in inputs])
     given = {one.name: xr.DataArray(row, dims="case") for one, row in zip(inputs, true, strict=True)}
-    solved = factorial.exact(study.narrowed(readout.kinds), {**readout.held, **given})
+    solved = factorial.exact(study.narrowed(readout.kinds), {**readout.held, **given}, holes=np.inf)
+    if REFUSAL in solved or model.region_ is not None:
+        held = {name: np.full(readout.cases, value) for name, value in readout.held.items()}
+        points: dict[str, xr.DataArray | Array] = {**held, **given}
+        X = np.stack([np.asarray(points[name]) for name in model.box], -1)
+        kept = ~holes.refused(solved, ["case"]) & model.has_answers(X)
+        solved, true = solved.drop_vars([REFUSAL, REASON], errors="ignore").isel(case=kept), true[:, kept]
+        given = {name: values[kept] for name, values in given.items()}
     like = next(iter(given.values()))
     exact = np.stack([solved[name].broadcast_like(like).values for name in names], -1)
     measured = exact + _errors(readout, exact) * random.standard_normal(exact.shape)
     kinds = {name: readout.kinds[name] for name in study.categories}
     asked = [output(one, kinds) for one in names]
     own = model.only(asked) if study.kind.tabled else model  # of the many outputs that films have, only those
-    inversion = Inversion(own, [one.name for one in inputs], asked, readout.held)
+    inversion = Inversion(own, [input_.name for input_ in inputs], asked, readout.held)
     found = [inversion.estimate(row, one) for row, one in zip(measured, _errors(readout, measured), strict=True)]
     mean, low, high = (np.stack([getattr(one, key) for one in found], -1) for key in ("mean", "low", "high"))
     dims = ("factor", "case")
@@ -54,7 +64,7 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
             "width": ("factor", np.median((high - low) / (high + low), -1)),
             "left": ("factor", np.median(left, -1)),
         },
-        coords={"factor": [one.name for one in inputs]},
+        coords={"factor": [input_.name for input_ in inputs]},
     )
 
 

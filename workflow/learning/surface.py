@@ -62,12 +62,12 @@ def cases(study: Study, count: int, number: int) -> xr.Dataset:
     """Random exact regular parts: factors, ``angle`` and the fields over dimension ``case``."""
     random = np.random.default_rng([study.validation.seed, number])
     inputs = [*factorial.inputs(study), ANGLE]
-    columns = {one.name: one.from_unit(random.uniform(-1, 1, count)) for one in inputs}
+    columns = {input_.name: input_.from_unit(random.uniform(-1, 1, count)) for input_ in inputs}
     points = {name: xr.DataArray(column, dims="case") for name, column in columns.items()}
     parts = []
     # the solver takes the same positions for all cases that it is given: of a block's square, the diagonal is wanted
     for block in np.array_split(np.arange(count), -(-count // _BLOCK)):
-        axes = {one.name: points[one.name][block] for one in inputs[:-1]}
+        axes = {input_.name: points[input_.name][block] for input_ in inputs[:-1]}
         square = _regular(study, axes, columns["angle"][block])
         parts.append(square.isel(angle=xr.DataArray(np.arange(len(block)), dims="case")).drop_vars("angle"))
     return xr.concat(parts, "case").assign(points)

@@ -26,6 +26,9 @@ REAL, UNSEEN = 20.0, 3.0
 NAMED = REAL / (1 + REAL)
 #: True over stated errors that are told: where the 95 % interval is beyond.
 LARGER, SMALLER = 1.2, 0.8
+#: Rows below which no explanation is told from another: what is said of constants rests on the priors of all.
+FEW = 10
+_COUNTED = (("rows", "row"), ("values", "measured value"))
 _RARE = 0.01  # chance of so few rows within their intervals from which on they disagree
 
 
@@ -60,9 +63,9 @@ class Taught:
 
         The model's nominal means at the measured values are given.
         """
-        constants = _constants(found, unknown)
+        constants, count = _constants(found, unknown), len(np.unique(rows.row))
         told = {
-            "rows": len(np.unique(rows.row)),
+            "rows": count,
             "values": len(rows.value),
             "constants": [one for one, own in zip(constants, single, strict=True) if not own],
             "single_constants": [one for one, own in zip(constants, single, strict=True) if own],
@@ -72,7 +75,9 @@ class Taught:
             "outliers": _outliers(found, rows, model),
             "left_out": _left_out(found, rows, nominal),
         }
-        if single.any():
+        if count < FEW:
+            told |= {"discrepancies": [], "errors": [], "outliers": []}
+        elif single.any():
             told["single_constants_off"] = _verdict("single constants are off beside their families", found.own_odds)
         return cls(told | {"not_told_apart": _open(told)})
 
@@ -83,7 +88,8 @@ class Taught:
         every = [*one["constants"], *one["single_constants"]]
         moved = [c for c in every if c["posterior_over_prior"] <= UNTOLD]
         untold = [c["name"] for c in one["constants"] if c["posterior_over_prior"] > UNTOLD]
-        lines = [f"{one['rows']} rows, {one['values']} measured values"]
+        rows, values = (f"{one[key]} {word}{'s' * (one[key] > 1)}" for key, word in _COUNTED)
+        lines = [f"{rows}, {values}"]
         for c in sorted(moved, key=lambda c: c["posterior_over_prior"]):
             lines.append(
                 f"{c['name']}: moved by {c['mean']:+.2f} +- {c['std']:.2f} prior standard deviations ({c['change']}, "
@@ -100,6 +106,13 @@ class Taught:
         lines += [o["verdict"] for o in one["outliers"]]
         if one["not_told_apart"]:
             lines.append(f"these rows neither show nor exclude: {'; '.join(one['not_told_apart'])}")
+        if one["rows"] < FEW:
+            lines.append(
+                f"fewer than {FEW} rows: constants, a discrepancy, errors and outliers are not told apart; what is "
+                "said of constants rests on the priors of all four"
+            )
+        if one["rows"] == 1:
+            return lines
         lines.append(
             f"each row predicted from the others: {100 * left['share_within_95']:.1f} % of the values within 95 % "
             f"intervals, errors {left['rms_after']:.2g} of what they were before"

@@ -12,6 +12,7 @@ from surrogate import GaussianProcess
 from workflow.dataset import factorial
 from workflow.learning import training
 from workflow.study.model import Study
+from workflow.study.refusals import REFUSAL
 
 #: Cases on which what is searched for over the body is timed, and those of films with tables of their own.
 _SEARCHED, _FILMS = 200, 8
@@ -34,6 +35,8 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
         outputs at once), and, where the study has them, ``exact_per_searched_case`` of the largest stresses. What the
         solver takes for the tables of films is part of it.
     """
+    with_holes = REFUSAL in quantities or REFUSAL in cases
+    cases = training.answered(study, cases, model)[1]
     plain = study.model_copy(update={"dataset": study.dataset.model_copy(update={"peaks": False})})
     points = {name: cases[name] for name in study.factors}
     X = np.stack([array.values for array in points.values()], -1)
@@ -42,7 +45,7 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
         "cases": float(study.cases),
         "queries": float(count),
         "outputs": float(len(study.outputs)),
-        **(_films(plain) if study.kind.tabled else _half_planes(plain, points)),
+        **(_films(plain, points, with_holes) if study.kind.tabled else _half_planes(plain, points, with_holes)),
         "surrogate_fit": (_once if study.crossed else seconds)(lambda: training.fit(study, quantities)),
         "surrogate_mean_per_query": seconds(lambda: model.predict_array(X)) / count,
         "surrogate_mean_std_per_query": seconds(lambda: model.predict_array(X, return_std=True)) / count,
@@ -56,20 +59,32 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
     return found
 
 
-def _half_planes(study: Study, points: dict[str, xr.DataArray]) -> dict[str, float]:
-    """Exact cases of a half-plane: of the factorial, at points over ``case``, and one alone."""
+def _half_planes(study: Study, points: dict[str, xr.DataArray], with_holes: bool) -> dict[str, float]:
+    """Exact cases of a half-plane: of the factorial, at points over ``case``, and one alone.
+
+    Of a factorial with holes a case costs what it costs at points.
+    """
     one = {name: array[0] for name, array in points.items()}
     count = len(next(iter(points.values()))) * len(study.combinations)
+    scattered = seconds(lambda: factorial.exact(study, points)) / count
     return {
-        "exact_per_factorial_case": seconds(lambda: factorial.exact(study, factorial.levels(study))) / study.cases,
-        "exact_per_scattered_case": seconds(lambda: factorial.exact(study, points)) / count,
+        "exact_per_factorial_case": scattered
+        if with_holes
+        else seconds(lambda: factorial.exact(study, factorial.levels(study))) / study.cases,
+        "exact_per_scattered_case": scattered,
         "exact_single_case": seconds(lambda: factorial.exact(study.narrowed(study.combinations[0]), one)),
     }
 
 
-def _films(study: Study) -> dict[str, float]:
-    """The same of films, each at tables that nobody has made before: that of the factorial at one place of these."""
-    new = factorial.points(study, _FILMS + 2, (study.validation.seed, 6), together=1)
+def _films(study: Study, points: dict[str, xr.DataArray], with_holes: bool) -> dict[str, float]:
+    """The same of films, each at tables that nobody has made before: that of the factorial at one place of these.
+
+    Where the solver refuses some cases, at points that it is known to answer.
+    """
+    if with_holes:
+        new = {name: values[:: max(1, values.size // (_FILMS + 2))][: _FILMS + 2] for name, values in points.items()}
+    else:
+        new = factorial.points(study, _FILMS + 2, (study.validation.seed, 6), together=1)
     own = {name: levels for name, levels in factorial.levels(study).items() if name not in study.tabled}
     block: dict[str, Any] = {name: new[name][0] if name in study.tabled else own[name] for name in study.axes}
     if study.groups:
@@ -79,7 +94,7 @@ def _films(study: Study) -> dict[str, float]:
     cases = combinations * np.prod([levels.size for levels in own.values()])
     single = study.narrowed(study.combinations[0])
     return {
-        "exact_per_factorial_case": _once(lambda: factorial.exact(study, block)) / cases,
+        "exact_per_factorial_case": _once(lambda: factorial.exact(study, block, holes=np.inf)) / cases,
         "exact_per_scattered_case": _once(lambda: factorial.exact(study, scattered)) / (_FILMS * combinations),
         "exact_single_case": _once(lambda: factorial.exact(single, {name: one[-1] for name, one in new.items()})),
     }

@@ -2,17 +2,24 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 import xarray as xr
 
 from storage.described import described
 from surrogate import CrossGP, GaussianProcess, GridGP, GroupedGP
+from surrogate.data.inputs import unit_coordinates
 from surrogate.data.meanings import MEANINGS, SOURCE
+from surrogate.data.points import EVEN
+from surrogate.face.region import Region
+from surrogate.intervals.sharing import sharing
 from surrogate.levels import counts, lines
 from surrogate.transforms.transformed import groups_of
-from surrogate.use import validation
-from workflow.dataset import batches, factorial
-from workflow.learning import curves
+from surrogate.use import edge, validation
+from workflow.dataset import batches, factorial, holes
+from workflow.learning import curves, filled
+from workflow.run.joblog import log
 from workflow.study.model import Study
+from workflow.study.refusals import REASON, REFUSAL
 
 #: Error allowed to the compressed mean of a cross approximation, of its tolerance.
 COMPRESSION = 0.02
@@ -29,7 +36,7 @@ def compression(study: Study) -> float:
 
 def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     """Gaussian process of the study's outputs on its factorial, or on what a cross approximation asked for of it."""
-    data, by = curves.learned(study, quantities), None
+    data, by = filled.whole(study, curves.learned(study, quantities)), None
     if study.groups:
         data = factorial.with_factors(study, data)
         by = factorial.grouping(study, data)
@@ -83,10 +90,12 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     -------
     xarray.Dataset
         ``exact``, ``predicted``, ``std`` over (output, case), the error table over ``output``, the factors over
-        ``case``, the decay of the factorial's coefficients, and the tolerance that the study asks for.
+        ``case``, the decay of the factorial's coefficients, and the tolerance that the study asks for. Of a study with
+        refused cases, also how many of the sample are refused, how many of these lie where the model answers, and how
+        many that are answered lie where it does not: attributes ``refused``, ``refused_inside``, ``answered_outside``.
     """
-    points = {name: cases[name] for name in study.factors}
-    cases, quantities = factorial.learned(study, cases), factorial.learned(study, quantities)
+    points, cases, refused = answered(study, cases, model)
+    cases, quantities = factorial.learned(study, cases), filled.whole(study, factorial.learned(study, quantities))
     by = groups_of(model)
     if study.crossed:
         decays = lines.decays(crossing(study), quantities)
@@ -109,4 +118,62 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     out = out.assign_coords(units=("output", [cases[name].attrs["units"] for name in names]))
     table = described(out, "errors of the surrogate on exact cases", SOURCE, MEANINGS)
     logs = [] if by is None else [name for name, one in by.scalings.items() if one.logarithm]
-    return table.assign_attrs(tolerance=study.validation.tolerance, **({"logarithms": "; ".join(logs)} if logs else {}))
+    told = {"logarithms": "; ".join(logs)} if logs else {}
+    return table.assign_attrs(tolerance=study.validation.tolerance, **told, **refused)
+
+
+def answered(
+    study: Study, cases: xr.Dataset, model: GaussianProcess
+) -> tuple[dict[str, xr.DataArray], xr.Dataset, dict[str, int]]:
+    """Factors and cases of a sample that solver and model answer, and how many of the others there are of each kind."""
+    if REFUSAL not in cases and model.region_ is None:
+        return {name: cases[name] for name in study.factors}, cases, {}
+    refused = holes.refused(cases, ["case"])
+    inside = model.has_answers(np.stack([cases[name].values for name in study.factors], -1))
+    counts = {
+        "drawn": refused.size,
+        "refused": int(refused.sum()),
+        "refused_inside": int((refused & inside).sum()),
+        "answered_outside": int((~refused & ~inside).sum()),
+    }
+    left = cases.drop_vars([REFUSAL, REASON], errors="ignore").isel(case=~refused & inside)
+    return {name: left[name] for name in study.factors}, left, counts
+
+
+def calibrated(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases: xr.Dataset) -> GaussianProcess:
+    """The model with intervals that hold on held-out cases, and the region in which it answers where some are refused.
+
+    Parameters
+    ----------
+    quantities
+        The factorial, with the mask of the cases that are refused.
+    cases
+        The sample for calibration, with its mask.
+    """
+    if REFUSAL in cases or REFUSAL in quantities:
+        model.region_ = _region(study, model, quantities, cases)
+        cases = answered(study, cases, model)[1]
+    return model.calibrate(curves.learned(study, cases))
+
+
+def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases: xr.Dataset) -> Region:
+    """Where the model answers, from the places of the factorial in the box and the cases for calibration."""
+    axes = list(study.axes)
+    grid = factorial.with_factors(study, quantities) if study.groups else quantities
+    nodes = xr.broadcast(*(grid[name] for name in study.factors), xr.DataArray(holes.refused(grid, axes), dims=axes))
+    columns = [one.transpose(*axes).values.ravel() for one in nodes]
+    X = np.concatenate([np.stack(columns[:-1], -1), np.stack([cases[name].values for name in study.factors], -1)])
+    refused = np.concatenate([columns[-1], holes.refused(cases, ["case"])]).astype(bool)
+    texts = [text for data, dims in ((grid, axes), (cases, ["case"])) for text in holes.reasons(data, dims)]
+    t = unit_coordinates(model.inputs_, X)
+    inside = np.asarray((np.abs(t) <= 1 + 1e-9).all(axis=0))  # the stored cases of groups may lie beyond the box
+    texts = [text for text, kept in zip(texts, inside[refused].tolist(), strict=True) if kept]
+    even = np.zeros(len(X), dtype=bool)
+    even[columns[-1].size :] = np.asarray(cases[EVEN].values) > 0 if EVEN in cases else True
+    shared = sharing(t[:, columns[-1].size :])
+    groups = np.concatenate([np.arange(columns[-1].size), columns[-1].size + shared])
+    reasons = list(dict.fromkeys(texts))
+    which = np.array([reasons.index(text) for text in texts], dtype=np.intp)
+    found = edge.learn(t[:, inside], refused[inside], even[inside], groups[inside], which, reasons)
+    log.info("%.2g %% of the cases are refused; %s", 100 * found.refused, "; ".join(reasons[:3]))
+    return found

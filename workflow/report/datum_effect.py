@@ -1,4 +1,4 @@
-"""What hangs on the datum, the arbitrary length of a half-plane's logarithmic potentials; all from the exact solver."""
+"""What depends on the datum, the arbitrary length of a half-plane's logarithmic potentials: by the exact solver."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -20,7 +20,7 @@ _STRAIGHT = 1e-9  # relative difference of two slopes up to which they are one
 
 
 def changes(study: Study) -> list[dict[str, Any]]:
-    """What hangs on the datum in the middle of the box, at a tenth of it, at it and at ten times it.
+    """What depends on the datum in the middle of the box, at a tenth of it, at it and at ten times it.
 
     With the change per decade of the datum, NaN where that is no constant. Of half-planes for the first name of every
     category, of films for all: whether anything hangs depends on the base.
@@ -43,7 +43,7 @@ def changes(study: Study) -> list[dict[str, Any]]:
 
 
 def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, Any]]:
-    """The terms of a design that hang on the datum: in the case that decides, at the same three lengths.
+    """The terms of a design that depend on the datum: in the case that decides, at the same three lengths.
 
     A deviation has no value in one case: its ``values`` are empty.
     """
@@ -81,7 +81,7 @@ def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
 
 
 def _solved(study: Study, case: Mapping[str, float], *, every: bool = False) -> dict[str, np.ndarray[Any, Any]]:
-    """What hangs on the datum, or every quantity, of one case at the three lengths."""
+    """What depends on the datum, or every quantity, of one case at the three lengths."""
     base = case.get("datum") or length(study) or 1.0
     solved = factorial.exact(study, {**case, "datum": base * np.array(_TIMES)}, peaks=())
     names = [str(name) for name in solved.data_vars if every or name in HANGING]

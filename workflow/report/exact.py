@@ -23,7 +23,7 @@ def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``datum``: what hangs on it in the middle of the box. ``designs``: by target, ``contact`` (the ends of the
+        ``datum``: what depends on it in the middle of the box. ``designs``: by target, ``contact`` (the ends of the
         contact [m]), ``around`` (see `workflow.report.surroundings`), ``on_datum`` and ``edge``, as
         `workflow.report.datum_effect` has them.
     """

@@ -116,9 +116,9 @@ def answered(
 def doubted(study: Study) -> str:
     """What the library doubts of the materials in use, in words; empty where it doubts nothing."""
     parts = [
-        f"{listed(sorted({name for other in one.alternatives for name in other.constants})) or 'all'} of {one.name}"
-        for one in coupling.materials(study)
-        if one.note.startswith("doubt")
+        f"{listed(sorted({name for own in body.alternatives for name in own.constants})) or 'all'} of {body.name}"
+        for body in coupling.materials(study)
+        if body.note.startswith("doubt")
     ]
     return f"in doubt: {listed(parts)}" if parts else ""
 

@@ -42,7 +42,7 @@ def body(study: Study, kinds: Kinds) -> dict[str, Any]:
         thickness = study.body[0].numbers["thickness"]
     elif "thickness" in study.factors:
         thickness = "thickness"
-    below = {one for layer in study.body[1:] for one in layer.numbers.values()} | {"base_modulus"}
+    below = {number for layer in study.body[1:] for number in layer.numbers.values()} | {"base_modulus"}
     return {
         "profile": drawn.profile,
         "corner": drawn.corner,

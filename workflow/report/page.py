@@ -18,8 +18,7 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, title
 from workflow.learning.timing import by_quantity
-from workflow.report import firstscreen, problem, ranked, sections, sentences, tables, whatif
-from workflow.report.figures import tornado
+from workflow.report import firstscreen, problem, ranked, sections, sentences, tables, tornado, whatif
 from workflow.report.figures.design_kinds import kinds
 from workflow.report.svg import element, inlined
 from workflow.study import coupling
@@ -119,6 +118,7 @@ def page(
         "answers": [],
         "whatif": None,
         "readouts": [],
+        "signal": None,
         "scripts": [_script(name) for name in _SCRIPTS],
         "effects": list(study.effects.vary) if study.effects else [],
         "effects_table": tables.effects(study, folder) if study.effects else [],
@@ -146,6 +146,7 @@ def page(
             for target, answer, told in zip(study.design.items(), found, exact, strict=True)
         ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
+        content["signal"] = tables.signal(folder) if study.signal else None
         quantities = read_whole(folder / "quantities.nc")
         fields = load(folder / "surface.nc") if study.surrogate.fields else None
         content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, found, hangs, fields)
@@ -176,6 +177,8 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
         says |= {"reached": reached, "design": reached}
     if content["readouts"]:
         says["readout"] = sentences.readout(content["readouts"])
+    if study.signal:
+        says["signal"] = sentences.signal(content["signal"], study.titles[study.signal.design])
     if study.effects:
         says["effects"] = sentences.strongest(ranked.spans(content["effects_table"]))
         says["varied"] = sentences.effects(study)

@@ -6,7 +6,7 @@ Not to scale: the contact is some hundredths of the radius wide in truth.
 from collections.abc import Sequence
 from itertools import pairwise
 
-from workflow.report.svg import ACCENT, BAD, BODY, GOOD, INK, PAPER, PUNCH, SOFT
+from workflow.report.svg import ACCENT, BAD, BODY, GOOD, INK, PAPER, PUNCH, SECOND, SOFT
 
 TITLE = "A conducting punch slides on a magneto-electro-elastic half-plane"
 ON_FILM = "A conducting punch slides on a film on its base"
@@ -17,7 +17,6 @@ _RADIUS, _LEADING, _TRAILING, _LOW = 150, 300, 440, 380  # contact from x to x; 
 _DATUM = 690
 _CONTACT = 62  # half of a point contact
 _TOP, _MIDDLE, _BOTTOM = 150, 222, 294  # of a film: surface, interface inside, base
-_SECOND = "#f6ecdf"  # the second layer
 
 
 def _line(x0: float, y0: float, x1: float, y1: float, colour: str = INK, more: str = "") -> str:
@@ -171,7 +170,7 @@ def one_film(layers: Sequence[str] = ("film",)) -> str:
     bands = list(pairwise(edges))
     parts = [
         *_opened(ON_FILM if len(layers) == 1 else ON_LAYERS),
-        *(_band(*band, (BODY, _SECOND)[number % 2]) for number, band in enumerate(bands)),
+        *(_band(*band, (BODY, SECOND)[number % 2]) for number, band in enumerate(bands)),
         _band(_BOTTOM, _HEIGHT - 12, PUNCH),
         *_punch_on_film(*edges[1:-1]),
         *_loads_on_film(),
@@ -195,7 +194,7 @@ def point(layers: Sequence[str] = ()) -> str:
     parts = [
         *_opened(AT_POINT),
         _band(_TOP, _HEIGHT - 12, BODY),
-        *(_band(*band, (BODY, _SECOND)[number % 2]) for number, band in enumerate(bands)),
+        *(_band(*band, (BODY, SECOND)[number % 2]) for number, band in enumerate(bands)),
         *(_below(layers, edges) if layers else [_words(_WIDTH - 40, _HEIGHT - 30, "half-space", "end")]),
         _punch(),
         _line(20, _TOP, _WIDTH - 20, _TOP),
@@ -239,7 +238,7 @@ def film() -> str:
     parts = [
         *_opened("A conducting punch slides on a film of two layers on its base"),
         _band(_TOP, _MIDDLE, BODY),
-        _band(_MIDDLE, _BOTTOM, _SECOND),
+        _band(_MIDDLE, _BOTTOM, SECOND),
         _band(_BOTTOM, low, PUNCH),
         *_punch_on_film(_MIDDLE),
         *_loads_on_film(),

@@ -9,7 +9,7 @@ import xarray as xr
 from workflow.design.verdict.answer import Answer
 from workflow.language import titles
 from workflow.language.numbers import number
-from workflow.report.figures.tornado import Bar, Chart
+from workflow.report.tornado import Bar, Chart
 from workflow.study.categories import titled
 
 _LEAST = 0.1  # percent that are told
@@ -40,7 +40,11 @@ def elasticities(answer: Answer) -> list[Chart]:
     """What 1 % more of each variable changes of every goal and limit, in percent, exact."""
     charts = []
     for k, term in enumerate(answer.terms):
-        known = [(one, one.sensitivity.elasticity[k]) for one in answer.variables if one.sensitivity.elasticity]
+        known = [
+            (variable, variable.sensitivity.elasticity[k])
+            for variable in answer.variables
+            if variable.sensitivity.elasticity
+        ]
         bars = [
             Bar(one.name, one.title, min(value, 0.0), max(value, 0.0), f"{number(value, 2)} %")
             for one, value in known

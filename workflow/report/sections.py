@@ -4,18 +4,15 @@ What a section shows is its piece of template, named in full: a job depends on t
 Page and rules loop over this registry.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from workflow.report.drawings import Figure, Wildcards
 from workflow.study.model import Study
 from workflow.study.sections import CONVERGING
 
 Page = Mapping[str, Any]
-
-
-def _no_figures(_: Study) -> list[str]:
-    return []
 
 
 @dataclass(frozen=True)
@@ -31,7 +28,7 @@ class Section:
     stands
         Whether a page with some content has it.
     figures
-        Files of a study that it shows, under ``figures/`` and without their ending; those of designs are in folders.
+        Those that it shows; those of designs are in folders.
     links
         Anchors and titles, where it has others than its own.
     """
@@ -39,7 +36,7 @@ class Section:
     template: str
     title: str
     stands: Callable[[Page], object]
-    figures: Callable[[Study], list[str]] = _no_figures
+    figures: tuple[Figure, ...] = ()
     links: Callable[[Page], list[tuple[str, str]]] | None = None
 
     @property
@@ -71,20 +68,62 @@ def standing(page: Page) -> list[Part]:
 
 def figures(study: Study) -> list[str]:
     """Names of every figure's file of a study, but those of its designs."""
-    return [name for part in PARTS for section in part.sections for name in section.figures(study)]
+    return [name for _, figure in _figures() for name in figure.files(study)]
 
 
-def _of_factorial(*names: str) -> Callable[[Study], list[str]]:
-    return lambda study: list(names) if study.factors else []
+def drawn() -> list[list[tuple[Section, Figure]]]:
+    """The figures by the results that they are drawn from: one rule each, called after its first."""
+    found: dict[str, list[tuple[Section, Figure]]] = {}
+    for section, figure in _figures():
+        found.setdefault(figure.reads, []).append((section, figure))
+    return list(found.values())
+
+
+def _figures() -> list[tuple[Section, Figure]]:
+    return [(section, figure) for part in PARTS for section in part.sections for figure in section.figures]
 
 
 def effects(study: Study) -> list[str]:
-    """Names of the figures of one factor at a time, which are those of their files too."""
-    if not study.effects:
-        return []
-    kinds: Sequence[str] = ["effect", "interior"] if study.effects.interior else ["effect"]
-    return [f"{kind}_{name}" for name in study.effects.vary for kind in kinds]
+    """Files of the fields of one factor at a time, under ``fields/`` and without their ending."""
+    return [name.format(**own) for name, of in ((_EFFECT, _varied), (_INTERIOR, _inside)) for own in of(study)]
 
+
+def _readouts(study: Study) -> Wildcards:
+    return [{"name": name} for name in study.readout]
+
+
+def _signal(study: Study) -> Wildcards:
+    return [{}] if study.signal else []
+
+
+def _factorial(study: Study) -> Wildcards:
+    return [{}] if study.factors else []
+
+
+def _slabs(study: Study) -> Wildcards:
+    return [{}] if study.factors and study.stores_fields else []
+
+
+def _varied(study: Study) -> Wildcards:
+    return [{"name": name} for name in study.effects.vary] if study.effects else []
+
+
+def _inside(study: Study) -> Wildcards:
+    return _varied(study) if study.effects and study.effects.interior else []
+
+
+def _measured(study: Study) -> Wildcards:
+    return [{}] if study.measurements else []
+
+
+def _converging(study: Study) -> Wildcards:
+    return [{"group": group} for group in CONVERGING if study.verification]
+
+
+_EFFECT, _INTERIOR = "fields/effect_{name}", "fields/interior_{name}"
+_SENSITIVITY, _VALIDATION = "sensitivity.nc", "validation.nc"
+_ROWS, _CHECKS = "measured/measurements.json", "verification/{group}.json"
+_TOLD, _INTEREST = ("told",), ("told", "of_interest")
 
 PARTS = (
     Part(
@@ -96,7 +135,13 @@ PARTS = (
                 "readout.html.j2",
                 "Read-out",
                 lambda page: page["readouts"],
-                lambda study: [f"readout_{name}" for name in study.readout],
+                (Figure("readout_{name}", "readout/{name}.nc", "readout_intervals.figure", "read-out", _readouts),),
+            ),
+            Section(
+                "signal.html.j2",
+                "Signal",
+                lambda page: page["signal"],
+                (Figure("signal", "signal.nc", "signal_in_time.figure", "signal in time", _signal),),
             ),
         ),
     ),
@@ -108,15 +153,34 @@ PARTS = (
                 "sensitivity.html.j2",
                 "What matters",
                 lambda page: page["dataset"],
-                _of_factorial("sensitivity", "main_effects"),
+                (
+                    Figure(
+                        "sensitivity", _SENSITIVITY, "sobol.indices", "Sobol' indices", _factorial, ("told", "aims")
+                    ),
+                    Figure("main_effects", _SENSITIVITY, "sobol.main_effects", "main effects", _factorial, _INTEREST),
+                ),
             ),
             Section(
                 "dataset.html.j2",
                 "Data set",
                 lambda page: page["dataset"],
-                lambda study: ["fields"] if study.factors and study.stores_fields else [],
+                (
+                    Figure(
+                        "fields", "fields/slab_{slab}.nc", "field_panels.fields", "surface fields", _slabs, ("felt",)
+                    ),
+                ),
             ),
-            Section("effects.html.j2", "Effects", lambda page: page["effects"], effects),
+            Section(
+                "effects.html.j2",
+                "Effects",
+                lambda page: page["effects"],
+                (
+                    Figure(
+                        "effect_{name}", f"{_EFFECT}.nc", "field_panels.effect", "surface fields", _varied, ("felt",)
+                    ),
+                    Figure("interior_{name}", f"{_INTERIOR}.nc", "field_panels.interior", "below the punch", _inside),
+                ),
+            ),
         ),
         "Physics",
     ),
@@ -127,13 +191,13 @@ PARTS = (
                 "measurements.html.j2",
                 "Measurements",
                 lambda page: page["measurements"],
-                lambda study: ["measurements"] if study.measurements else [],
+                (Figure("measurements", _ROWS, "measured_rows.figure", "measured and modelled", _measured),),
             ),
             Section(
                 "verification.html.j2",
                 "Verification",
                 lambda page: page["verification"],
-                lambda study: [f"convergence_{group}" for group in CONVERGING if study.verification],
+                (Figure("convergence_{group}", _CHECKS, "convergence.figure", "convergence", _converging),),
                 lambda page: [(key, group["title"]) for key, group in page["verification"]["groups"].items()],
             ),
             Section("speed.html.j2", "Time", lambda page: page["verification"]),
@@ -141,7 +205,12 @@ PARTS = (
                 "surrogate.html.j2",
                 "Surrogate",
                 lambda page: page["dataset"],
-                _of_factorial("decay", "errors", "residuals", "intervals"),
+                (
+                    Figure("errors", _VALIDATION, "surrogate_errors.errors", "errors", _factorial, _TOLD),
+                    Figure("decay", _VALIDATION, "coefficients.figure", "decay of the coefficients", _factorial, _TOLD),
+                    Figure("residuals", _VALIDATION, "surrogate_errors.residuals", "residuals", _factorial, _TOLD),
+                    Figure("intervals", _VALIDATION, "coverage.figure", "intervals", _factorial, _TOLD),
+                ),
             ),
             Section("surface.html.j2", "Fields", lambda page: page["surface"]),
             Section("time.html.j2", "Time", lambda page: page["dataset"]),

@@ -1,5 +1,6 @@
 """The sentence with which a section of the page opens: what its numbers say, made from them."""
 
+import math
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
@@ -9,7 +10,7 @@ from workflow.design.told.words import UNREACHABLE, Verdict, unread
 from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, listed
-from workflow.report.figures.tornado import Chart
+from workflow.report.tornado import Chart
 from workflow.study.categories import parted
 from workflow.study.model import Study
 
@@ -110,6 +111,21 @@ def readout(readouts: Sequence[Row]) -> str:
     return f"{capital('; '.join(parts))}."
 
 
+def signal(one: Row, design: str) -> str:
+    """What the amplifier shows of a press, what a constant force does, and the noise."""
+    constant = "A constant force is held: nothing leaks"
+    if math.isfinite(one["time_constant"]):
+        constant = (
+            f"A constant force fades with the time constant {shown(one['time_constant'], 's', 3)}: "
+            f"{number(100 * one['drop'], 2)} % less after 10 s"
+        )
+    return (
+        f"{shown(one['force'], 'N', 3)} on the design {design!r} shows {shown(one['output'], 'V', 3)} at the output. "
+        f"{constant}. The noise floor is {shown(one['noise_charge'], 'C', 2)}, "
+        f"{shown(one['noise_output'], 'V', 2)} at the output, as much as {shown(one['noise_force'], 'N', 2)}."
+    )
+
+
 def checks(group: Row) -> str:
     """How many checks of a group are green, and which comes nearest to its tolerance."""
     green = sum(one["passed"] for one in group["checks"])
@@ -141,7 +157,7 @@ def effects(study: Study) -> str:
 
 def strongest(charts: Sequence[Chart]) -> str:
     """Which factor of a parametric study moves each quantity most: the first bar of its chart."""
-    parts = [f"{one.title} changes most with {one.bars[0].title} ({one.bars[0].told})" for one in charts]
+    parts = [f"{chart.title} changes most with {chart.bars[0].title} ({chart.bars[0].told})" for chart in charts]
     return f"{capital('; '.join(parts))}."
 
 

@@ -41,11 +41,11 @@ def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:
         return {}
     here = study.surroundings[0]
     other = next(name for name in CHOICES["surroundings"] if name != here)
-    fixed = {name: value for name, value in study.fixed.items() if name != OF_A_GAP} | {"surroundings": other}
+    fixed = {name: value for name, value in study.fixed.items() if name not in OF_A_GAP} | {"surroundings": other}
     try:
         found = factorial.exact(
             study.model_copy(update={"fixed": fixed}),
-            {name: value for name, value in case.items() if name != OF_A_GAP},
+            {name: value for name, value in case.items() if name not in OF_A_GAP},
             peaks=(),
         )
     except (FactorError, MaterialError):

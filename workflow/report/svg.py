@@ -8,7 +8,7 @@ from markupsafe import Markup
 #: What figures are drawn in, and what the page puts in its place.
 INK, PAPER, ACCENT = "#1c2430", "#fbfbf9", "#2166ac"
 SOFT, GOOD, BAD = "#5b6675", "#1b7f4d", "#b3261e"
-BODY, PUNCH = "#eaf1f9", "#e4e5e7"
+BODY, PUNCH, SECOND = "#eaf1f9", "#e4e5e7", "#f6ecdf"
 _VARIABLES = {
     INK: "var(--ink)",
     PAPER: "var(--card)",
@@ -18,9 +18,11 @@ _VARIABLES = {
     BAD: "var(--bad)",
     BODY: "color-mix(in srgb, var(--accent) 10%, var(--card))",
     PUNCH: "color-mix(in srgb, var(--ink) 12%, var(--card))",
+    SECOND: "color-mix(in srgb, #c98a3c 16%, var(--card))",
 }
 _IDS = re.compile(r'(\bid=")([^"]+)(")|(url\(#)([^)]+)(\))|(href="#)([^"]+)(")')
 _SIZE = re.compile(r'<svg\b([^>]*?)\s(?:width|height)="[^"]*"')
+_WRAPPED = re.compile(r"<g>(<(?:use|path)\b[^>]*/>)</g>")
 _STROKE = re.compile(r"stroke: (#[0-9a-f]{6})")
 
 
@@ -40,6 +42,8 @@ def inlined(path: Path, alt: str) -> Markup:
 def element(text: str, name: str, alt: str, enlarged: float = 1.0) -> Markup:
     """An SVG of our own making as an element of the page, at most so many times as wide as it is drawn."""
     text = text[text.index("<svg") :]
+    while (bare := _WRAPPED.sub(r"\1", text)) != text:  # groups of one, which say nothing of it
+        text = bare
 
     def renamed(match: re.Match[str]) -> str:
         before, own, after = (part for part in match.groups() if part is not None)

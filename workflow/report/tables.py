@@ -51,6 +51,10 @@ def verification(folder: Path) -> dict[str, Any]:
     }
 
 
+#: What the sample for validation has come to, of a study with refused cases (`workflow.learning.training.validate`).
+REFUSED = ("drawn", "refused", "refused_inside", "answered_outside")
+
+
 def dataset(folder: Path, hangs: frozenset[str], told: Collection[str]) -> dict[str, Any]:
     """Range of every quantity that is told, and size of the data set."""
     data = read_whole(folder / "quantities.nc")
@@ -67,7 +71,14 @@ def dataset(folder: Path, hangs: frozenset[str], told: Collection[str]) -> dict[
         if name in told
     ]
     places = sum(one["levels"] for one in card["files"])  # of a cross approximation
-    return {"rows": rows, "slabs": len(card["files"]), "bytes": card["bytes"], "cases": card["cases"], "places": places}
+    return {
+        "rows": rows,
+        "slabs": len(card["files"]),
+        "bytes": card["bytes"],
+        "cases": card["cases"],
+        "places": places,
+        "refused": card.get("refused"),
+    }
 
 
 def surface(path: Path) -> list[dict[str, Any]]:
@@ -100,7 +111,7 @@ def levels(path: Path) -> dict[str, Any]:
 
 
 def _ideal(data: xr.Dataset, study: Study) -> dict[str, Any]:
-    box = {one.name: one for one in factorial.inputs(study)}
+    box = {input_.name: input_ for input_ in factorial.inputs(study)}
     return ideal(box, {name: data[name] for name in box}, data.sizes["output"])
 
 
@@ -146,6 +157,7 @@ def validation(folder: Path, study: Study) -> dict[str, Any]:
         "ideal": _ideal(data, study),
         "tolerance": tolerance,
         "logarithms": str(data.attrs.get("logarithms", "")).split("; ") if "logarithms" in data.attrs else [],
+        "refused": {key: int(data.attrs[key]) for key in REFUSED} if "refused" in data.attrs else None,
         "worst": worst,
         "uncorrected": before if any(row["raw_max_error"] != row["error"] for row in rows) else None,
         "crps_over_raw": float((data["crps"] / data["raw_crps"]).median()),
@@ -194,6 +206,14 @@ def readout(name: str, path: Path) -> dict[str, Any]:
         for one in [data.sel(factor=factor)]
     ]
     return {"name": name, "rows": rows, "cases": data.sizes["case"]}
+
+
+def signal(folder: Path) -> dict[str, float]:
+    """Numbers of a press in time."""
+    data = read_whole(folder / "signal.nc")
+    found = {str(name): float(one) for name, one in data.data_vars.items() if not one.dims}
+    held = data["force"].values >= float(data["force"].max()) * (1 - 1e-9)
+    return found | {"force": float(data["force"].max()), "output": float(data["output"].values[held][0])}
 
 
 def design(answer: Answer) -> dict[str, Any]:

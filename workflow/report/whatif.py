@@ -52,7 +52,7 @@ def content(
     designs
         Answers of the study's targets, in its order, offered as starting points.
     hangs
-        Quantities that hang on the datum.
+        Quantities that depend on the datum.
     fields
         The surrogate of the surface fields, where the study has one.
     """
@@ -111,7 +111,7 @@ def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[l
     if study.groups:
         t = 2 * sobol_points(_POINTS, len(model.box)) - 1
         X = np.stack([one.from_unit(row) for one, row in zip(model.box.values(), t.T, strict=True)], axis=1)
-        return [[float(row.min()), float(row.max())] for row in model.predict_array(X).T]
+        return [[float(row.min()), float(row.max())] for row in model.predict_array(X[model.has_answers(X)]).T]
     return [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_]
 
 
@@ -180,7 +180,7 @@ def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str
 def _few(corners: scenarios.Scenarios) -> list[int]:
     """Scenarios over which the map counts: all while they are few, else those at ends of every range."""
     levels = [*corners.values.values(), *corners.offsets.values()]
-    ends = [(one == one.min()) | (one == one.max()) for one in levels]
+    ends = [(level == level.min()) | (level == level.max()) for level in levels]
     many = corners.count > scenarios.SEARCHED[1]
     return np.flatnonzero(np.all(ends, axis=0)).tolist() if many else list(range(corners.count))
 

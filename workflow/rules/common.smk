@@ -13,7 +13,7 @@ from workflow.report import sections as page_sections
 from workflow.run import crate, lock, provenance, sources
 from workflow.study import coupling, location, partition, planned
 from workflow.study import model as studies
-from workflow.study.contents import PHYSICS
+from workflow.study.contents import BOX, PHYSICS
 from workflow.study.sections import CHECK_GROUPS
 
 # jobs look for modules where this process does
@@ -55,8 +55,11 @@ def study_of(wildcards):
 
 
 def sections(*names):
-    """A parameter that changes when these sections of the study change, all of them by default; see `planned`."""
-    return lambda wildcards: planned.parameter(study_of(wildcards), *names)
+    """A parameter that changes when these sections of the study change, all of them by default; see `planned`.
+
+    Wildcards in the names are filled in.
+    """
+    return lambda wildcards: planned.parameter(study_of(wildcards), *(name.format(**wildcards) for name in names))
 
 
 def final_files_of(name):
@@ -81,6 +84,12 @@ def figures_of(wildcards):
     return expand("results/{study}/figures/{figure}.svg", study=wildcards.study, figure=names)
 
 
+def drawn_from(file):
+    """The results that figures read, or all slabs of the data set."""
+    path = f"results/{{study}}/{file}"
+    return (lambda wildcards: slabs_of(wildcards, path)) if "{slab}" in file else path
+
+
 def results_of(wildcards):
     study = study_of(wildcards)
     names = ["quantities.nc", "datacard.json", "surrogate.nc", "validation.nc", "sensitivity.nc", "timing.json"]
@@ -88,7 +97,8 @@ def results_of(wildcards):
     names += ["surface.nc", "surface_validation.nc"] if study.factors and study.surrogate.fields else []
     names += ["design.nc", "design.csv"] if study.design else []
     names += [f"readout/{name}.nc" for name in study.readout]
-    names += [f"fields/{name}.nc" for name in page_sections.effects(study)]
+    names += ["signal.nc"] if study.signal else []
+    names += [f"{name}.nc" for name in page_sections.effects(study)]
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]
     names += ["measured/measurements.json", "measured/measurements.nc"] if study.measurements else []
     return expand("results/{study}/{file}", study=wildcards.study, file=names)

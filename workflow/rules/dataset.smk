@@ -6,7 +6,7 @@ rule levels:
     output:
         "results/{study}/levels.nc",
     params:
-        study=sections(*PHYSICS, "dataset", "surrogate", "validation"),
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation.tolerance"),
         code=provenance.code("workflow/scripts/levels.py"),
     log:
         "logs/{study}/levels.log",
@@ -44,7 +44,7 @@ checkpoint places:
         "results/{study}/cross/{round}.nc",
     priority: 2
     params:
-        study=sections(*PHYSICS, "dataset", "surrogate", "validation"),
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation.tolerance"),
         code=provenance.code("workflow/scripts/places.py"),
     log:
         "logs/{study}/places/{round}.log",

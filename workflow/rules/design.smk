@@ -7,7 +7,7 @@ rule target:
     output:
         "results/{study}/design/{name}.nc",
     params:
-        study=sections(*PHYSICS, "dataset", "surrogate", "validation", "device", "design"),
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation.tolerance", "device", "design.{name}"),
         code=provenance.code("workflow/scripts/target.py"),
     log:
         "logs/{study}/target/{name}.log",
@@ -38,15 +38,9 @@ rule readout:
     input:
         "results/{study}/surrogate.nc",
     output:
-        nc="results/{study}/readout/{name}.nc",
-        figure=report(
-            "results/{study}/figures/readout_{name}.svg",
-            caption="../report/captions/readout.rst",
-            category="Design",
-            labels={"figure": "read-out", "target": "{name}"},
-        ),
+        "results/{study}/readout/{name}.nc",
     params:
-        study=sections(*PHYSICS, "dataset", "surrogate", "validation", "readout"),
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation.seed", "readout.{name}"),
         code=provenance.code("workflow/scripts/readout.py"),
     log:
         "logs/{study}/readout/{name}.log",
@@ -54,3 +48,18 @@ rule readout:
         "logs/{study}/readout/{name}.tsv"
     script:
         "../scripts/readout.py"
+
+
+# A press in time on a design, as the amplifier reads it.
+rule press:
+    input:
+        lambda wildcards: f"results/{wildcards.study}/design/{study_of(wildcards).signal.design}.nc",
+    output:
+        "results/{study}/signal.nc",
+    params:
+        study=sections(*PHYSICS, "device", "signal"),
+        code=provenance.code("workflow/scripts/press.py"),
+    log:
+        "logs/{study}/press.log",
+    script:
+        "../scripts/press.py"

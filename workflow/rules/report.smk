@@ -1,87 +1,42 @@
 # What people see: figures (also in `snakemake --report`), provenance and the page.
 
 
-rule figure_fields:
-    input:
-        lambda wildcards: slabs_of(wildcards, "results/{study}/fields/slab_{slab}.nc"),
-    output:
-        report(
-            "results/{study}/figures/fields.svg",
-            caption="../report/captions/fields.rst",
-            category="Data set",
-            labels={"figure": "surface fields"},
-        ),
-    params:
-        felt=fields_felt,
-        code=provenance.code("workflow/scripts/figure_fields.py"),
-    log:
-        "logs/{study}/figure_fields.log",
-    script:
-        "../scripts/figure_fields.py"
+# what figures ask of a study, by the name that their entries in `sections.py` give it
+ASKED = {
+    "felt": fields_felt,
+    "told": outputs_told,
+    "aims": lambda wildcards: study_of(wildcards).aims,
+    "of_interest": lambda wildcards: study_of(wildcards).of_interest,
+}
 
+for drawn in page_sections.drawn():
+    _, first = drawn[0]
 
-rule figure_errors:
-    input:
-        "results/{study}/validation.nc",
-    output:
-        decay=report(
-            "results/{study}/figures/decay.svg",
-            caption="../report/captions/decay.rst",
-            category="Surrogate",
-            labels={"figure": "decay of the coefficients"},
-        ),
-        errors=report(
-            "results/{study}/figures/errors.svg",
-            caption="../report/captions/errors.rst",
-            category="Surrogate",
-            labels={"figure": "errors"},
-        ),
-        residuals=report(
-            "results/{study}/figures/residuals.svg",
-            caption="../report/captions/residuals.rst",
-            category="Surrogate",
-            labels={"figure": "residuals"},
-        ),
-        intervals=report(
-            "results/{study}/figures/intervals.svg",
-            caption="../report/captions/intervals.rst",
-            category="Surrogate",
-            labels={"figure": "intervals"},
-        ),
-    params:
-        told=outputs_told,
-        code=provenance.code("workflow/scripts/figure_errors.py"),
-    log:
-        "logs/{study}/figure_errors.log",
-    script:
-        "../scripts/figure_errors.py"
-
-
-rule figure_sensitivity:
-    input:
-        "results/{study}/sensitivity.nc",
-    output:
-        indices=report(
-            "results/{study}/figures/sensitivity.svg",
-            caption="../report/captions/sensitivity.rst",
-            category="Surrogate",
-            labels={"figure": "Sobol' indices"},
-        ),
-        effects=report(
-            "results/{study}/figures/main_effects.svg",
-            caption="../report/captions/main.rst",
-            category="Surrogate",
-            labels={"figure": "main effects"},
-        ),
-    params:
-        shown=lambda wildcards: study_of(wildcards).of_interest,
-        aims=lambda wildcards: study_of(wildcards).aims,
-        told=outputs_told,
-        code=provenance.code("workflow/scripts/figure_sensitivity.py"),
-    log:
-        "logs/{study}/figure_sensitivity.log",
-    script:
-        "../scripts/figure_sensitivity.py"
+    rule:
+        name:
+            f"figure_{first.kind}"
+        input:
+            drawn_from(first.reads),
+        output:
+            *(
+                report(
+                    f"results/{{study}}/figures/{figure.file}.svg",
+                    caption=f"../report/captions/{figure.kind}.rst",
+                    category=section.title,
+                    labels=figure.labels,
+                )
+                for section, figure in drawn
+            ),
+        params:
+            draw=[(figure.draw, figure.asks) for _, figure in drawn],
+            slabs="{slab}" in first.reads,
+            **{name: ASKED[name] for _, figure in drawn for name in figure.asks},
+            code=provenance.code("workflow/scripts/figure.py", *sorted({figure.source for _, figure in drawn})),
+        log:
+            "/".join([f"logs/{{study}}/figure_{first.kind}", *(f"{{{name}}}" for name in first.wildcards)]) + ".log",
+        localrule: True
+        script:
+            "../scripts/figure.py"
 
 
 rule figure_design:
@@ -96,49 +51,13 @@ rule figure_design:
             labels={"figure": "{figure}", "target": "{target}"},
         ),
     params:
-        study=sections(*PHYSICS, "design"),
+        study=sections(*PHYSICS, "design.{name}"),
+        felt=fields_felt,
         code=provenance.code("workflow/scripts/figure_design.py"),
     log:
         "logs/{study}/figure_design/{name}.log",
     script:
         "../scripts/figure_design.py"
-
-
-rule figure_effect:
-    input:
-        "results/{study}/fields/effect_{name}.nc",
-    output:
-        report(
-            "results/{study}/figures/effect_{name}.svg",
-            caption="../report/captions/effect.rst",
-            category="Effects",
-            labels={"figure": "surface fields", "factor": "{name}"},
-        ),
-    params:
-        felt=fields_felt,
-        code=provenance.code("workflow/scripts/figure_effect.py"),
-    log:
-        "logs/{study}/figure_effect/{name}.log",
-    script:
-        "../scripts/figure_effect.py"
-
-
-rule figure_interior:
-    input:
-        "results/{study}/fields/interior_{name}.nc",
-    output:
-        report(
-            "results/{study}/figures/interior_{name}.svg",
-            caption="../report/captions/interior.rst",
-            category="Effects",
-            labels={"figure": "below the punch", "factor": "{name}"},
-        ),
-    params:
-        code=provenance.code("workflow/scripts/figure_interior.py"),
-    log:
-        "logs/{study}/figure_interior/{name}.log",
-    script:
-        "../scripts/figure_interior.py"
 
 
 rule provenance:

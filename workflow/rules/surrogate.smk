@@ -3,17 +3,32 @@
 
 rule cases:
     output:
-        calibration="results/{study}/cases/calibration.nc",
-        validation="results/{study}/cases/validation.nc",
+        "results/{study}/cases/validation.nc",
     priority: 3  # of films they take longest
     params:
-        study=sections(*PHYSICS, "dataset", "validation"),
+        study=sections(BOX, "dataset.peaks", "validation.seed", "validation.cases"),
         regions=regions_of,
         code=provenance.code("workflow/scripts/cases.py"),
     log:
         "logs/{study}/cases.log",
     benchmark:
         "logs/{study}/cases.tsv"
+    script:
+        "../scripts/cases.py"
+
+
+rule calibration:
+    output:
+        "results/{study}/cases/calibration.nc",
+    priority: 3  # of films they take longest
+    params:
+        study=sections(BOX, "dataset.peaks", "validation.seed", "validation.calibration"),
+        regions=regions_of,
+        code=provenance.code("workflow/scripts/cases.py"),
+    log:
+        "logs/{study}/calibration.log",
+    benchmark:
+        "logs/{study}/calibration.tsv"
     script:
         "../scripts/cases.py"
 
@@ -27,7 +42,7 @@ rule surrogate:
         "results/{study}/surrogate.nc",
     priority: 1
     params:
-        study=sections(*PHYSICS, "dataset", "surrogate", "validation"),
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation.tolerance"),
         code=provenance.code("workflow/scripts/training.py"),
     log:
         "logs/{study}/surrogate.log",
@@ -49,7 +64,7 @@ rule validation:
         timing="results/{study}/timing.json",
     priority: 1
     params:
-        study=sections(*PHYSICS, "dataset", "surrogate", "validation"),
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation.tolerance", "validation.seed"),
         code=provenance.code("workflow/scripts/validation.py"),
     log:
         "logs/{study}/validation.log",

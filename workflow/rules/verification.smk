@@ -15,24 +15,6 @@ rule check:
         "../scripts/check.py"
 
 
-rule figure_convergence:
-    input:
-        "results/{study}/verification/{group}.json",
-    output:
-        report(
-            "results/{study}/figures/convergence_{group}.svg",
-            caption="../report/captions/convergence.rst",
-            category="Verification",
-            labels={"figure": "convergence", "checks": "{group}"},
-        ),
-    params:
-        code=provenance.code("workflow/scripts/figure_convergence.py"),
-    log:
-        "logs/{study}/figure_convergence/{group}.log",
-    script:
-        "../scripts/figure_convergence.py"
-
-
 rule verdict:
     input:
         # after the page, which then shows what is red

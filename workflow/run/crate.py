@@ -121,4 +121,4 @@ def _id(identifier: str) -> dict[str, str]:
 
 
 def _ids(identifiers: Iterable[str]) -> list[dict[str, str]]:
-    return [_id(one) for one in identifiers]
+    return [_id(identifier) for identifier in identifiers]

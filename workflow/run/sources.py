@@ -34,10 +34,13 @@ def _digest(file: Path) -> str:
 
 def used(script: str) -> set[Path]:
     """A script, the modules of the rooms that this process has imported by now, and the data files beside these."""
-    paths = [Path(file) for module in tuple(sys.modules.values()) if (file := getattr(module, "__file__", None))]
+    modules = [file for module in tuple(sys.modules.values()) if (file := getattr(module, "__file__", None))]
+    files = [file.rpartition("/") for file in (script, *modules)]
     rooms = {ROOT / room for room in ROOMS}
-    found = {file for path in (Path(script), *paths) if rooms & set((file := path.resolve()).parents)}
-    folders = {file.parent for file in found}
+    within = {name: Path(name).resolve() for name in {folder for folder, _, _ in files}}  # folders are few
+    within = {name: folder for name, folder in within.items() if rooms & {folder, *folder.parents}}
+    found = {within[folder] / name for folder, _, name in files if folder in within}
+    folders = set(within.values())
     beside = [data for folder in folders for part in ("*", "templates/*") for data in folder.glob(part)]
     return found | {data for data in beside if data.suffix in DATA}
 

@@ -44,9 +44,11 @@ def job(script: Path, file: str = "") -> Snakemake:
     """
     try:
         workflow = _workflow()
-        rule = next(one for one in workflow.rules if one.script and Path(one.script).name == script.name)
-        if not rule.is_producer(file):
-            made = re.sub(r",[^{}]*}", "}", ", ".join(rule.output))  # without what a wildcard may be
+        rules = [one for one in workflow.rules if one.script and Path(one.script).name == script.name]
+        rule = next((one for one in rules if one.is_producer(file)), None)
+        if rule is None:
+            made = ", ".join(str(output) for one in rules for output in one.output)
+            made = re.sub(r",[^{}]*}", "}", made)  # without what a wildcard may be
             raise WorkflowError(f"{script.name}: {file!r} is not one of {made}")
         found = Job(rule, DAG(workflow, rules=[rule]), rule.get_wildcards(file), targetfile=file)
     except WorkflowError as error:

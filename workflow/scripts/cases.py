@@ -1,4 +1,4 @@
-"""Rule cases: random exact cases, some for calibration and others for validation."""
+"""Rules cases and calibration: random exact cases, some for validation and others for calibration."""
 
 from pathlib import Path
 
@@ -9,5 +9,5 @@ from workflow.study import planned
 
 snakemake = joblog.start(globals())
 config = planned.study(snakemake)
-for sample in factorial.SAMPLES:
-    write_whole(factorial.cases(config, sample), Path(snakemake.output[sample]))
+output = Path(snakemake.output[0])
+write_whole(factorial.cases(config, output.stem), output)

@@ -10,7 +10,7 @@ from surrogate.use.sensitivity import sobol
 from workflow.run import joblog
 
 snakemake = joblog.start(globals())
-model = load(snakemake.input[0])
+model = load(snakemake.input[0]).everywhere()  # indices are those of the whole box
 units = [model.attrs_[name].get("units", "") for name in model.outputs_]
 found = sobol(model).assign_coords(units=("output", units))
 write_whole(

@@ -35,8 +35,29 @@ def check_quantities(study: Contents) -> None:
         raise ValueError(f"surrogate: fields: are not learned over categories: {', '.join(study.categories)}")
     for label, target in study.design.items():
         check_target(study, f"design: {label}", target)
+    check_signal(study)
     for label, readout in study.readout.items():
         check_readout(study, f"readout: {label}", readout)
+
+
+def check_signal(study: Contents) -> None:
+    """Whether a press in time has a design, an amplifier that reads it, and a charge that can be read."""
+    if study.signal is None:
+        return
+    if study.signal.design not in study.design:
+        known = ", ".join(study.design) or "none"
+        raise ValueError(f"signal: design: {study.signal.design!r} is not a design target; known are {known}")
+    if study.device is None or study.device.amplifier is None:
+        raise ValueError("signal: needs device: amplifier")
+    target = study.design[study.signal.design]
+    for name in study.kind.loads.charges:
+        if name in (*target.over, *target.at, *target.worst_case, *target.uncertain, *study.fixed):
+            raise ValueError(f"signal: {name}: the circuit gives the charge; the design must not")
+    collected = "collector" in study.fixed or "collector" in study.factors
+    needed = ("patch_charge_per_force",) if collected else ("charge_sensitivity", "voltage")
+    for name in needed:
+        if name in study.absent:
+            raise ValueError(f"signal: these cases have no {name}, whose charge would be read")
 
 
 def check_readout(study: Contents, where: str, readout: Readout) -> None:
@@ -115,7 +136,7 @@ def _instead(study: Contents, name: str) -> str:
         return ""
     if not kind.peaks:
         return f": no {kind.name} has a quantity of its inside"
-    alike = [one for one in kind.peaks if one.endswith(name.removeprefix("film_").removeprefix("base_"))]
+    alike = [peak for peak in kind.peaks if peak.endswith(name.removeprefix("film_").removeprefix("base_"))]
     return f": a {kind.name} has {' and '.join(alike)}" if alike else ""
 
 

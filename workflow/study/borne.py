@@ -73,12 +73,12 @@ def borne(name: str, given: Mapping[str, Any], materials: Mapping[str, Material]
 
 def _least(limit: str, parts: Sequence[Material], composite: str) -> Borne:
     """The least of what some materials bear."""
-    known = [one for one in parts if limit in one.limits]
+    known = [part for part in parts if limit in part.limits]
     if not known:
-        names = " and ".join(one.name for one in parts)
+        names = " and ".join(part.name for part in parts)
         raise ValueError(f"{limit}: the library has none of {names}; give a number with a unit")
     weakest = min(known, key=lambda one: one.limits[limit].value)
-    unknown = ", ".join(one.name for one in parts if one not in known)
+    unknown = ", ".join(part.name for part in parts if part not in known)
     words = weakest.name
     if len(parts) > 1:
         words += f" ({unknown}: none known)" if unknown else ", the weaker phase"

@@ -25,6 +25,7 @@ from workflow.study.borne import MADE_OF, Borne, borne
 from workflow.study.categories import Kinds, combinations, output
 from workflow.study.device import Device
 from workflow.study.measurement import Measurement
+from workflow.study.pressing import Pressing
 from workflow.study.readout import Readout
 from workflow.study.sections import Axis, DataSet, Effects, Group, Surrogate, Validation, Verification
 from workflow.study.target import Target
@@ -32,6 +33,8 @@ from workflow.study.types import BY_FACTOR, CategoryName, FactorName, InputName,
 
 #: Sections that decide what a case is and what the solver answers.
 PHYSICS = ("phases", "materials", "fixed", "factors", "categories", "body", "groups")
+#: The same without the numbers of levels, for `Contents.digest`.
+BOX = "box"
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ class Origin:
     """What a study has beside the content of its file: where that is, and the study's own materials by name.
 
     Of one that was checked before, also the names of the quantities that some cases lack: of films it costs seconds to
-    ask the solver. And those that hang on a datum that is in none of its groups.
+    ask the solver. And those that depend on a datum that is in none of its groups.
     """
 
     path: Path
@@ -78,6 +81,7 @@ class Contents(Strict):
     validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
     device: Device | None = Field(None, description="what the punch is connected to, for figures of a device")
     design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
+    signal: Pressing | None = Field(None, description="a press in time on a design, as its amplifier reads it")
     readout: dict[str, Readout] = Field(default_factory=dict, description="what measurements tell, by name")
     effects: Effects | None = Field(None, description="one factor at a time, as figures")
     verification: Verification | None = Field(None, description="checks of the solver against independent methods")
@@ -361,15 +365,28 @@ class Contents(Strict):
         ]
 
     def digest(self, *sections: str) -> str:
-        """Hash of some sections, and of own materials where the physics is among them."""
-        content = self.model_dump(mode="json", include=set(sections))
+        """Hash of some sections, and of own materials where the physics is among them.
+
+        A part of a section, as ``validation.seed`` or ``design.sensor``, may stand in its place, and `BOX` in that of
+        the physics: all of it but the numbers of levels, which no case depends on that is drawn at random.
+        """
+        whole = [name for section in sections for name in (PHYSICS if section == BOX else (section.partition(".")[0],))]
+        content = self.model_dump(mode="json", include=set(whole))
+        parts = {name: content[name.partition(".")[0]].get(name.partition(".")[2]) for name in sections if "." in name}
+        content = {
+            name: one for name, one in content.items() if name in {*sections, *(PHYSICS if BOX in sections else ())}
+        }
+        content |= parts
+        if BOX in sections:
+            for axis in (*content["factors"].values(), *content["groups"].values()):
+                del axis["levels"]
         for name in ("body", "groups"):  # which studies had before there were any
             if not content.get(name):
                 content.pop(name, None)
         if self.surrogate.method == "factorial" and "surrogate" in content:  # the same
             content["surrogate"].pop("method")
         text = json.dumps(content, sort_keys=True)
-        if "phases" in sections:
+        if {"phases", BOX} & set(sections):
             text += json.dumps(self._plain_materials(), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 

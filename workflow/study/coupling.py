@@ -91,7 +91,7 @@ def materials(study: Contents) -> list[Material]:
     baseline = study.effects.baseline if study.effects else {}
     if not composites and not study.body and "material" not in {**study.fixed, **study.categories, **baseline}:
         composites = [CHOICES["composite"][0]]
-    phases = study.phases if any(one in MIXTURES for one in composites) else []
+    phases = study.phases if any(composite in MIXTURES for composite in composites) else []
     known = dict.fromkeys([*names, *given.get("base", []), *phases])
     return [find(str(name), study.own_materials) for name in known if name and name != RIGID]
 

@@ -1,4 +1,4 @@
-"""The datum of a study: the arbitrary length of a half-plane's logarithmic potentials, and what hangs on it."""
+"""The datum of a study: the arbitrary length of a half-plane's logarithmic potentials, and what depends on it."""
 
 import numpy as np
 
@@ -51,6 +51,6 @@ def hanging(study: Contents) -> frozenset[str]:
 
 
 def meaning(name: str, hanging: frozenset[str]) -> str:
-    """What a quantity is, relative to the datum only where it hangs on it."""
+    """What a quantity is, relative to the datum only where it depends on it."""
     words = ALL_QUANTITIES[name].long_name
     return words if name in hanging else words.removesuffix(_RELATIVE)

@@ -98,7 +98,9 @@ Layers = list[BodyLayer]
 
 def named(layers: Layers) -> list[str]:
     """Names of the factors that layers have in the place of numbers."""
-    return list(dict.fromkeys(one for layer in layers for one in layer.numbers.values() if isinstance(one, str)))
+    return list(
+        dict.fromkeys(number for layer in layers for number in layer.numbers.values() if isinstance(number, str))
+    )
 
 
 def tabled(layers: Layers) -> list[str]:
@@ -179,7 +181,7 @@ def solved(
         raise ValueError(f"{given}: a body needs a base, or else base_modulus and base_poisson, not both")
     whole = xr.broadcast(*own.values())
     rows = list(zip(*(one.values.ravel().tolist() for one in whole), strict=True))
-    made = {row: _stack(layers, dict(zip(own, row, strict=True)), materials, phases) for row in dict.fromkeys(rows)}
+    made = {row: stack(layers, dict(zip(own, row, strict=True)), materials, phases) for row in dict.fromkeys(rows)}
     stacks = np.empty(len(rows), dtype=object)
     stacks[:] = [made[row] for row in rows]
     # the solver keeps a factor's name from the dimensions of others
@@ -195,7 +197,7 @@ def solved(
     return out.transpose(*(dim for dim in dims if dim in out.dims), ...).assign_attrs(body=words)
 
 
-def _stack(layers: Layers, at: dict[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Stack:
+def stack(layers: Layers, at: dict[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Stack:
     """The stack of one combination of factors."""
 
     def found(name: str) -> Material:

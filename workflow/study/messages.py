@@ -15,9 +15,9 @@ def first_problem(error: ValidationError, model: type[BaseModel], content: Mappi
     """The first finding of pydantic as ``key: value: what is allowed``."""
     findings = error.errors()
     # an unknown key is named before what is missing for it
-    found = next((one for one in findings if one["type"] == "extra_forbidden"), None)
+    found = next((finding for finding in findings if finding["type"] == "extra_forbidden"), None)
     # of a list or a mapping, what is wrong within it says more than that it is not the other
-    found = found or next((one for one in findings if one["type"] not in _NOT_OF_TYPE), findings[0])
+    found = found or next((finding for finding in findings if finding["type"] not in _NOT_OF_TYPE), findings[0])
     place = _written(found["loc"], content)
     where = ".".join(place)
     message = found["msg"].removeprefix("Value error, ")
@@ -62,7 +62,7 @@ def _branches(node: Any) -> list[Any]:
     if get_origin(node) is Annotated:
         return _branches(get_args(node)[0])
     if get_origin(node) in (Union, UnionType):
-        return [branch for one in get_args(node) for branch in _branches(one)]
+        return [branch for arg in get_args(node) for branch in _branches(arg)]
     return [node]
 
 

@@ -48,4 +48,6 @@ def begun(name: str, results: str | Path) -> Study | None:
 
 def _results(name: str, output: Path) -> Path:
     """The folder of all results, by a job's output in it: below the prefix of a module that uses the Snakefile."""
-    return next(one.parent for one in output.parents if (one.parent.name, one.name) == (lock.RESULTS.name, name))
+    return next(
+        parent.parent for parent in output.parents if (parent.parent.name, parent.name) == (lock.RESULTS.name, name)
+    )

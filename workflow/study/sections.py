@@ -19,9 +19,11 @@ MOST_LEARNED = 20_000_000
 #: Most curves of a figure of effects, points of all of its curves, and points of a grid below the punch.
 _MOST_CURVES, _MOST_POINTS, _MOST_GRID = 200, 200_000, 250_000
 #: Groups of checks in verification/, in the order of the page.
-CHECK_GROUPS = ("limits", "balance", "integral_equations", "finite_elements", "films", "film_elements", "digits")
+CHECK_GROUPS = (
+    "limits", "balance", "integral_equations", "finite_elements", "films", "film_elements", "film_air", "digits",
+)  # fmt: skip
 #: Those with convergence curves.
-CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements")
+CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements", "film_air")
 
 
 class Axis(Strict):

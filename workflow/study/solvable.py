@@ -1,18 +1,26 @@
 """Whether the solver can answer a study at all, and which quantities its cases lack or tell only with the datum."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from approximation.sobol import sobol_points
 from solver import solve
-from solver.names import AIR, ALL_QUANTITIES, OF_A_GAP, PROFILES
+from solver.names import AIR, ALL_QUANTITIES, PROFILES
 from solver.similarity import Weight, weight_of
+from surrogate import Input
 from workflow.language.factors import FACTORS
 from workflow.study import datum, grouped, representatives
 from workflow.study.contents import Contents
+from workflow.study.refusals import MOST, REFUSAL, AllRefusedError, HolesError, answered
 from workflow.study.sections import MOST_CASES, MOST_CORNERS, MOST_LEARNED, MOST_VALUES
+
+#: Places of the box at which a study with a refused corner is tried, of bodies that need tables for each and of others,
+#: and by how many standard deviations of chance more of them are refused than may be missing.
+_SCOUTS_OF_TABLES, _SCOUTS, _DEVIATIONS = 16, 64, 3.0
 
 
 def check_contact(study: Contents) -> None:
@@ -53,7 +61,7 @@ def check_groups(study: Contents) -> None:
 
 def _check_lone(products: Sequence[grouped.Product]) -> None:
     """A factor that is a group of its own tells no more in another, where it would be an axis twice."""
-    alone = {name for one in products if one.lone for name in one.powers}
+    alone = {name for product in products if product.lone for name in product.powers}
     for one in products:
         for name in () if one.lone else alone & one.powers.keys():
             raise ValueError(f"groups: {one.text}: {name!r} is a group of its own; leave it out here")
@@ -80,12 +88,12 @@ def standing(study: Contents) -> dict[str, Weight]:
     }
     own = {name: weight_of(name) for name in fixed if name != "datum"} | layers
     if study.kind.air:  # the gap is as wide as the contact is strongly pressed, and the vacuum's constants stay
-        own[OF_A_GAP] = Weight(0.0, 1.0)
+        own["gap_permittivity"] = Weight(0.0, 1.0)
     return {name: weight for name, weight in own.items() if weight != Weight()}
 
 
 def hanging_on_datum(study: Contents) -> frozenset[str]:
-    """Quantities that hang on a datum that is in none of the groups; ValueError where they are asked for.
+    """Quantities that depend on a datum that is in none of the groups; ValueError where they are asked for.
 
     But of a film the depth, whose logarithm of the datum has one coefficient a base.
     """
@@ -93,7 +101,7 @@ def hanging_on_datum(study: Contents) -> frozenset[str]:
 
 
 def _on_punch(study: Contents) -> frozenset[str]:
-    """Quantities that hang on where an elastic punch is at rest: its radius, which strength changes and size does not.
+    """Quantities that depend on where an elastic punch rests: its radius, which strength changes and size does not.
 
     Groups tell them only of cases that differ in size alone.
     """
@@ -104,7 +112,7 @@ def _on_punch(study: Contents) -> frozenset[str]:
     hanging = frozenset(name for name, one in ALL_QUANTITIES.items() if one.on_punch)
     if asked := [name for name in study.surrogate.outputs if name in hanging]:
         raise ValueError(
-            f"groups: {', '.join(asked)} hang on an elastic punch's radius beside the groups: make groups of each "
+            f"groups: {', '.join(asked)} depend on an elastic punch's radius beside the groups: make groups of each "
             "length over another and of load over a length, or leave them out of surrogate.outputs"
         )
     return hanging
@@ -126,7 +134,7 @@ def _on_datum(study: Contents) -> frozenset[str]:
     asked = [name for name in study.surrogate.outputs or ([] if by_base else study.quantities) if name in untold]
     if asked:
         raise ValueError(
-            f"groups: {', '.join(asked)} hang on the datum, which is in no group: give one with it, as "
+            f"groups: {', '.join(asked)} depend on the datum, which is in no group: give one with it, as "
             "load * radius / datum^2, or leave them out of surrogate.outputs"
         )
     return hanging
@@ -142,9 +150,11 @@ def lacked(study: Contents) -> frozenset[str]:
         return frozenset()
     ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in study.factors.items()}
     ends |= {name: xr.DataArray(ends[name], dims="end") for name in study.tabled}
-    found = study.solved(solve, {**study.fixed, **study.categories, **ends})
+    found = _answered(study, {**study.fixed, **study.categories, **ends})
     if study.groups:
         _solve_stored(study)
+    if REFUSAL in found:
+        _check_share(study)
     peaks = set(study.kind.peaks)
     if "rigid" in study.categories.get("base", [study.fixed.get("base")]):
         peaks -= {name for name in peaks if name.startswith("base_")}
@@ -156,9 +166,31 @@ def lacked(study: Contents) -> frozenset[str]:
 def _solve_stored(study: Contents) -> None:
     """Whether the solver answers the stored cases of a study with groups, which may leave the box of its factors."""
     try:
-        study.solved(solve, {**study.fixed, **study.categories, **representatives.ends(study)})
+        _answered(study, {**study.fixed, **study.categories, **representatives.ends(study)})
     except ValueError as error:
         raise ValueError(f"groups: in a corner of their ranges: {error}") from None
+
+
+def _answered(study: Contents, factors: Mapping[str, Any]) -> xr.Dataset:
+    """Exact cases with those masked that the solver refuses; a cross approximation has no place for such."""
+    whole = partial(study.solved, solve)
+    return whole(factors) if study.crossed else answered(whole, factors)
+
+
+def _check_share(study: Contents) -> None:
+    """Refuse a study of which a corner is refused where a few places in its box tell that this is most of the box.
+
+    How many of the factorial's are missing is known only when they are solved (`workflow.dataset.holes`).
+    """
+    count = _SCOUTS_OF_TABLES if study.tabled else _SCOUTS
+    shares = 2 * sobol_points(count, len(study.factors)).T - 1
+    inputs = [Input(name, axis.low, axis.high, axis.scale) for name, axis in study.factors.items()]
+    places = {one.name: xr.DataArray(one.from_unit(t), dims="place") for one, t in zip(inputs, shares, strict=True)}
+    least = MOST + _DEVIATIONS * np.sqrt(MOST * (1 - MOST) / count)
+    try:
+        answered(partial(study.solved, solve), {**study.fixed, **study.categories, **places}, least * count)
+    except (AllRefusedError, HolesError) as error:
+        raise ValueError(f"factors: the solver refuses more than {100 * MOST:.0f} % of the box: {error}") from None
 
 
 def check_fields(study: Contents) -> None:

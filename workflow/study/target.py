@@ -207,7 +207,7 @@ class Target(Strict):
             for name in one.over:
                 if name not in (*self.worst_case, *self.random):
                     raise ValueError(f"{_part(one)}: {one}: {name!r} is none of worst_case, uncertain or tolerance")
-        if self.statistic.drawn and any(one.deviation for one in self.objectives):
+        if self.statistic.drawn and any(objective.deviation for objective in self.objectives):
             raise ValueError(f"robust: {self.robust!r}: a deviation is an objective as it is; must be 'worst case'")
         combinations = prod(len(variable.choices) or 1 for variable in self.variables.values())
         if combinations > MOST_CHOICES:

@@ -103,7 +103,7 @@ def uncertain(study: Study, asked: Mapping[str, float | None] | None = None) -> 
     if not found:
         raise InputError(f"{study.path}: no material whose constants could be uncertain")
     if asked is None:
-        return [one for families in found.values() for one in families]
+        return [family for families in found.values() for family in families]
     return [_asked(name, std, found, study) for name, std in asked.items()]
 
 
@@ -112,7 +112,7 @@ def own(study: Study, constants: list[Constant]) -> list[Constant]:
 
     The prior standard deviation is the scatter of other published values about their family's mean, and 3 % at least.
     """
-    named, found = {one.name for one in constants}, []
+    named, found = {constant.name for constant in constants}, []
     for one in constants:
         material = find(one.material, study.own_materials)
         for name in members(material, one.family):
@@ -174,7 +174,7 @@ def _constants(name: str, material: Material) -> list[Constant]:
 
 
 def _asked(name: str, std: float | None, found: Mapping[str, list[Constant]], study: Study) -> Constant:
-    known = {one.name: one for families in found.values() for one in families}
+    known = {family.name: family for families in found.values() for family in families}
     if name not in known:
         material, _, constant = name.rpartition(" ")
         own = find(material, study.own_materials) if material in found else None
@@ -187,8 +187,8 @@ def _asked(name: str, std: float | None, found: Mapping[str, list[Constant]], st
 def _spread(material: Material, names: tuple[str, ...]) -> float:
     """The usual prior, or the most that other published values of a family are off by on average, as logarithms."""
     largest = USUAL
-    for one in material.variants():
-        pairs = [(float(getattr(one, name)), float(getattr(material, name))) for name in names]
+    for variant in material.variants():
+        pairs = [(float(getattr(variant, name)), float(getattr(material, name))) for name in names]
         off = [np.log(a / b) for a, b in pairs if a * b > 0]
         largest = max(largest, abs(float(np.mean(off)))) if off else largest
     return largest
@@ -197,8 +197,8 @@ def _spread(material: Material, names: tuple[str, ...]) -> float:
 def _scatter(material: Material, family: str) -> float:
     """Deviation of the logarithms of other published values about their family's mean, the widest of the variants."""
     largest = OWN
-    for one in material.variants():
-        pairs = [(float(getattr(one, name)), float(getattr(material, name))) for name in members(material, family)]
+    for variant in material.variants():
+        pairs = [(float(getattr(variant, name)), float(getattr(material, name))) for name in members(material, family)]
         off = [np.log(a / b) for a, b in pairs if a * b > 0]
         largest = max(largest, float(np.std(off, ddof=1))) if len(off) > 1 else largest
     return min(largest, _MOST_OWN)

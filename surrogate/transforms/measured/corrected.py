@@ -64,6 +64,7 @@ class CorrectedGP(Transformed):
         self._describe(nominal.inputs_, nominal.outputs_, nominal.attrs_)
         self.cases_, self.level_ = nominal.cases_, nominal.level_
         self.nominal_, self.effect_, self.made_from_ = nominal, effect, nominal.made_from_
+        self.region_ = nominal.region_
         self.constants_, self.about_, self.draws_ = dict(constants), about, tuple(draws)
         self.rows_, self.effect_std_, self.learnt_ = rows, effect_std, learnt
 
@@ -192,13 +193,13 @@ class CorrectedGP(Transformed):
                     ("draw", "constant", "other_constant"), np.stack([one.covariance for one in self.draws_]),
                 ),
                 "draw_noise": (("draw", at), np.stack([
-                    self._flat([one.noise for one in draw.discrepancies.values()]) for draw in self.draws_
+                    self._flat([own.noise for own in draw.discrepancies.values()]) for draw in self.draws_
                 ])),
                 "draw_amplitude": (("draw", "discrepancy"), np.array([
-                    [one.amplitude for one in draw.discrepancies.values()] for draw in self.draws_
+                    [discrepancy.amplitude for discrepancy in draw.discrepancies.values()] for draw in self.draws_
                 ])),
                 "draw_length": (("draw", "discrepancy", "input"), np.array([
-                    [one.lengths for one in draw.discrepancies.values()] for draw in self.draws_
+                    [discrepancy.lengths for discrepancy in draw.discrepancies.values()] for draw in self.draws_
                 ])),
             },
             coords={"constant": names, "discrepancy": [self.outputs_[q] for q in first]},

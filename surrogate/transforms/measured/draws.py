@@ -29,8 +29,8 @@ class Draw:
     def of(cls, discrepancies: Mapping[int, Discrepancy], prior: Array) -> "Draw":
         """Return what the measured values say of constants of these prior deviations (k,), zero where one is known."""
         precision, weighted = np.zeros((len(prior), len(prior))), np.zeros(len(prior))
-        for one in discrepancies.values():
-            own, estimate = one.information
+        for discrepancy in discrepancies.values():
+            own, estimate = discrepancy.information
             precision += own
             weighted += estimate
         return cls(*posterior(precision, weighted, prior), discrepancies)
@@ -66,6 +66,6 @@ def moments(parts: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
 
 def mixture(draws: Sequence[Draw]) -> tuple[Array, Array]:
     """Return mean (k,) and covariance (k, k) of the scaled constants over all draws."""
-    means = np.stack([one.mean for one in draws])
+    means = np.stack([draw.mean for draw in draws])
     away = means - means.mean(axis=0)
-    return means.mean(axis=0), np.mean([one.covariance for one in draws], axis=0) + away.T @ away / len(draws)
+    return means.mean(axis=0), np.mean([draw.covariance for draw in draws], axis=0) + away.T @ away / len(draws)

@@ -106,11 +106,16 @@ def test_the_table_of_films_with_air_is_the_solver_s() -> None:
         ),
         (
             AIR | {"profile": "disc", "width": 1e-3, "force": 1.0},
-            "surroundings: 'air' is not allowed: the punch has a corner",
+            "surroundings: 'air' is not allowed: a disc's face touches all over",
         ),
         (
             AIR | {"profile": "cone", "slope": 0.1, "force": 1.0},
-            "surroundings: 'air' is not allowed: only a sphere has a size at which its gap ends",
+            "gap_radius: missing; must be a finite number > 0 [m]: a cone or a power beside air says nowhere",
+        ),
+        (AIR | {"gap_radius": 0.1}, "gap_radius: 0.1 beside a contact along a line; only a point's gap has one"),
+        (
+            {"profile": "sphere", "force": 1.0, "gap_radius": 0.1},
+            "gap_radius: 0.1 without surroundings: air; only its gap has one",
         ),
     ],
 )

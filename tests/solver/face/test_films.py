@@ -126,7 +126,7 @@ def test_many_cases_and_positions_are_those_of_one_each() -> None:
 
 
 def test_similarity_and_answers_that_do_not_hang_on_their_neighbours() -> None:
-    """hc/h, V/P, depth/P, K sqrt(h)/P hang on P R/h^2 and T/P alone; a case alone answers as in a table."""
+    """hc/h, V/P, depth/P, K sqrt(h)/P depend on P R/h^2 and T/P alone; a case alone answers as in a table."""
     h = np.array([0.1e-3, 0.5e-3, 2e-3, 1e-5])
     factor = h / h[0]
     load = 2e4 * factor

@@ -57,7 +57,7 @@ GRID: dict[str, Any] = {
     "datum": [0.2, 1.0],
 }
 POSITIONS = (-2.0, -0.5, 0.9, 1.001)
-#: Friction, both charges: nothing that hangs on the datum does so by chance alone.
+#: Friction, both charges: nothing that depends on the datum does so by chance alone.
 CASE_OF_DATUM: dict[str, Any] = {
     "volume_fraction": 0.67, "radius": 0.14, "load": 1e4, "friction": 0.4, "charge": 1e-7, "magnetic_charge": -1e-3
 }  # fmt: skip

@@ -147,6 +147,51 @@ def test_discs_strips_and_neighbours_below_a_ball() -> None:
     share = np.where(middle < 1e-4, 1.0, 2 / np.pi * np.arcsin(np.minimum(1e-4 / middle, 1.0)))
     strip = solver.solve(case | {"patch_size": 2e-4, "patch": "strip"})
     assert inside[0] + density @ share == pytest.approx(float(strip["patch_charge_per_force"]), rel=1e-4)
+    # the share of a circle that lies in a rectangle of 2e-4 x 3e-4
+    sides = [np.minimum(half / middle, 1.0) for half in (1e-4, 1.5e-4)]
+    share = np.maximum(2 / np.pi * (np.arcsin(sides[1]) - np.arccos(sides[0])), 0.0)
+    rectangle = case | {"patch_size": 2e-4, "patch": "rectangle"}
+    square = charge(solver.solve(rectangle | {"patch_length": 3e-4}), "patch_charge_per_force")
+    assert inside[0] + density @ share == pytest.approx(float(square), rel=1e-4)
+    endless = charge(solver.solve(rectangle | {"patch_length": 0.05}), "patch_charge_per_force")
+    assert endless == pytest.approx(charge(strip, "patch_charge_per_force"), rel=1e-9)
+    ring = solver.solve(case | {"patch": "ring", "patch_size": 4e-4, "patch_hole": 2e-4, "patch_position": 1e-4})
+    discs = solver.solve(case | {"patch_size": [4e-4, 2e-4], "patch_position": 1e-4})
+    outer, inner = charge(discs, "patch_charge_per_force")
+    assert charge(ring, "patch_charge_per_force") == pytest.approx(outer - inner, rel=1e-12)
+
+
+def test_rectangles_side_by_side_are_one_and_have_its_gradient() -> None:
+    body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)])
+    case = BALL | {"force": 0.3, "body": body, "collector": 2, "patch": "rectangle", "patch_length": 7e-4}
+    places = [-2e-4, 0.0, 2e-4, 4e-4]
+    parts = charge(solver.solve(case | {"patch_size": 2e-4, "patch_position": places}), "patch_charge_per_force")
+    one = charge(solver.solve(case | {"patch_size": 8e-4, "patch_position": 1e-4}), "patch_charge_per_force")
+    assert np.sum(parts) == pytest.approx(float(one), rel=1e-10)
+    step, pitch = 1e-6, 3e-4
+    read = solver.solve(case | {"patch_size": 2e-4, "patch_pitch": pitch})
+    near = solver.solve(case | {"patch_size": 2e-4, "patch_position": [pitch / 2 - step, pitch / 2 + step]})
+    before, after = charge(near, "patch_charge_per_force")
+    assert float(read["patch_charge_gradient"]) == pytest.approx((before - after) / step, rel=1e-4)
+
+
+def test_what_a_base_stretches_leads_on_to_the_free_slab_s_d33() -> None:
+    """The charge goes straight with the stretch along the film, k_1 of its base: on to that of a slab nothing holds.
+
+    A half-space widens by -1/(c11 + c12) per pressure (isotropic), a rigid one by nothing, the free slab by -2 s13.
+    """
+    # of stresses along and across by strains along, both alike, and across
+    compliance = np.linalg.inv([[PZT.c11 + PZT.c12, PZT.c13], [2 * PZT.c13, PZT.c33]])
+    along, across = compliance @ [0.0, 1.0]
+    free = float(2 * PZT.e31 * along + PZT.e33 * across)
+    assert free == pytest.approx(291e-12, rel=2e-3)  # of the printed set
+    stiff = [Stack([Layer(PZT, 1e-4)], base, electroded=True) for base in ("rigid", GLASS, solver.find("polyimide"))]
+    charges = [-float(Electrode(one, 2).whole[0]) * one.scale[1] / one.scale[2] for one in stiff]
+    stretch = np.array([0.0, *(-1 / float(base.c11 + base.c12) for base in (GLASS, solver.find("polyimide")))])
+    slopes = np.diff(charges) / np.diff(stretch)
+    assert slopes[1] == pytest.approx(slopes[0], rel=1e-9)
+    reached = charges[0] + slopes[0] * float(-2 * along)
+    assert abs(reached) == pytest.approx(free, rel=1e-9)
 
 
 def test_a_thin_metal_on_top_tends_to_the_electrode_without_stiffness() -> None:
@@ -163,11 +208,14 @@ def test_a_thin_metal_on_top_tends_to_the_electrode_without_stiffness() -> None:
 READ = {"body": Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)]), "collector": 1}
 REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
     "no such electrode": (BALL | READ | {"collector": 3}, "collector: 3 is not one of the 2 electrodes of"),
-    "a ball that slides": (BALL | READ | {"friction": 0.1}, "friction: 0.1 of a point contact above an electrode"),
+    "a ball that slides above a patch": (
+        BALL | READ | {"friction": 0.1, "patch_size": 1e-3},
+        "friction: 0.1 of a point contact above a patch that is read; must be 0",
+    ),
     "half an electrode": (BALL | READ | {"collector": 1.5}, r"collector: 1.5 is not a whole number >= 1 \[1\]"),
     "neighbours that touch": (
         BALL | READ | {"patch_size": 1e-3, "patch_pitch": 9e-4},
-        "patch_pitch: 0.0009 is less than patch_size: a patch would touch its neighbour",
+        "patch_pitch: 0.0009 is not more than patch_size: a patch would touch its neighbour",
     ),
     "too large": (
         BALL | READ | {"patch_size": 1.0},
@@ -182,17 +230,21 @@ REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
         ROLLER | READ | {"patch_size": 1e-3, "patch": "disc"},
         "patch: 'disc' below a contact along",
     ),
-    "patches on top": (
-        {
-            "material": "BaTiO3",
-            **BALL,
-            "thickness": 1e-4,
-            "base": "rigid",
-            "electrode": "top",
-            "collector": 1,
-            "patch_size": 1e-3,
-        },
-        "patch_size: of the electrode on top",
+    "a rectangle without a length": (
+        BALL | READ | {"patch_size": 1e-3, "patch": "rectangle"},
+        r"patch: 'rectangle' without a patch_length, which must be a finite number > 0 \[m\]",
+    ),
+    "a hole as large as the ring": (
+        BALL | READ | {"patch_size": 1e-3, "patch": "ring", "patch_hole": 1e-3},
+        "patch_hole: 0.001 is not less than patch_size",
+    ),
+    "a disc with a length": (
+        BALL | READ | {"patch_size": 1e-3, "patch": "disc", "patch_length": 1e-3},
+        "patch_length: 0.001 of a patch that is no rectangle",
+    ),
+    "a length alone": (
+        BALL | READ | {"patch_size": 1e-3, "patch_length": 1e-3},
+        "patch: missing; patch_length needs it; must be rectangle",
     ),
     "charge on top": (
         {"material": "BaTiO3", **BALL, "thickness": 1e-4, "base": "rigid", "electrode": "top", "total_charge": 1e-9},

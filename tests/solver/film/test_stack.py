@@ -1,12 +1,16 @@
 """Materials in Fourier space and the recursion of stacks against closed forms and refusals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import solver
+from solver import MaterialError, find
 from solver.film.fourier import Medium, falling
+from solver.film.grading import Graded
 from solver.film.reflection import held, low, sideways, waves
-from solver.film.stack import Layer, Stack, StackError
+from solver.film.stack import Layer, Stack
 
 BTO, STEEL, ELASTIC = solver.find("BaTiO3"), solver.find("steel"), solver.Material.isotropic(200e9, 0.3)
 FIBROUS = solver.fibrous(BTO, solver.find("CoFe2O4"), 0.5)
@@ -104,7 +108,10 @@ def test_insulated_base_sends_the_flux_sideways() -> None:
             "interface_electric: 'floating' is unknown; allowed are grounded, bonded",
         ),
         (lambda: Stack(()), "layers: none"),
-        (lambda: Stack((Layer(BTO, 1.0),), "soft"), "base: 'soft' is unknown"),  # type: ignore[arg-type]
+        (lambda: Stack((Layer(BTO, 1.0),), "soft"), "base: material: 'soft' is unknown"),
+        (lambda: Layer("coper", 1e-6), "material: 'coper' is unknown; did you mean 'copper'"),
+        (lambda: Layer(BTO, "20 V"), "thickness: '20 V': unit mismatch"),
+        (lambda: Layer(BTO, "-20 um"), "thickness: -2e-05 is not allowed"),
         (lambda: Stack((Layer(BTO, 1.0, "bonded"),)), "interface_electric: 'bonded' is not allowed above a rigid base"),
         (lambda: Stack((Layer(BTO, 1.0, magnetic="insulated"),), STEEL), "interface_magnetic: 'insulated' is allowed"),
         (lambda: Stack((Layer(BTO, 1.0, magnetic="bonded"),)), "interface_magnetic: 'bonded' is not allowed"),
@@ -113,5 +120,12 @@ def test_insulated_base_sends_the_flux_sideways() -> None:
 )
 def test_bad_stacks_are_refused_by_name(make: object, said: str) -> None:
     assert callable(make)
-    with pytest.raises(StackError, match=said):
+    with pytest.raises(MaterialError, match=said):
         make()
+
+
+def test_layers_and_bases_may_be_named_and_thicknesses_bear_units() -> None:
+    named, given = Stack([Layer("copper", "20 um")], "silicon"), Stack([Layer(find("copper"), 20e-6)], find("silicon"))
+    assert named.name == given.name
+    assert replace(named.layers[0], thickness=1e-4).material is find("copper")
+    assert Graded(lambda depth: solver.fibrous(BTO, find("CoFe2O4"), 0.5), "200 um").thickness == 2e-4

@@ -42,7 +42,7 @@ def test_stresses_below_a_ball_are_huber_s() -> None:
 
 @pytest.mark.parametrize("more", [{}, {"thickness": 1.2e-4, "base": "steel"}], ids=["half-space", "film"])
 def test_fields_are_in_balance_and_obey_the_material(more: dict[str, Any]) -> None:
-    """Differences: what does not hang on the angle balances in space; stresses and fields obey the material in both.
+    """Differences: what does not depend on the angle balances in space; stresses and fields obey the material in both.
 
     The parts of 1 and of cos(angle) are told apart by mirrored points.
     """
@@ -71,7 +71,7 @@ def test_fields_are_in_balance_and_obey_the_material(more: dict[str, Any]) -> No
     radial, hoop, normal = (parts(f"stress_{name}") for name in ("xx", "zz", "yy"))
     shear, displacement = along_r("stress_xy"), along_r("electric_displacement_x")
     size = float(np.abs(found["stress_yy"]).max())
-    first = 0  # without friction nothing hangs on the angle
+    first = 0  # without friction nothing depends on the angle
     assert abs(dr(radial[first]) + dy(shear[first]) + (radial[first] - hoop[first])[1, 1] / X) < 1e-4 * size
     assert abs(dr(shear[first]) + dy(normal[first]) + shear[first][1, 1] / X) < 1e-4 * size
     up = parts("electric_displacement_y")
@@ -142,3 +142,34 @@ def test_stresses_of_a_film_are_integrals_of_its_system() -> None:
         found += weight * q * (a / h) ** 2 * state[5] / medium.scale[1] * jv(0, q * x * a / h)
     solved = float(inside(case, [x], [y], ["stress_yy"])["stress_yy"].squeeze())
     assert solved == pytest.approx(found, rel=2e-8)
+
+
+FIBROUS = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
+CHARGED: dict[str, Any] = BALL | {"material": FIBROUS, "friction": 0.3, "total_charge": 1e-9, "total_flux": 1e-9}
+
+
+@pytest.mark.parametrize("more", [{}, {"thickness": 8e-5, "base": "steel"}], ids=["half-space", "film"])
+def test_potentials_fall_as_the_fields_say_and_are_the_punch_s_on_the_contact(more: dict[str, Any]) -> None:
+    """Central differences, near the surface and deep; at 0.01 a and above the half-space's part is closed."""
+    case, step = CHARGED | more, 3e-4
+    punch = solver.solve(case)
+    a = float(punch["contact_radius"])
+    for kind, strength in (("electric", punch["voltage"]), ("magnetic", punch["magnetic_potential"])):
+        potential, along, across = f"{kind}_potential", f"{kind}_field_x", f"{kind}_field_y"
+        for X, Y in ((-0.4, -0.02), (1.4, -0.02), (0.6, -0.3)):
+            points = [X - step, X, X + step], [Y - step, Y, Y + step]
+            found = inside(case, *points, [potential, along, across])
+            values = found[potential].values.squeeze() / (2 * step * a)
+            field = [found[name].values.squeeze()[1, 1] for name in (along, across)]
+            falls = [values[1, 0] - values[1, 2], values[0, 1] - values[2, 1]]
+            np.testing.assert_allclose(falls, field, atol=1e-5 * float(np.hypot(*field)), rtol=0)
+        surface = inside(case, [-0.7, 0.0, 0.95], [0.0], [potential])[potential].values.ravel()
+        np.testing.assert_allclose(surface, float(strength), rtol=2e-9)
+
+
+def test_potentials_vanish_far_away_and_are_none_without_a_ground() -> None:
+    near, far = (inside(CHARGED, [x], [-x], ["electric_potential"])["electric_potential"].item() for x in (1.0, 40.0))
+    assert abs(far) < 0.05 * abs(near)
+    with pytest.raises(solver.MaterialError, match=r"^fields: 'magnetic_potential' over a base that passes no flux on"):
+        inside(CHARGED | {"thickness": 8e-5, "base": "rigid", "interface_magnetic": "insulated"}, [0.0], [-0.5],
+               ["magnetic_potential"])  # fmt: skip

@@ -8,7 +8,7 @@ import pytest
 import solver
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
-from solver.point import sliding
+from solver.point import slidingtable
 
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
 
@@ -42,6 +42,18 @@ def test_half_space_shifts_by_half_the_plane_s_angle(punch: str) -> None:
         assert float(film[name]) == pytest.approx(float(found[name]), rel=1e-10, abs=0)
 
 
+def test_below_an_electrode_it_shifts_as_a_body_whose_surface_is_grounded() -> None:
+    """phi = 0 on the surface takes D_y out of N and k; half-spaces are films of the base's own material."""
+    titanate = solver.find("BaTiO3")
+    bonded = {"thickness": 4e-5, "base": "BaTiO3", "interface_electric": "bonded"}
+    found = solver.solve(BALL | bonded | {"friction": 0.3, "electrode": "top", "magnetic": "insulating"})
+    half = HalfPlane(titanate)
+    (N, k), phi = (half.compliance, half.friction_coupling), 1
+    turned = k[0] - k[phi] * N[0, phi] / N[phi, phi]
+    angle = 0.3 * turned / (N[0, 0] - N[0, phi] ** 2 / N[phi, phi])
+    assert float(found["contact_offset"] / found["contact_radius"]) == pytest.approx(-angle / np.pi, rel=1e-12)
+
+
 def test_tension_beside_the_trailing_edge_is_that_of_the_fields_inside() -> None:
     for more in ({}, {"thickness": 1e-4, "base": "steel"}):
         case = BALL | {"friction": 0.3} | more
@@ -57,10 +69,10 @@ def test_films_do_not_hang_on_the_number_of_nodes(monkeypatch: pytest.MonkeyPatc
     case = BALL | {"thickness": 5e-5, "base": "rigid", "friction": 0.3}
     names = ["contact_offset", "electric_edge_intensity_trailing", "magnetic_edge_intensity_leading"]
     usual = solver.solve(case)[names]
-    monkeypatch.setattr(sliding, "_FIRST", 36)
-    sliding.sliding_window.cache_clear()
+    monkeypatch.setattr(slidingtable, "_FIRST", 36)
+    slidingtable.sliding_window.cache_clear()
     finer = solver.solve(case)[names]
-    sliding.sliding_window.cache_clear()
+    slidingtable.sliding_window.cache_clear()
     for name in names:
         np.testing.assert_allclose(usual[name], finer[name], rtol=1e-9, atol=0)
 
@@ -68,7 +80,32 @@ def test_films_do_not_hang_on_the_number_of_nodes(monkeypatch: pytest.MonkeyPatc
 def test_friction_at_first_order_is_felt_by_what_a_mirror_tells_apart() -> None:
     """Force, radius and depth do not change; the punch that is insulating has no D that slides."""
     at_rest, slid = (solver.solve(BALL | {"friction": eta, "electric": "insulating"}) for eta in (0.0, 0.3))
-    for name in ("contact_radius", "depth", "peak_pressure"):
+    for name in ("contact_radius", "depth"):
         assert float(slid[name]) == float(at_rest[name])
+    # largest at the centre: of the second order
+    assert 0 < float(slid["peak_pressure"] / at_rest["peak_pressure"]) - 1 < 2e-3
     assert "electric_edge_intensity_trailing" not in slid
     assert float(slid["contact_offset"]) > 0
+
+
+POWER: dict[str, Any] = {"material": "BaTiO3", "profile": "power", "exponent": 4.0, "coefficient": 1e8, "force": 10.0}
+RAISED: dict[str, Any] = BALL | {"force": 30.0, "thickness": 1e-4, "base": "polyimide"}  # largest at 0.7 a
+
+
+@pytest.mark.parametrize("case", [BALL, POWER, POWER | {"exponent": 2.5, "coefficient": 1e3}, RAISED],
+                         ids=["ball", "power", "kinked power", "film"])  # fmt: skip
+def test_largest_pressure_is_that_of_the_fields_on_the_surface(case: dict[str, Any]) -> None:
+    """Which are found inside and continued: another way from the same densities."""
+    sliding = case | {"friction": 0.3}
+    coarse = np.linspace(-0.98, 0.98, 50)
+    best = coarse[np.argmax(solver.solve(sliding, coarse)["contact_pressure"].values.ravel())]
+    near = best + 0.04 * np.cos(np.pi * np.arange(9) / 8)
+    pressure = solver.solve(sliding, near)["contact_pressure"].values.ravel()
+    series = np.polynomial.chebyshev.Chebyshev.fit(near, pressure, 8)
+    top = float(np.max(series(best + 0.04 * np.linspace(-1, 1, 20001))))
+    assert float(solver.solve(sliding)["peak_pressure"]) == pytest.approx(top, rel=1e-8)
+
+
+def test_a_sharp_apex_bears_what_it_bears_at_rest() -> None:
+    blunt = solver.solve(POWER | {"exponent": 1.5, "coefficient": 1.0, "friction": np.array([0.0, 0.3])})
+    assert float(blunt["peak_pressure"][1]) == float(blunt["peak_pressure"][0])

@@ -13,7 +13,7 @@ from solver.halfplane.profile import Profile
 from solver.halfplane.punch import RIGID_PUNCH, Punch
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
 from solver.surroundings.coupled import AirContact
-from solver.surroundings.table import AirTable
+from solver.surroundings.table import AirTable, farthest
 
 BTO, CFO, PZT, STEEL = (solver.find(name) for name in ("BaTiO3", "CoFe2O4", "PZT-4", "steel"))
 FIBROUS = solver.fibrous(BTO, CFO, 0.8)
@@ -54,4 +54,5 @@ def airy(
     )  # fmt: skip
     near = of.narrowed(float(bare.half_width[0]), 1.06, nodes)
     filled = permittivity * np.array([VACUUM_PERMITTIVITY, VACUUM_PERMEABILITY])
-    return AirContact(AirTable(near), replace(bare, table=near), filled, held)
+    contact = replace(bare, table=near)
+    return AirContact(AirTable(near, farthest(contact, filled)), contact, filled, held)

@@ -1,4 +1,4 @@
-"""Spheres with air beside the contact: finite elements of somebody else, the theorem, no air, twins, neighbours."""
+"""Points with air beside the contact: finite elements of somebody else, the theorem, no air, twins, neighbours."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -56,6 +56,48 @@ def test_finite_elements_of_body_and_gap_agree(
     found = answer(SPHERE | given | {"force": other.force})
     expected = [radius, other.depth, other.voltage]
     np.testing.assert_allclose([found[name] for name in ("contact_radius", "depth", "voltage")], expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("power", "tolerance"), [((1.0, 0.05), 1e-6), ((4.0, 1e9), 3e-8)])
+def test_finite_elements_below_a_cone_and_a_power_agree(power: tuple[float, float], tolerance: float) -> None:
+    """With the gap's end given; a cone's kinked apex is harder on the elements."""
+    own = constants(BTO) | {"c12": float(BTO.c12)}
+    other = PointContact([Layer(own, 1e-4)], None, 5e-3, 5e-5, power=power)
+    profile = {"profile": "power", "exponent": power[0], "coefficient": power[1]}
+    if power[0] == 1:
+        profile = {"profile": "cone", "slope": power[1]}
+    case = {name: value for name, value in FILM.items() if name not in ("radius", "interface_electric")}
+    found = answer(case | profile | {"base": "rigid", "gap_radius": 5e-3, "force": other.force})
+    expected = [5e-5, other.depth, other.voltage]
+    np.testing.assert_allclose(
+        [found[name] for name in ("contact_radius", "depth", "voltage")], expected, rtol=tolerance
+    )
+    assert ("peak_pressure" in found) == ("peak_displacement" in found) == (power[0] > 1)
+
+
+def test_a_gap_s_end_is_a_sphere_s_radius_unless_it_is_said() -> None:
+    """A power of 2 is a sphere; four times the end adds 4 pi eps0 R log 4 to the capacitance."""
+    sphere = answer(HALF)
+    bare = {name: value for name, value in HALF.items() if name != "radius"}
+    power = answer(bare | {"profile": "power", "exponent": 2.0, "coefficient": 100.0, "gap_radius": 5e-3})
+    for name, value in sphere.items():
+        assert power[name] == pytest.approx(value, rel=1e-12), name
+    wide = answer(HALF | {"gap_radius": 2e-2})
+    more = wide["contact_capacitance"] - sphere["contact_capacitance"]
+    assert more == pytest.approx(4 * np.pi * VACUUM_PERMITTIVITY * 5e-3 * np.log(4), rel=0.02)
+
+
+def test_a_gap_that_ends_within_the_contact_is_refused() -> None:
+    radius = answer(HALF)["contact_radius"]
+    assert answer(HALF | {"gap_radius": 1.1 * radius})["contact_radius"] == pytest.approx(radius, rel=1e-3)
+    with pytest.raises(solver.FactorError, match=r"^gap_radius: .* is less than the contact's radius [0-9.e-]+ m: "):
+        answer(HALF | {"gap_radius": 0.9 * radius})
+
+
+def test_friction_leaves_what_is_even_in_it_and_drops_the_largest_beside_the_edge() -> None:
+    with_friction, at_rest = (answer(HALF | {"friction": eta}) for eta in (0.2, 0.0))
+    assert set(at_rest) - set(with_friction) == {"peak_displacement", "gap_field"}
+    assert all(at_rest[name] == value for name, value in with_friction.items())
 
 
 @pytest.mark.parametrize("case", [HALF, HALF | {"punch": "steel"}, HALF | MIXED | {"total_flux": 0.0}])
@@ -124,10 +166,10 @@ def test_air_changes_what_theory_says_it_changes() -> None:
     assert oil["contact_capacitance"] > air["contact_capacitance"] > bare["contact_capacitance"]
 
 
-@pytest.mark.parametrize("ratio", [0.3, 40.0])
-def test_loads_are_those_of_the_galerkin_tables(ratio: float) -> None:
+@pytest.mark.parametrize(("ratio", "exponent"), [(0.3, 2.0), (40.0, 2.0), (0.3, 1.0), (3.0, 1.5)])
+def test_loads_are_those_of_the_galerkin_tables(ratio: float, exponent: float) -> None:
     """Two discretisations, one in distances and Gauss's nodes, one in wavenumbers and Legendre functions."""
-    kind = PointKind(film(BTO), (True, False), Shape(2.0))
+    kind = PointKind(film(BTO), (True, False), Shape(exponent))
     stack = kind.film.stack()
     own = RingOperators(rings(), (0,), kind.compliance, kind.shape, spread(stack), strip(stack))
     found = own.at(ratio)[own.rows.loads, : own.rows.causes]

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from sklearn.base import clone
 from sklearn.model_selection import GridSearchCV, KFold, cross_val_score
 from sklearn.pipeline import make_pipeline
-from sklearn.preprocessing import StandardScaler
+from sklearn.preprocessing import MinMaxScaler, StandardScaler
 from sklearn.utils.estimator_checks import check_estimator, estimator_checks_generator
 
 from surrogate import FactorialRegressor, GridGP, Input, OutOfBoxError, ScatterGP, chebyshev_levels
+from surrogate.gp.exact import Exact
 
 Array = NDArray[np.float64]
 
@@ -49,6 +50,30 @@ def table(X: Array, names: list[str]) -> Any:
 def test_every_check_of_scikit_learn_passes() -> None:
     found = check_estimator(FactorialRegressor(), on_skip=None)
     assert {one["check_name"] for one in found if one["status"] != "passed"} <= {"check_array_api_input"}
+
+
+def test_the_checks_of_weights_and_one_column_pass_by_the_chebyshev_kernel() -> None:
+    asked = ("check_sample_weight", "check_fit2d_1feature")
+    names = set()
+    for estimator, check in estimator_checks_generator(FactorialRegressor(kernel="chebyshev")):
+        if check.func.__name__.startswith(asked):
+            names.add(check.func.__name__)
+            check(estimator)
+    assert names >= {"check_fit2d_1feature", "check_sample_weights_pandas_series", "check_sample_weights_not_an_array"}
+
+
+def test_levels_of_another_kind_are_scattered_cases_to_the_chebyshev_kernel() -> None:
+    X = factorial([np.linspace(0, 1, 8), np.linspace(1, 3, 7)])
+    y = np.exp(X[:, 0] / X[:, 1])
+    model = FactorialRegressor(kernel="chebyshev").fit(X, y)
+    assert isinstance(model.model_, ScatterGP)
+    at = np.random.default_rng(0).uniform([0, 1], [1, 3], (50, 2))
+    # a rank of half of the cases, 28 products of degrees, leaves 3e-3
+    np.testing.assert_allclose(model.predict(at), np.exp(at[:, 0] / at[:, 1]), atol=1e-2)
+    with pytest.raises(ValueError, match="8 levels are no Chebyshev-Gauss levels"):
+        FactorialRegressor("factorial", "chebyshev").fit(X, y)
+    exact = FactorialRegressor(kernel="chebyshev").fit(factorial(LEVELS), factorial(LEVELS)[:, 0])
+    assert isinstance(exact.model_, GridGP)
 
 
 def test_the_checks_of_scikit_learn_pass() -> None:
@@ -159,9 +184,65 @@ def test_double_rows_count_once_and_missing_ones_are_told() -> None:
     again = FactorialRegressor().fit(doubled, truth(doubled))
     assert isinstance(again.model_, GridGP)
     np.testing.assert_allclose(again.predict(fresh()), whole.predict(fresh()), rtol=1e-12)
-    y = truth(doubled)
-    y[-1] += 0.1  # noise: no interpolation of it
-    assert isinstance(FactorialRegressor().fit(doubled, y).model_, ScatterGP)
-    for some in (X[1:], X[[1, *range(1, 210)]]):  # the second: as many cases as combinations, but one of them twice
-        with pytest.warns(UserWarning, match="1 of the 210 combinations of 6 x 7 x 5 levels are missing"):
-            assert isinstance(FactorialRegressor().fit(some, truth(some)).model_, ScatterGP)
+    some = factorial([LEVELS[0], LEVELS[2]])
+    noisy = np.concatenate([some, some[:1]])
+    y = np.append(some[:, 0], some[0, 0] + 0.1)  # no interpolation of it
+    assert isinstance(FactorialRegressor().fit(noisy, y).model_, ScatterGP)
+    found = whole.predict(fresh())
+    # the second: as many cases as combinations, but one of them twice; the last lacks eight
+    for some, missing in ((X[1:], 1), (X[[1, *range(1, 210)]], 1), (X[8:], 8)):
+        with pytest.warns(UserWarning, match=f"{missing} of the 210 combinations of 6 x 7 x 5 levels are missing"):
+            model = FactorialRegressor().fit(some, truth(some))
+        assert isinstance(model.model_, GridGP)
+        # what fills in is as good as the factorial: its own error here is 1e-8 of the range
+        np.testing.assert_allclose(model.predict(fresh()), found, atol=1e-10 * np.ptp(found))
+
+
+def test_a_scaler_before_it_changes_nothing() -> None:
+    X = factorial(LEVELS)
+    whole = FactorialRegressor().fit(X, truth(X)).predict(fresh())
+    for scaler in (StandardScaler(), MinMaxScaler((-3, 5))):
+        model = make_pipeline(scaler, FactorialRegressor()).fit(X, truth(X))
+        assert model[-1].model_.kernel == "chebyshev"
+        assert np.flatnonzero(model[-1].shift_).tolist() == [1]  # that of the logarithmic levels
+        np.testing.assert_allclose(model.predict(fresh()), whole, atol=1e-12 * np.ptp(whole))
+    three = factorial([np.array([0.0, 0.3, 1.0]), *LEVELS[1:]])  # any three levels look like moved logarithms
+    by_levels = FactorialRegressor().fit(three, truth(three)).model_
+    assert isinstance(by_levels, GridGP)
+    assert by_levels.kernel == "matern52"
+
+
+def test_a_weight_counts_as_so_many_cases() -> None:
+    random = np.random.default_rng(2)
+    X = fresh(40)
+    y = truth(X) + 0.1 * random.normal(size=40)
+    weights = random.integers(0, 4, 40)
+    again = np.repeat(np.arange(40), weights)
+    for kernel in ("auto", "chebyshev"):
+        model = FactorialRegressor(kernel=kernel, design="scattered")
+        weighed = model.fit(X, y, weights).predict(fresh(9), return_std=True)
+        repeated = clone(model).fit(X[again], y[again]).predict(fresh(9), return_std=True)
+        np.testing.assert_allclose(weighed, repeated, rtol=1e-10)
+        plain = clone(model).fit(X, y).predict(fresh(9))
+        assert np.abs(weighed[0] - plain).max() > 1e-3
+    with pytest.raises(ValueError, match="Negative values in data passed to `sample_weight`"):
+        FactorialRegressor().fit(X, y, -np.ones(40))
+    with pytest.raises(ValueError, match="minimum of 2 is required"):
+        FactorialRegressor().fit(X, y, np.eye(40)[0])
+
+
+def test_what_a_weight_means_is_noise_of_so_many_times_less_variance() -> None:
+    """Weights of noise that is known: the mean is that of a process with these noises, by dense linear algebra."""
+    random = np.random.default_rng(3)
+    X, weights = np.sort(random.uniform(-1, 1, (60, 1)), axis=0), random.uniform(0.2, 5, 60)
+    y = np.sin(3 * X[:, 0]) + 0.2 * random.normal(size=60) / np.sqrt(weights)
+    model = FactorialRegressor(design="scattered").fit(X, y, weights).model_
+    assert isinstance(model, ScatterGP)
+    assert isinstance(model.process_, Exact)
+    assert model.weights_ is not None
+    regressor = model.process_.regressors[0]
+    noise = np.exp(regressor.kernel_.theta[-1]) * y.std() ** 2
+    assert 0.1**2 < noise < 0.4**2
+    K = regressor.kernel_.k1(regressor.X_train_) * y.std() ** 2
+    dense = K @ np.linalg.solve(K + np.diag(noise / model.weights_), model.values_[:, 0] - y.mean()) + y.mean()
+    np.testing.assert_allclose(model.predict_array(model.points_)[:, 0], dense, atol=1e-8)

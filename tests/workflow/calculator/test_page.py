@@ -10,7 +10,7 @@ import pytest
 import solver
 from solver.names import ALL_QUANTITIES
 from tests.workflow.report.browser import needs_browser, opened
-from workflow.calculator.films import FILMS
+from workflow.calculator.films import FILMS, variants
 from workflow.calculator.page import page
 from workflow.cli import main
 from workflow.run.provenance import ROOT
@@ -24,7 +24,10 @@ const set = (values) => {
   form.dispatchEvent(new Event("input"));
 };
 addEventListener("load", async () => {
-  out.first = { radius: seen("contact_radius"), verdict: text("verdict") };
+  const bands = (...names) => names.map((name) => document.querySelector(`[data-name=${name}] .band`).textContent);
+  const told = ["contact_radius", "charge_sensitivity", "peak_pressure"];
+  const words = text("band-words");
+  out.first = { radius: seen("contact_radius"), verdict: text("verdict"), bands: bands(...told), words };
   set({ material: "AlN", profile: "cylinder", radius: "2 cm", load: "50 kN/m", friction: "0.3", punch: "steel" });
   const names = ["width", "peak_pressure", "trailing_tension", "charge_sensitivity", "voltage"];
   out.line = Object.fromEntries(names.map((name) => [name, seen(name)]));
@@ -38,8 +41,13 @@ addEventListener("load", async () => {
   set({ radius: "50" });
   out.asked = text("radius-note");
   const ball = { profile: "sphere", radius: "0.1 mm", force: "1 mN" };
-  set({ material: "AlScN (30 % Sc) on silicon", thickness: "1 um", ...ball });
+  form.elements.material.value = "AlScN (30 % Sc) on silicon";
+  form.elements.material.dispatchEvent(new Event("input", { bubbles: true }));
+  out.thickness = form.elements.thickness.value;
+  set(ball);
   out.film = [seen("contact_radius"), seen("charge_sensitivity"), seen("peak_pressure")];
+  set({ profile: "cone", slope: "0.02" });
+  out.cone = seen("charge_sensitivity");
   set({ profile: "cylinder" });
   out.film_line = text("refused-words");
   set({ material: "own constants", ...ball, electric: "voltage", voltage: "25 V" });
@@ -75,7 +83,17 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     seen: dict[str, Any] = opened(page(), tmp_path, width, axe() + PROBE)
     assert seen["complaints"] == seen["violations"] == []
     assert not seen["wide"]
+    default = FILMS["PVDF on glass"] | {"profile": "sphere", "radius": 2.5e-3, "punch": "steel", "thickness": 110e-6}
     assert seen["first"]["verdict"] == "Within what is known of the material"
+    assert seen["first"]["words"].startswith("The face between film and base is grounded. The band is how far 4 other")
+    pressed, *moved = (
+        solver.solve({**default, "force": 0.01, "material": top, "base": base})
+        for top, base in variants(FILMS["PVDF on glass"])
+    )
+    told = ("contact_radius", "charge_sensitivity", "peak_pressure")
+    wide = [max(abs(float(other[name] / pressed[name] - 1)) for other in moved) for name in told]
+    assert seen["first"]["bands"] == [f"± {100 * one:.{1 if one < 0.1 else 2}g} %" for one in wide]
+    assert seen["first"]["radius"] == f"{1e6 * float(pressed['contact_radius']):.3g} µm"
     line = {"profile": "cylinder", "material": "AlN", "radius": 0.02, "load": 5e4, "friction": 0.3, "punch": "steel"}
     solved = solver.solve(line)
     assert seen["line"] == {
@@ -98,6 +116,10 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     assert "kg does not measure it" in note
     assert seen["asked"] == "50 is 50 m; did you mean 50 µm?"
     film = FILMS["AlScN (30 % Sc) on silicon"] | {"profile": "sphere", "radius": 1e-4, "thickness": 1e-6}
+    assert seen["thickness"] == "1 um"
+    coned = {"profile": "cone", "slope": 0.02, "thickness": 1e-6, "force": 1e-3, "punch": "steel"}
+    coned_charge = float(solver.solve(FILMS["AlScN (30 % Sc) on silicon"] | coned)["charge_sensitivity"])
+    assert seen["cone"] == f"{1e12 * coned_charge:.3g} pC/N"
     pressed = solver.solve(film | {"force": 1e-3, "punch": "steel"})
     radius, charge = (float(pressed[name]) for name in ("contact_radius", "charge_sensitivity"))
     assert seen["film"][:2] == [f"{1e9 * radius:.3g} nm", f"{1e12 * charge:.3g} pC/N"]
@@ -125,8 +147,11 @@ def test_the_command_and_the_site_have_this_page(tmp_path: Path, capsys: pytest.
 
 
 def test_the_command_refuses_what_is_no_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.main(["calculator", "-o", str(tmp_path / "mine.txt")]) == 2
-    assert capsys.readouterr().err == "meecontact: --output: 'mine.txt' must end in .html\n"
+    path = tmp_path / "mine.txt"
+    with pytest.raises(SystemExit, match="2"):
+        main.main(["calculator", "-o", str(path)])
+    told = f"argument -o/--output: '{path}': must end in .html: the answer is written as HTML\n"
+    assert capsys.readouterr().err == f"meecontact calculator: {told}"
     assert list(tmp_path.iterdir()) == []
 
 

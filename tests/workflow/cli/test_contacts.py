@@ -43,11 +43,19 @@ def test_a_table_mixes_punches_and_bodies(tmp_path: Path) -> None:
     [
         ("punch", "stel", "punch: 'stel' is unknown; did you mean 'steel'?"),
         ("punch_modulus,punch_poisson", "0,0.3", "punch_modulus: 0 is not a finite number > 0 [Pa]"),
+        ("punch_modulus,punch_poisson", "-1,0.3", "punch_modulus: -1 is not a finite number > 0 [Pa]"),
+        ("punch_modulus,punch_poisson", "nan,0.3", "punch_modulus: nan is not a finite number > 0 [Pa]"),
+        ("punch_modulus,punch_poisson", "1e9,-1", "punch_poisson: -1 is not a finite number > -1 and < 0.5 [1]"),
         ("punch_modulus,punch_poisson", "1e9,0.5", "punch_poisson: 0.5 is not a finite number > -1 and < 0.5 [1]"),
         (
             "surroundings,electric,magnetic",
             "air,insulating,insulating",
             "surroundings: 'air' is not allowed: the punch conducts no field",
+        ),
+        (
+            "surroundings,friction,magnetic",
+            "air,0.3,insulating",
+            "surroundings: the punch touches the surface beside the contact, at (x - c)/h = 1.01",
         ),
         ("gap_permittivity", "2.2", "gap_permittivity: 2.2 without surroundings: air; only its gap has one"),
         ("punch,punch_modulus,punch_poisson", "steel,1e9,0.3", "punch_modulus: 1e+09 beside a punch; give either"),
@@ -100,7 +108,7 @@ PVDF,sphere,0.01,1,0.1,rigid,{bad}
     ("bad", "says"),
     [
         ("2,1e-3,2e-3", "collector: 2 is not one of the 1 electrodes of "),
-        ("1,1e-3,9e-4", "patch_pitch: 0.0009 is less than patch_size: a patch would touch its neighbour"),
+        ("1,1e-3,9e-4", "patch_pitch: 0.0009 is not more than patch_size: a patch would touch its neighbour"),
         ("1,5,6", "patch_size: the patch reaches farther from the contact than is resolved, "),
     ],
 )

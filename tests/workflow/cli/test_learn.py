@@ -108,7 +108,48 @@ def test_rows_that_do_not_fit_are_refused(
     assert sorted(project.rglob("*")) == before
 
 
-def test_errors_that_are_not_positive_and_too_few_rows_are_refused(
+SOL_GEL = """\
+title: A ball on a sol-gel film
+fixed: {material: PZT-4, profile: sphere, punch: tungsten_carbide, radius: 500 um, thickness: 700 nm, base: silicon,
+        magnetic: insulating}
+factors: {force: {low: 0.1 N, high: 2 N, levels: 6, scale: log}}
+surrogate: {outputs: [charge_sensitivity]}
+"""
+
+
+def test_one_row_of_a_film_tells_e33_over_c33_and_not_the_two_apart(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The PZT film of `config/measured.yaml`, 39 to 45 pC/N: the example of docs/learning.md."""
+    for folder in ("config", "results/study"):
+        (tmp_path / folder).mkdir(parents=True)
+    _, model = study_of(SOL_GEL, tmp_path / "config")
+    save(model, tmp_path / "results/study/surrogate.nc")
+    (tmp_path / "row.csv").write_text(
+        "force,charge_sensitivity [pC/N],charge_sensitivity_std [pC/N]\n0.5,42,3\n", encoding="utf-8"
+    )
+    words = ["learn", str(tmp_path / "row.csv"), "--on", str(tmp_path / "results/study/surrogate.nc"), "--json"]
+    assert main.main([*words, "--uncertain", "PZT-4 e33=50%,PZT-4 c33=30%"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    e33, c33 = found["constants"]
+    (together,) = found["known_together"]
+    assert e33["mean"] + e33["std"] < 0
+    assert min(e33["std"], c33["std"]) > 0.5
+    # the charge goes with e33 and against c33, and hardly with what leaves their ratio
+    assert together["combination"].startswith("+0.")
+    assert " PZT-4 e33 -0." in together["combination"]
+    assert together["posterior_over_prior"] < 0.4
+    assert found["discrepancies"] == []
+    corrected = load(tmp_path / "results/study/corrected.nc")
+    assert isinstance(corrected, CorrectedGP)
+    said = corrected.learnt_.split("\n")
+    assert said[0] == "1 row, 1 measured value"
+    assert said[-1].startswith("fewer than 10 rows: constants, a discrepancy, errors and outliers are not told apart")
+    after = float(corrected.predict_array(np.array([[0.5]]))[0, 0])
+    assert after == pytest.approx(42e-12, abs=2 * 3e-12 + 0.1 * 42e-12)
+
+
+def test_errors_that_are_not_positive_and_no_rows_are_refused(
     project: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     lines = (project / "rows.csv").read_text(encoding="utf-8").splitlines(keepends=True)
@@ -118,7 +159,7 @@ def test_errors_that_are_not_positive_and_too_few_rows_are_refused(
     for text, reason in (
         ("".join([*lines[:3], ",".join(cells), *lines[4:]]), "line 4: depth_std: -1e-09: must be a positive number"),
         ("".join([*lines[:3], ",".join(vague), *lines[4:]]), "depth[laminate]: an error of 1e+300 m; must be at most"),
-        ("".join(lines[:9]), "7 rows with a measured value; must be 10 to 1000"),
+        ("".join([*lines[:2], "3,2e4,laminate,,,\n"]), "0 rows with a measured value; must be 1 to 1000"),
     ):
         (project / "bad.csv").write_text(text, encoding="utf-8")
         assert asked(project, rows="bad.csv") == 2

@@ -8,8 +8,9 @@ import pytest
 
 from solver import solve
 from tests.workflow.conftest import Project
-from workflow.cli import questions
+from workflow.cli import main, questions
 from workflow.design.search import targets
+from workflow.design.told.table import as_csv, as_json
 from workflow.study.reading import InputError
 
 
@@ -48,6 +49,27 @@ def test_answers_as_a_table_and_as_json(ran: Project) -> None:
     allowed = grid["trailing_tension"].max("friction") <= 5e7
     dense = float(abs(grid["voltage_sensitivity"]).min("friction").where(allowed).max())
     assert best >= dense * (1 - 1e-9)
+
+
+def test_an_answer_is_written_as_its_ending_says_or_not_at_all(
+    ran: Project, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(ran.folder)
+    asked = {"maximise": ["peak_pressure"], "over": ["radius"], "at": ["load=1e4,friction=0,volume_fraction=0.5"]}
+    words = ["design", "results/small", *(part for name, (one,) in asked.items() for part in (f"--{name}", one))]
+    told: list[str] = []
+    answer = questions.ask(Path("results/small"), asked, told.append)
+    exactly = [f"{step} on the exact solver" for step in ("polishing", "judging")]
+    assert told == ["searching", *exactly, "the fields of the design"]
+    for name, written in (("x.csv", as_csv([answer])), ("x.json", f"{as_json(answer)}\n")):
+        assert main.main([*words, "-o", str(tmp_path / name)]) == 0
+        assert (tmp_path / name).read_text(encoding="utf-8") == written
+        printed, said = capsys.readouterr()
+        assert (printed, said.startswith(f"wrote {tmp_path / name}: ")) == ("", True)
+    with pytest.raises(SystemExit, match="2"):
+        main.main([*words, "-o", str(tmp_path / "x.xlsx")])
+    assert "x.xlsx': must end in .csv or .json: the answer is written as CSV or JSON\n" in capsys.readouterr().err
+    assert {one.name for one in tmp_path.iterdir()} == {"x.csv", "x.json"}
 
 
 def test_several_goals_give_a_front(ran: Project) -> None:

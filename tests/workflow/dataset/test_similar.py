@@ -119,7 +119,7 @@ def test_what_hangs_on_the_datum_otherwise_is_not_learned(study: Study, tmp_path
     assert not {"blocked_load_per_volt", "blocked_load_per_ampere"} & set(study.outputs)
     path = tmp_path / "asked.yaml"
     path.write_text(STUDY + "surrogate: {outputs: [blocked_load_per_volt]}\n", encoding="utf-8")
-    with pytest.raises(InputError, match="groups: blocked_load_per_volt hang on the datum, which is in no group"):
+    with pytest.raises(InputError, match="groups: blocked_load_per_volt depend on the datum, which is in no group"):
         load(path)
 
 

@@ -52,6 +52,7 @@ class Closed:
 
     tension: Callable[[Array, Array], Array] = rising
     step: float | None = 1e-6
+    edge: None = None
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         radius, friction = (factors[name] + np.zeros(shape(factors)) for name in ("radius", "friction"))

@@ -160,10 +160,8 @@ def test_what_cannot_be_learnt_is_refused(half_plane: tuple[Study, GridGP]) -> N
     known = uncertainty.uncertain(study)
     X, exact = truth(study, model, known, np.zeros(len(known)), 12, 1)
     good = rows(X, exact, [0, 1], 0.01, 1)
-    with pytest.raises(InputError, match="9 rows with a measured value; must be 10 to 1000"):
-        measured.learn(study, model, rows(X[:9], exact[:9], [0, 1], 0.01, 1), known)
-    with pytest.raises(InputError, match=r"12 measured values are fewer than 13 unknowns \(12 constants, 1 disc"):
-        measured.learn(study, model, rows(X, exact, [0], 0.01, 1), known + known[:4])
+    with pytest.raises(InputError, match="0 rows with a measured value; must be 1 to 1000"):
+        measured.learn(study, model, rows(X[:0], exact[:0], [0, 1], 0.01, 1), known)
     wrong = Measurements(X, good.row, good.output, np.where(good.output == 1, 1e-3, 1.0) * good.value, good.error)
     with pytest.raises(InputError, match=r"voltage: measured values are 0.001 times .* are they in V\?"):
         measured.learn(study, model, wrong, known)

@@ -94,9 +94,7 @@ def test_the_command_inverts(study: Study, model: GridGP, monkeypatch: pytest.Mo
              "at": ["volume_fraction=67%,radius=12cm"]}  # fmt: skip
     assert questions.invert(Path("results/sensor"), units) == "\n".join(lines)
     alone = {**words, "measured": [f"voltage={voltage}+-1%"]}
-    assert "friction         cannot be told from this: the study's range is " in questions.invert(
-        Path("results/sensor"), alone
-    )
+    assert "friction cannot be told from this: the study's range is " in questions.invert(Path("results/sensor"), alone)
     for change, reason in (
         ({"measured": ["voltage=1"]}, "--measured: voltage: '1' is not of the form VALUE"),
         ({"measured": ["voltag=1+-1"]}, "--measured: voltag: is no quantity; did you mean 'voltage'?"),
@@ -107,6 +105,7 @@ def test_the_command_inverts(study: Study, model: GridGP, monkeypatch: pytest.Mo
         ({"measured": ["voltage=1e30+-1"]}, "no case within the study's ranges gives these measurements"),
         ({"measured": ["voltage=1_0+-1"]}, "--measured: voltage: '1_0' is not a finite number"),
         ({"measured": ["voltage=1e9+-1"]}, "no case within the study's ranges gives these measurements"),
+        ({"measured": ["capacitance=1e-9+-1e-11"]}, "--measured: capacitance: is not learned by the study; "),
         ({"infer": ["load"]}, "'friction' must be either inferred or given"),
         ({"at": ["volume_fraction=0.67,radius=3"]}, "--at: radius = 3 is not within"),
     ):

@@ -1,4 +1,4 @@
-"""What the page says of the datum is what the exact solver says, and nothing that hangs on it goes unmarked."""
+"""What the page says of the datum is what the exact solver says, and nothing that depends on it goes unmarked."""
 
 import json
 import re
@@ -15,7 +15,7 @@ from workflow.report import datum_effect
 from workflow.study.datum import HANGING
 from workflow.study.model import load
 
-#: What hangs on the datum in a body without surroundings.
+#: What depends on the datum in a body without surroundings.
 HERE = HANGING - {"capacitance_at_load"}
 
 
@@ -77,5 +77,5 @@ def test_page_card_and_files_name_the_datum(ran: Project) -> None:
     told = (folder / "datacard.md").read_text(encoding="utf-8")
     assert "Datum: 1 m; on this arbitrary length of the potentials hang depth, voltage, " in told
     comment = read_whole(folder / "quantities.nc")["voltage"].attrs["comment"]
-    assert comment.startswith("hangs on the datum")
+    assert comment.startswith("depends on the datum")
     assert comment.endswith("datum: 1 m, the default")

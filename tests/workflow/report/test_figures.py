@@ -12,10 +12,10 @@ from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
 from workflow.dataset import slabs as dataset
 from workflow.design.verdict import netcdf
-from workflow.language import statements
+from workflow.language import grammar, statements, titles
 from workflow.report import problem, svg
 from workflow.report.figures import design_plots, field_panels, sobol, style, surrogate_errors
-from workflow.study import partition
+from workflow.study import coupling, partition
 from workflow.study.model import load
 
 ONE = "factors: {friction: {low: 0.0, high: 0.6, levels: 7}}"
@@ -38,7 +38,7 @@ def test_the_number_of_slabs_does_not_change_the_figure_of_fields(factors: str, 
             parts.append(read_whole(tmp_path / f"{index}.nc"))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            style.save(field_panels.fields(parts), tmp_path / "fields.svg")
+            style.save(field_panels.fields(parts, coupling.fields(study)), tmp_path / "fields.svg")
         drawn.add((tmp_path / "fields.svg").read_bytes())
     assert len(drawn) == 1
 
@@ -59,8 +59,8 @@ def test_no_text_is_cut_and_no_power_of_ten_stands_apart_from_its_ticks(ran: Pro
     goal = replace(answer.terms[0], statement=statements.objective(long))
     answer = replace(answer, terms=(goal, *answer.terms[1:]))
     drawn = [*design_plots.figures_of(answer, study.design["sensor"]).values()]
-    drawn += [surrogate_errors.residuals(read_whole(folder / "validation.nc"))]
-    drawn += [sobol.main_effects(read_whole(folder / "sensitivity.nc"), study.of_interest)]
+    drawn += [surrogate_errors.residuals(read_whole(folder / "validation.nc"), study.outputs)]
+    drawn += [sobol.main_effects(read_whole(folder / "sensitivity.nc"), study.outputs, study.of_interest)]
     seen = ""
     for figure in drawn:
         figure.canvas.draw()
@@ -77,5 +77,6 @@ def test_no_text_is_cut_and_no_power_of_ten_stands_apart_from_its_ticks(ran: Pro
             assert ax.xaxis.get_offset_text().get_text() == ax.yaxis.get_offset_text().get_text() == ""
         seen += " ".join(text.get_text() for text in texts)
     assert "…" not in seen
-    assert seen.replace("\n", " ").count(long) == 2  # map and slices
+    said = titles.spoken(grammar.parse(long), long)
+    assert seen.replace("\n", " ").count(said) == 2  # map and slices, both in words
     assert "tension behind the contact [MPa]" in seen.replace("\n", " ")

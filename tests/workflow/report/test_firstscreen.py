@@ -14,9 +14,8 @@ from workflow.design.told.words import verdict
 from workflow.design.verdict import netcdf
 from workflow.language.numbers import shown
 from workflow.language.titles import title
-from workflow.report import device, exact, firstscreen, ranked, sentences
+from workflow.report import device, exact, firstscreen, ranked, sentences, tornado
 from workflow.report.device import Device
-from workflow.report.figures import tornado
 from workflow.report.firstscreen import Case
 from workflow.report.svg import ACCENT, BAD
 from workflow.study.layered import BodyLayer

@@ -103,3 +103,38 @@ def test_figures_at_the_sliders_are_those_of_python(tmp_path: Path) -> None:
     assert evaluated(script, told, tmp_path) == pytest.approx(expected, rel=1e-12)
     moved = evaluated(script, "carried(trees.signal_charge, values, { charge_sensitivity: 1e-13 })", tmp_path)
     assert moved == pytest.approx(1e-13 * 5e3 * 0.01, rel=1e-9)  # linear in it: load times length times the change
+
+
+@needs_browser
+def test_errors_go_together_in_the_browser_as_in_python(tmp_path: Path) -> None:
+    random, axes = np.random.default_rng(0), dict(zip(("radius", "load"), INPUTS, strict=True))
+    held = {name: ("case", own.from_unit(random.uniform(-1, 1, 200))) for name, own in axes.items()}
+
+    def outputs(at: xr.Dataset) -> xr.Dataset:
+        pole = 1 / (at["radius"] - 0.008) ** 0.5
+        return at.assign(
+            charge_sensitivity=pole + at["load"] / 1e4, capacitance=2 + 0.5 * pole + np.sin(at["load"] / 500)
+        )
+
+    grid = xr.Dataset(coords={name: own.levels(7) for name, own in axes.items()})
+    fitted = GridGP(inputs=INPUTS).fit(outputs(grid)).calibrate(outputs(xr.Dataset(held)))
+    X = np.array([[own.from_unit(0.3) for own in INPUTS]])
+    charge, capacitance = fitted.predict_array(X)[0].tolist()
+    weights = {"/": [1 / capacitance, -charge / capacitance**2], "+": [1.0, 1.0]}
+    known = f"{{ charge_sensitivity: {charge!r}, capacitance: {capacitance!r} }}"
+    for symbol, slopes in weights.items():
+        asked = f"offBy(model, ['{symbol}', 'charge_sensitivity', 'capacitance'], {known}, judge.errors(answer))"
+        found = evaluated(f"{SCRIPTS}{panel(fitted)} const answer = predict(model, [0.3, 0.3]);", asked, tmp_path)
+        expected = float(np.abs(fitted.ends_of_sum(X, np.array([slopes]))).max())
+        added = float(
+            np.abs(np.stack(fitted.interval_array(X))[:, 0] - [charge, capacitance]).max(axis=0) @ np.abs(slopes)
+        )
+        # the derivatives here are difference quotients over one deviation, small beside the values
+        assert found == pytest.approx(expected, rel=1e-3)
+        assert found < added
+    lone = evaluated(
+        f"{SCRIPTS}{panel(fitted)} const answer = predict(model, [0.3, 0.3]);",
+        f"offBy(model, ['*', 'capacitance', 3], {known}, judge.errors(answer))", tmp_path,
+    )  # fmt: skip
+    ends = np.stack(fitted.interval_array(X))[:, 0, 1] - capacitance
+    assert lone == pytest.approx(3 * np.abs(ends).max(), rel=1e-9)

@@ -1,5 +1,7 @@
 """The registry of the page's sections: each has its template, and figures of what a study has."""
 
+from importlib import import_module
+
 from workflow.report import sections
 from workflow.report.page import CAPTIONS, TEMPLATES
 from workflow.study.model import load
@@ -15,15 +17,21 @@ def test_every_section_has_its_template_and_every_template_its_section() -> None
 
 def test_a_study_has_the_figures_of_its_sections_and_each_a_caption() -> None:
     quickstart = sections.figures(load("config/quickstart.yaml"))
-    assert quickstart == ["sensitivity", "main_effects", "fields", "decay", "errors", "residuals", "intervals"]
+    assert quickstart == ["sensitivity", "main_effects", "fields", "errors", "decay", "residuals", "intervals"]
     parametric = sections.figures(load("config/parametric.yaml"))
     assert parametric[0].startswith("effect_")
-    for name in (*quickstart, *parametric, *sections.figures(load("config/verification.yaml"))):
-        assert (CAPTIONS / f"{name.partition('_')[0]}.rst").is_file()
+    for drawn in sections.drawn():
+        assert len({figure.reads for _, figure in drawn}) == 1
+        for _, figure in drawn:
+            assert (CAPTIONS / f"{figure.kind}.rst").is_file()
+            module, _, name = figure.draw.partition(".")
+            assert callable(getattr(import_module(f"workflow.report.figures.{module}"), name))
 
 
 def test_a_part_without_a_section_is_none_and_an_anchor_is_a_name_or_a_group_of_checks() -> None:
-    page = dict.fromkeys(("whatif", "designs", "readouts", "effects", "dataset", "measurements", "surface"), None)
+    page = dict.fromkeys(
+        ("whatif", "designs", "readouts", "effects", "dataset", "measurements", "surface", "signal"), None
+    )
     groups = {"groups": {"films": {"title": "Films"}}}
     (part,) = sections.standing(page | {"study": load("config/verification.yaml"), "verification": groups})
     assert [one for section in part.sections for one in section.anchors(page | {"verification": groups})] == [

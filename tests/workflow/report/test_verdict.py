@@ -1,6 +1,7 @@
 """The verification page as real processes: what a run makes, and that a red check fails it with the page in place."""
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,7 +11,6 @@ from tests.workflow.conftest import Project
 from workflow.cli import launch, main
 from workflow.report.verdict import RedError, verdict
 from workflow.run.provenance import ROOT
-from workflow.study.sections import CHECK_GROUPS, CONVERGING
 
 FEW, DRAWN = ("limits", "films"), ("films",)
 GROUPS = len(FEW)
@@ -33,10 +33,9 @@ def shortened(project: Project) -> None:
     """Two groups, one of them with curves, of one check each."""
     sections = project.folder / "workflow/study/sections.py"
     text = sections.read_text(encoding="utf-8")
-    for every, few in ((CHECK_GROUPS, FEW), (CONVERGING, DRAWN)):
-        said = str(every).replace("'", '"')
-        assert f" = {said}\n" in text
-        text = text.replace(f" = {said}\n", f" = {few}\n")
+    for name, few in (("CHECK_GROUPS", FEW), ("CONVERGING", DRAWN)):
+        text, found = re.subn(rf"^{name} = \([^)]*\)", f"{name} = {few}", text, flags=re.MULTILINE)
+        assert found == 1
     sections.write_text(text, encoding="utf-8")
     (project.folder / "verification/__init__.py").write_text(f"NAMES = {FEW}\n{QUICK}", encoding="utf-8")
 

@@ -13,7 +13,7 @@ from workflow.run.provenance import ROOT
 
 @pytest.mark.parametrize(
     ("script", "file"),
-    [("training.py", "surrogate.nc"), ("figure_errors.py", "figures/decay.svg"), ("slab.py", "fields/slab_1.nc")],
+    [("training.py", "surrogate.nc"), ("figure.py", "figures/decay.svg"), ("slab.py", "fields/slab_1.nc")],
 )
 def test_a_script_alone_makes_what_its_job_makes(ran: Project, tmp_path: Path, script: str, file: str) -> None:
     made = tmp_path / "results/small" / file

@@ -9,7 +9,7 @@ from storage.netcdf import read_whole
 from workflow.dataset import croissant, datacard, factorial, slabs
 from workflow.learning import training
 from workflow.report.figures import coefficients, field_panels, style
-from workflow.study import partition
+from workflow.study import coupling, partition
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
@@ -57,12 +57,12 @@ def through(study: Study, folder: Path) -> None:
     for index in range(partition.count(study)):
         slabs.write_slab(study, index, folder / f"slab_{index}.nc")
     with read_whole(folder / "slab_0.nc", lazy=True) as slab:
-        style.save(field_panels.fields([slab]), folder / "fields.svg")
+        style.save(field_panels.fields([slab], coupling.fields(study)), folder / "fields.svg")
         data = slab.load()
     assert all(np.isfinite(data[name]).all() for name in study.outputs)
     model = training.fit(study, data).calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
     table = training.validate(study, data, factorial.cases(study, "validation"), model)
-    style.save(coefficients.figure(table), folder / "decay.svg")
+    style.save(coefficients.figure(table, study.outputs), folder / "decay.svg")
     card = datacard.card(study, "study", [folder / "slab_0.nc"], [])
     assert croissant.croissant(card)["recordSet"]
     assert all(name in datacard.markdown(card) for name in study.axes)

@@ -136,13 +136,13 @@ def test_the_card_says_how_a_case_follows(half_plane: Study) -> None:
     ("old", "new", "says"),
     [
         ("datum^2: {levels: 5}", "datum: {levels: 5}", None),  # the datum is fixed: another scale, the same group
-        ("load * radius / datum^2", "load / radius", "depth, voltage, blocked_load_per_volt hang on the datum"),
+        ("load * radius / datum^2", "load / radius", "depth, voltage, blocked_load_per_volt depend on the datum"),
         (
             "charge / load",
             "charge / load^2",
             r"groups: radius x 0.316 and load x 3.16 and charge x 10 is in no group, and is",
         ),
-        ("load * radius / datum^2", "load^2", "depth, voltage, blocked_load_per_volt hang on the datum"),
+        ("load * radius / datum^2", "load^2", "depth, voltage, blocked_load_per_volt depend on the datum"),
         ("charge / load", "charge / friction", "divides by 'friction', which is from 0 on"),
         ("charge / load", "charge + load", "groups: 'charge . load': 'C m-1' and 'N m-1' cannot be added"),
         ("charge / load", "abs(charge) / load", "only products and quotients of whole powers"),
@@ -175,7 +175,7 @@ def test_bad_groups_are_refused_in_one_line(old: str, new: str, says: str | None
 def test_a_half_plane_without_the_datum_in_a_group_is_told_what_hangs_on_it(tmp_path: Path) -> None:
     """Without a datum load and radius scale away: contact and stresses are told without any group that holds them."""
     text = STUDY.replace("  load * radius / datum^2: {levels: 5}\n", "")
-    with pytest.raises(InputError, match=r"groups: .*depth.* hang on the datum, which is in no group"):
+    with pytest.raises(InputError, match=r"groups: .*depth.* depend on the datum, which is in no group"):
         study(text, tmp_path)
     without = text.replace("depth, voltage, ", "").replace("blocked_load_per_volt, ", "")
     assert study(without, tmp_path).outputs == ["peak_pressure", "trailing_tension", "contact_trailing"]
@@ -192,7 +192,7 @@ NO_DEPTH = ELASTIC.replace("[depth, voltage,", "[voltage,").replace("blocked_loa
 
 def test_groups_that_do_not_tell_an_elastic_punch_s_depth_leave_it_out(tmp_path: Path) -> None:
     """Its datum is its radius: of two cases with one load radius / datum^2 the depth differs by a logarithm."""
-    with pytest.raises(InputError, match="groups: depth, blocked_load_per_volt hang on an elastic punch's radius"):
+    with pytest.raises(InputError, match="groups: depth, blocked_load_per_volt depend on an elastic punch's radius"):
         study(ELASTIC, tmp_path)
     rigid = study(ELASTIC.replace("punch: steel", "punch: rigid"), tmp_path)
     assert "depth" in rigid.outputs

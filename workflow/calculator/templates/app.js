@@ -78,8 +78,11 @@ function chosenMaterial(values) {
   }
 }
 
-// Quantities of a material under a voltage, or with nothing connected; an error in words.
-function solve(material, values, voltage) {
+// The table of the film and punch that are set.
+const tabled = () => tables.find((one) => one.film === film() && one.punch === field("punch").value);
+
+// Quantities of a material, on a film by its table, under a voltage or with nothing connected; an error in words.
+function solve({ material, table }, values, voltage) {
   const named = field("punch").value, punch = { profile: profile(), ...library.punches[named] }, conducts = [field("electric").value !== "insulating", field("magnetic").value !== "insulating"];
   for (const name of ["radius", "width", "slope"]) if (applies(name)) punch[name] = values[name];
   const given = { material, punch, conducts, voltage };
@@ -87,8 +90,7 @@ function solve(material, values, voltage) {
     if (film()) throw new Error("a film under a roller");
     return solveLine({ ...given, load: values.load, friction: values.friction, datum: values.datum }, library.digamma);
   }
-  const table = film() && tables.find((one) => one.film === film() && one.punch === named);
-  if (film() && (!table || profile() === "cone" || !conducts[0])) throw new Error(profile() === "cone" ? "a film under a cone" : conducts[0] ? `a film under ${named}` : "a film under an insulating punch");
+  if (film() && !(table && conducts[0])) throw new Error(conducts[0] ? `a film under ${named}` : "a film under an insulating punch");
   return solvePoint({ ...given, force: values.force, ...(table ? { film: table, thickness: values.thickness } : {}) });
 }
 
@@ -119,9 +121,20 @@ function completed(found, values, open) {
   return { ...found, width: 2 * found.half, datum: values.datum, thickness: values.thickness, short_charge: found.charge_sensitivity * force, open_voltage: open.voltage };
 }
 
-function everything(material, values) {
-  const open = solve(material, values);
-  return completed(applies("voltage") ? solve(material, values, values.voltage) : open, values, open);
+function everything(body, values) {
+  const open = solve(body, values);
+  return completed(applies("voltage") ? solve(body, values, values.voltage) : open, values, open);
+}
+
+/* What is set, and after it the same under the other published constants, which make its band. Those tables of a film
+   have the pressure at the centre alone: where it is not the largest, it has no band. */
+function underConstants(material, values) {
+  const table = film() && tabled(), own = everything({ material, table }, values);
+  const bodies = table ? table.variants.map((one) => ({ material: one.top, table: { ...table, ...one } }))
+    : material.alternatives.map((other) => ({ material: { ...material, ...other, alternatives: [] } }));
+  const others = bodies.map((one) => everything(one, values));
+  if (table && !(own.pressure(0) >= own.peak_pressure * (1 - 1e-9))) for (const one of others) delete one.peak_pressure;
+  return [own, ...others];
 }
 
 // What is beyond linear theory, as workflow/design/verdict/linearity.py judges it.
@@ -169,15 +182,12 @@ const percent = (share) => (share < 0.0005 ? "" : `± ${digits(100 * share, shar
 function show(values) {
   const material = chosenMaterial(values);
   if (!material) return refuse("Own constants are needed.");
-  let found, several;
-  try {
-    found = everything(material, values);
-    several = [found, ...(film() ? [] : material.alternatives).map((other) => everything({ ...material, ...other, alternatives: [] }, values))];
-  } catch (error) { return refuse(error.message); }
+  let several;
+  try { several = underConstants(material, values); } catch (error) { return refuse(error.message); }
   tell("refused").hidden = true;
   tell("answer").hidden = false;
   const [own, ...others] = several, rows = shownRows(own);
-  const spread = (key) => others.reduce((most, one) => Math.max(most, Math.abs(one[key] - own[key])), 0);
+  const spread = (key) => others.reduce((most, one) => Math.max(most, Math.abs(one[key] - own[key]) || 0), 0);
   tell("figures").replaceChildren(...rows.map(([key, words, units, meaning]) => {
     const value = own[key], card = element("div", "", { className: "figure" }), share = others.length && value ? spread(key) / Math.abs(value) : 0;
     card.append(element("dt", words), element("dd", three(value, units), { className: "value" }));
@@ -185,9 +195,9 @@ function show(values) {
     card.dataset.name = key;
     return card;
   }));
-  tell("band-words").textContent = film() ? "The face between film and base is grounded. The tables of films are of the library's own constants: no band here." : others.length
+  tell("band-words").textContent = (film() ? "The face between film and base is grounded. " : "") + (others.length
     ? `The band is how far ${others.length} other published ${others.length === 1 ? "set of constants moves" : "sets of constants move"} a figure${rows.some(([key]) => own[key] && spread(key) > 0.0005 * Math.abs(own[key])) ? "" : "; here it moves none"}.`
-    : "The library knows one published set of these constants: it has no band.";
+    : "The library knows one published set of these constants: there is no band.");
   const { lines, known } = beyond(material, several), bad = lines.some((one) => one.bad), steep = geometry(own);
   const verdict = tell("verdict");
   verdict.className = bad || steep ? "bad" : lines.length ? "good" : "edge";
@@ -195,6 +205,7 @@ function show(values) {
   const unknown = ["tensile_strength", "depoling_stress"].filter((name) => !known.has(name)).map((name) => library.limits[name].title);
   tell("verdict-lines").replaceChildren(...(steep ? [element("li", steep, { className: "over" })] : []),
     ...lines.map((one) => { const item = element("li", one.text, { className: one.bad ? "over" : "" }); item.append(" ", element("span", one.source, { className: "soft" })); return item; }),
+    ...(material.limits.yield_strength ? [element("li", `Not judged: the yield strength, ${said(material.limits.yield_strength.value, "Pa", 3)}, which takes the stresses inside.`, { className: "soft" })] : []),
     ...(unknown.length ? [element("li", `Not known: ${unknown.join(", ")}.`, { className: "soft" })] : []));
   const diameter = said(2 * own.half, "m", 3);
   drawContact(tell("drawing"), own, { profile: profile(), radius: values.radius, slope: values.slope }, film() ? values.thickness : 0, `contact ${diameter} ${isPoint() ? "across" : "wide"}`);
@@ -206,7 +217,7 @@ function show(values) {
 function refuse(message) {
   tell("answer").hidden = true;
   tell("refused").hidden = false;
-  tell("refused-words").textContent = message === "a film under a roller" || message.startsWith("a film under") ? `${capital(message)}: this page has tables of balls and flat ends only, under ${[...new Set(tables.map((one) => one.punch))].join(", ")}. The command below solves it.` : `${capital(message)}.`;
+  tell("refused-words").textContent = message === "a film under a roller" || message.startsWith("a film under") ? `${capital(message)}: this page has tables of balls, cones and flat ends only, under ${[...new Set(tables.map((one) => one.punch))].join(", ")}. The command below solves it.` : `${capital(message)}.`;
 }
 
 // The same state on the command line and in Python.
@@ -276,10 +287,14 @@ function begin() {
   const piezo = all.filter((one) => couples(one) && !magnetic(one[0])), rest = all.filter((one) => !couples(one) && !magnetic(one[0]));
   fill(field("material"), [["Piezoelectric", [...piezo.map(([name]) => name), ALLOY].sort((a, b) => a.localeCompare(b))],
     ["Magnetic, magneto-electro-elastic", all.map(([name]) => name).filter(magnetic)], ["Other", rest.map(([name]) => name)],
-    ["Films, under balls and flat ends", Object.keys(library.films)], ["Own", [OWN]]]);
+    ["Films, under balls, cones and flat ends", Object.keys(library.films)], ["Own", [OWN]]]);
   fill(field("punch"), [["Punch of", ["rigid", ...Object.keys(library.punches)]]]);
   restore();
-  form.addEventListener("input", (event) => { if (event.target.type === "range") slid(event); changed(); });
+  form.addEventListener("input", (event) => {
+    if (event.target.type === "range") slid(event);
+    if (event.target === field("material") && film()) field("thickness").value = library.films[film()].thickness;
+    changed();
+  });
   form.addEventListener("submit", (event) => event.preventDefault());
   addEventListener("hashchange", () => { restore(); changed(); });
   tell("print").addEventListener("click", () => print());
@@ -291,7 +306,7 @@ function begin() {
 }
 
 function restore() {
-  field("material").value = "PZT-4";
+  [field("material").value, field("punch").value] = ["PVDF on glass", "steel"];
   for (const [name, value] of new URLSearchParams(location.hash.slice(1))) {
     const input = form.elements.namedItem(name);
     if (input instanceof HTMLSelectElement && [...input.options].some((one) => one.value === value)) input.value = value;

@@ -113,19 +113,17 @@ function derived(series) {
 }
 
 /* A film by its table: what the layers add to the half-space of the top at log(radius/thickness), in the channels
-   displacement and voltage; causes are these and the profile, which a disc does not have. */
+   displacement and voltage; causes are these and the profile: of a ball, of a cone; a disc has none. */
 function onFilm(film, N, profile, thickness, conducts) {
   const own = halfspace(N, profile), [low, high] = film.range, rates = film.rates || (film.rates = film.loads.map(derived));
   const pressing = (2 / Math.PI) * inverse(N)[0][0], flat = profile === "disc", local = (place) => (2 * place - low - high) / (high - low);
   if (!conducts[0]) throw new Error("films are tabled under punches that conduct");
-  const wide = (rows, values) => rows.map((row, i) => row.map((one, j) => {
-    const cause = j === 3 ? 2 : j;
-    return i < 2 && j !== 2 && !(flat && j === 3) ? one + values[3 * i + cause] : one;
-  }));
+  const causes = [0, 1, 1, profile === "cone" ? 3 : 2];
+  const wide = (rows, values) => rows.map((row, i) => row.map((one, j) => (i < 2 && j !== 2 && !(flat && j === 3) ? one + values[4 * i + causes[j]] : one)));
   const stiffness = (radius) => {
     const t = local(Math.log(radius / thickness)), values = film.loads.map((series) => clenshaw(series, t));
     const slopes = rates.map((series) => (clenshaw(series, t) * 2) / (high - low));
-    return { compliance: N, loads: wide(own.loads, values), edges: wide(own.edges, values.slice(6)), rates: wide(filled(3, 4), slopes.slice(6)) };
+    return { compliance: N, loads: wide(own.loads, values), edges: wide(own.edges, values.slice(8)), rates: wide(filled(3, 4), slopes.slice(8)) };
   };
   const inside = (radius) => {
     const place = Math.log(radius / thickness);
@@ -149,8 +147,8 @@ function onFilm(film, N, profile, thickness, conducts) {
       return thickness * Math.exp((a + b) / 2);
     },
     pressure(x, at) {
-      const t = local(Math.log(at.radius / thickness)), causes = [at.state.causes[0], at.state.causes[1], at.state.causes[3]];
-      const added = film.samples.map((_, k) => dot([0, 1, 2].map((c) => clenshaw(film.pressures[3 * k + c], t)), causes));
+      const t = local(Math.log(at.radius / thickness)), moved = [0, 1, 3].map((j) => at.state.causes[j]);
+      const added = film.samples.map((_, k) => dot([0, 1, 3].map((j) => clenshaw(film.pressures[4 * k + causes[j]], t)), moved));
       const places = [0, ...film.samples], values = [0, ...added]; // nothing is added at the edge but its strength
       let k = places.findIndex((one) => one >= x - 1e-12);
       if (k < 1) k = k ? places.length - 1 : 1;

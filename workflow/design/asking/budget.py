@@ -53,6 +53,7 @@ class Hybrid:
 
     def __init__(self, exact: Exact, predicted: Predicted, costly: frozenset[str]) -> None:
         self._exact, self._predicted, self._costly = exact, predicted, costly
+        self.edge = exact.edge
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Quantities by name."""

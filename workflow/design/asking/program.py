@@ -63,6 +63,7 @@ class _Program:
                 places, terms, self.question.values(self.source, variables, scenarios, terms), strict=True
             )
         )
+        limited += self._beyond(variables)
         return np.concatenate(wanted, -1), np.concatenate([np.empty((len(x), 0)), *limited], -1)
 
     def slope(self, x: Array) -> tuple[Array, Array]:
@@ -73,7 +74,21 @@ class _Program:
             for scenarios, places, terms in self._groups
             for place, term, jacobian in zip(places, terms, derivatives(x, scenarios, terms), strict=True)
         )
-        return np.concatenate(wanted), np.concatenate([np.empty((0, len(x))), *limited])
+        return np.concatenate(wanted), np.concatenate([np.empty((0, len(x))), *limited, *self._beyond_slopes(x)])
+
+    def _beyond(self, variables: dict[str, Array]) -> list[Array]:
+        """Behind the limits: how far every corner lies beyond the edge of the cases that have answers."""
+        edge = self.source.edge
+        return [] if edge is None else [edge.excess(self.question.factors(variables, self.question.searched[False]))]
+
+    def _beyond_slopes(self, x: Array) -> list[Array]:
+        edge = self.source.edge
+        if edge is None:
+            return []
+        variables = self.question.physical(x[None])
+        chain = np.array([1 / axis.unit_slope(variables[name][0]) for name, axis in self.question.inputs.items()])
+        factors = self.question.factors(variables, self.question.searched[False])
+        return [edge.slopes(factors, list(variables)) * chain]
 
     def _split(self, rows: Iterable[tuple[int, Array]]) -> tuple[list[Array], list[Array]]:
         """Rows of the objectives and rows of the limits, in the order of the terms."""

@@ -79,15 +79,15 @@ class Question:
         target = self.target
         statistic = target.statistic if target.random else Worst()
         drawn = bool(target.random)
-        return [wanted(one, statistic, self._deviation(one)) for one in target.objectives] + [
+        return [wanted(objective, statistic, self._deviation(objective)) for objective in target.objectives] + [
             limited(
-                one,
-                self.scales.get(str(one), 1.0),
-                one.value * (self.study.constant(one.borne) if one.borne else 1.0),
-                self._deviation(one),
+                limit,
+                self.scales.get(str(limit), 1.0),
+                limit.value * (self.study.constant(limit.borne) if limit.borne else 1.0),
+                self._deviation(limit),
                 drawn=drawn,
             )
-            for one in target.limits
+            for limit in target.limits
         ]
 
     def _deviation(self, one: Objective | Limit) -> Deviation | None:
@@ -204,15 +204,16 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
     Raises
     ------
     InputError
-        An objective that is constant over the variables, or one that passes a pole or is not defined within them; a
-        limit whose number has no unit and, read in SI, is far from every value.
+        Every design beyond the edge of the cases that have answers; an objective that is constant over the variables,
+        or one that passes a pole or is not defined within them; a limit whose number has no unit and, read in SI, is
+        far from every value.
     """
     held = {name: value for name, value in {**target.at, **(chosen or {})}.items() if not isinstance(value, str)}
     question = Question(study, target, held)
     if not question.inputs:
         return question
     corner = question.searched[False]
-    variables = question.physical(_pilot(len(question.inputs), corner.count))
+    variables = _answered(name, question, source, question.physical(_pilot(len(question.inputs), corner.count)))
     factors = question.factors(variables, corner)
     scales: dict[str, float] = {}
     notes: list[str] = []
@@ -236,6 +237,20 @@ def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[st
         if term.unitless:
             notes += unitless.notes(what, term, values)
     return replace(question, scales=scales, pieces=pieces, spread=spread, notes=tuple(notes))
+
+
+def _answered(name: str, question: Question, source: Source, variables: dict[str, Array]) -> dict[str, Array]:
+    """Those of some designs none of whose corners lies beyond the edge of the cases that the solver answers."""
+    if source.edge is None:
+        return variables
+    factors = question.factors(variables, question.searched[False])
+    inside = np.all(source.edge.excess(factors) <= 0, axis=1)
+    if not inside.any():
+        raise InputError(
+            f"design: {name}: every design is beyond the edge of the cases that have answers: "
+            f"{source.edge.reason(factors)}"
+        )
+    return {one: values[inside] for one, values in variables.items()}
 
 
 def _check_pole(what: str, divisor: Expression, values: Array) -> None:

@@ -1,18 +1,21 @@
 """Where a design question takes its quantities from: the surrogate, or the exact solver."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver import solve_interior
+from solver import CaseError, solve_interior
 from solver.names import ALL_PEAKS
 from surrogate import CurveGP, GaussianProcess
+from surrogate.intervals.distribution import ONE_STD
 from workflow.dataset import factorial
+from workflow.design.asking.edge import Edge
 from workflow.study.categories import Kinds, output
 from workflow.study.model import Study
+from workflow.study.refusals import REFUSAL, AllRefusedError
 
 Array = NDArray[np.float64]
 _DEPTHS = np.linspace(-2.0, 0.0, 17)  # in half-widths, where the field below the contact is judged
@@ -30,6 +33,8 @@ class Source(Protocol):
 
     #: Step of difference quotients in scaled coordinates; None: the derivatives are analytic.
     step: float | None
+    #: The edge beyond which the solver refuses cases; None where it refuses none.
+    edge: Edge | None
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Quantities by name, (points, scenarios) each."""
@@ -39,12 +44,22 @@ class Source(Protocol):
 
 
 class Exact:
-    """The exact solver of a study."""
+    """The exact solver of a study.
+
+    Parameters
+    ----------
+    study
+        The study.
+    beyond
+        A surrogate with an edge, which stands for the cases that the solver refuses: a search passes such on its way.
+    """
 
     step: float | None = 1e-6
 
-    def __init__(self, study: Study) -> None:
+    def __init__(self, study: Study, beyond: "Predicted | None" = None) -> None:
         self._study = study
+        self._beyond = beyond if beyond is not None and beyond.edge is not None else None
+        self.edge = None if self._beyond is None else self._beyond.edge
 
     @property
     def quantities(self) -> list[str]:
@@ -54,10 +69,27 @@ class Exact:
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         """Quantities by name; factors that share a dimension are evaluated together."""
         axes = {name: _labelled(values) for name, values in factors.items()}
-        solved = factorial.exact(self._study, axes, peaks=[name for name in names if name in ALL_PEAKS])
-        whole = {"point": 1, "scenario": 1} | dict(solved.sizes)
-        arrays = {name: solved[name].expand_dims([dim for dim in whole if dim not in solved.dims]) for name in names}
-        return {name: array.transpose("point", "scenario").values for name, array in arrays.items()}
+        peaks = [name for name in names if name in ALL_PEAKS]
+        if self._beyond is None:
+            return _values(factorial.exact(self._study, axes, peaks=peaks), names)
+        try:
+            solved = factorial.exact(self._study, axes, peaks=peaks, holes=np.inf)
+        except AllRefusedError:
+            return self._beyond.values(factors, names)
+        found = _values(solved, names)
+        if REFUSAL in solved:
+            whole = self._beyond.values(factors, names)
+            found = {name: np.where(np.isnan(values), whole[name], values) for name, values in found.items()}
+        return found
+
+    def refusal(self, factors: Factors) -> str:
+        """Why the solver refuses some case; empty where it refuses none."""
+        axes = {name: _labelled(values) for name, values in factors.items()}
+        try:
+            factorial.exact(self._study, axes, peaks=[])
+        except CaseError as error:
+            return str(error)
+        return ""
 
     def field_below(self, factors: Factors) -> float:
         """Largest electric field below the middle of the contact, two half-widths deep, over all cases [V/m].
@@ -78,9 +110,11 @@ class Predicted:
     """The surrogate, for one combination of the study's categories."""
 
     step: float | None = None
+    edge: Edge | None = None
 
     def __init__(self, model: GaussianProcess, kinds: Kinds | None = None) -> None:
-        self._model = model
+        self.edge = None if model.region_ is None else Edge(model.region_, model.inputs_)
+        self._model = model.everywhere()
         self._kinds = kinds or {}
         self._parts: dict[tuple[str, ...], GaussianProcess] = {}
 
@@ -91,20 +125,31 @@ class Predicted:
         mean = model.predict_array(X)
         return {name: mean[:, self._column(name, model)].reshape(whole) for name in names}
 
-    def stds(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Standard deviations by name."""
-        X, whole = self._points(factors)
-        model = self._of(names)
-        _, std = model.predict_array(X, return_std=True)
-        return {name: std[:, self._column(name, model)].reshape(whole) for name in names}
+    def errors(self, factors: Factors, weights: Mapping[str, Array]) -> tuple[float, float]:
+        """How far a weighted sum of quantities over scenarios may be off, by how their errors go together.
 
-    def reaches(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """From the mean to the farther end of the interval of the study's level, by name."""
-        X, whole = self._points(factors)
-        model = self._of(names)
-        mean, (lower, upper) = model.predict_array(X), model.interval_array(X)
-        reach = np.maximum(upper - mean, mean - lower)
-        return {name: reach[:, self._column(name, model)].reshape(whole) for name in names}
+        Parameters
+        ----------
+        factors
+            Of one point.
+        weights
+            By quantity, (scenarios,), with signs.
+
+        Returns
+        -------
+        tuple of float
+            Half of the central 68 %, and from the mean to the farther end of the interval of the study's level.
+        """
+        X, _ = self._points(factors)
+        model = self._of(list(weights))
+        own = np.zeros((len(X), len(model.outputs_)))
+        for name, part in weights.items():
+            own[:, self._column(name, model)] = part
+        told = own.any(axis=1)
+        if not told.any():
+            return 0.0, 0.0
+        deviation, ends = (model.ends_of_sum(X[told], own[told], level) for level in (ONE_STD, None))
+        return float(np.ptp(deviation)) / 2, float(np.abs(ends).max())
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
         """Derivatives of the means."""
@@ -129,6 +174,13 @@ class Predicted:
     def _points(self, factors: Factors) -> tuple[Array, tuple[int, ...]]:
         whole = np.zeros(shape(factors))
         return np.stack([(factors[name] + whole).ravel() for name in self._model.box], -1), whole.shape
+
+
+def _values(solved: xr.Dataset, names: Sequence[str]) -> dict[str, Array]:
+    """Quantities of solved cases, (points, scenarios) each, or of length one along what does not change them."""
+    lacking = [dim for dim in ("point", "scenario") if dim not in solved.dims]
+    arrays = {name: solved[name].expand_dims(lacking) for name in names}
+    return {name: array.transpose("point", "scenario").values for name, array in arrays.items()}
 
 
 def _labelled(factor: Array) -> xr.DataArray:

@@ -107,9 +107,13 @@ class Term:
 
     def weights(self, values: Array) -> Array:
         """How much every scenario weighs in the row that decides: (groups, draws) -> (scenarios,)."""
+        return np.abs(self.slopes(values))
+
+    def slopes(self, values: Array) -> Array:
+        """Derivatives of the row that decides by the scenarios' values: (groups, draws) -> (scenarios,)."""
         rows = self.measure.rows(values[None])[0]
         row = int(np.flatnonzero(rows == self.worst(rows))[0])
-        return np.asarray(np.abs(self.measure.jacobian(values)[row]))
+        return np.asarray(self.measure.jacobian(values)[row])
 
     def deciding(self, values: Array) -> NDArray[np.bool_]:
         """The fewest scenarios that make the row that decides: (groups, draws) -> (scenarios,)."""

@@ -62,9 +62,14 @@ class Design:
 
     def _repr_html_(self) -> str:
         answer = self.answer
-        roles = [(one.category, one.kind, one.kind_role) for one in answer.categories]
-        roles += [(one.name, shown(one.value, FACTORS[one.name].units), one.role) for one in answer.variables]
-        terms = [(one.name, *(shown(value, one.units) for value in (one.exact, one.predicted))) for one in answer.terms]
+        roles = [(category.category, category.kind, category.kind_role) for category in answer.categories]
+        roles += [
+            (variable.name, shown(variable.value, FACTORS[variable.name].units), variable.role)
+            for variable in answer.variables
+        ]
+        terms = [
+            (term.name, *(shown(value, term.units) for value in (term.exact, term.predicted))) for term in answer.terms
+        ]
         tables = [
             pd.DataFrame(roles, columns=["factor", "value", "role"]),
             pd.DataFrame(terms, columns=["goals and limits", "exact", "predicted"]),

@@ -1,6 +1,6 @@
 """Design: the best factors under limits, found on the surrogate, polished and judged on the exact solver."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import product
 
@@ -27,6 +27,9 @@ from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
 
+#: By how much the margin of the edge is made wider, each time that the solver refuses the best design.
+_WIDER = (0.01, 0.02, 0.04, 0.08)
+
 
 def solve_target(study: Study, name: str, model: GaussianProcess) -> Answer:
     """Answer one design target of a study.
@@ -47,15 +50,30 @@ def solve_target(study: Study, name: str, model: GaussianProcess) -> Answer:
     return answer(study, name, study.design[name], model)
 
 
-def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> Answer:
-    """Answer any target on the study's factors; see `solve_target`."""
-    found = _found(study, name, target, model)
+def answer(
+    study: Study,
+    name: str,
+    target: Target,
+    model: GaussianProcess,
+    tell: Callable[[str], None] = lambda words: None,
+) -> Answer:
+    """Answer any target on the study's factors; see `solve_target`. What is being done is told in words."""
     several = len(target.objectives) > 1
-    best = polish.first_feasible(sorted(found, key=lambda candidate: _rank(candidate.best), reverse=True))
+    for share in (*_WIDER, np.inf):
+        found = _found(study, name, target, model, tell)
+        tell("polishing on the exact solver")
+        best = polish.first_feasible(sorted(found, key=lambda candidate: _rank(candidate.best), reverse=True))
+        if model.region_ is None or not (reason := _refusal(best)):
+            break
+        if not np.isfinite(share):
+            raise InputError(f"design: {name}: the best design has a case that the solver refuses: {reason}")
+        model = model.within(model.region_.narrower(share))
+    tell("judging on the exact solver")
     judged = assessment.judge(best.design)
     if judged.outside and not target.allow_outside_interval:
         raise InputError(f"design: {name}: {judged.outside}; allow_outside_interval: true would accept it")
     toleranced = target.tolerance and best.best.feasible and not several
+    tell("the fields of the design")
     pictures = [landscape.landscape(best.design), contact_fields.fields(best.question.study, judged.case)]
     if any(candidate.front is not None for candidate in found):
         pictures.append(_front(found).reindex(factor=[variable.name for variable in judged.variables]))
@@ -64,25 +82,38 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> A
         target=name,
         polish=best.polish,
         source=SOURCE_OF_FILMS if study.kind.tabled else SOURCE,
-        tolerated=_costs(study, name, target, model, best) if toleranced else None,
+        tolerated=_costs(study, name, target, model, best, tell) if toleranced else None,
         categories=_categories(target, best),
         choices=_choices(best, found, 1.0 if several else target.objectives[0].sign),
         pictures=xr.merge(pictures, compat="no_conflicts", join="outer"),
     )
 
 
-def _found(study: Study, name: str, target: Target, model: GaussianProcess) -> list[Candidate]:
+def _refusal(best: Candidate) -> str:
+    """Why the solver refuses the design in some corner; empty where it answers all.
+
+    The margin of the edge promises most of all cases, and a search finds the place where it promises too much.
+    """
+    return best.design.exact.refusal(best.design.factors(best.question.judged[False]))
+
+
+def _found(
+    study: Study, name: str, target: Target, model: GaussianProcess, tell: Callable[[str], None]
+) -> list[Candidate]:
     """The best design of every choice."""
-    return _search([_asked(study, name, target, model, choice) for choice in combinations(study, target)])
+    return _search([_asked(study, name, target, model, choice) for choice in combinations(study, target)], tell)
 
 
-def _costs(study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate) -> Tolerated:
+def _costs(
+    study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate, tell: Callable[[str], None]
+) -> Tolerated:
     """What the tolerances of the best design cost."""
+    tell("what the tolerances cost")
     nominal = tolerances.nominal(target)
     if budget.asked(best.question):  # near the design: a search of its own would cost as much as the design did
         without = tolerances.near(best, _asked(study, name, nominal, model, best.choice))
     else:
-        others = _found(study, name, nominal, model)
+        others = _found(study, name, nominal, model, lambda words: tell(f"what the tolerances cost: {words}"))
         without = polish.first_feasible(sorted(others, key=lambda candidate: _rank(candidate.best), reverse=True))
 
     def asked(other: Target) -> Question:
@@ -110,7 +141,7 @@ def _asked(
     wanted = [output(quantity, categories) for quantity in target.names() if quantity in ALL_QUANTITIES]
     own, predicted = study.narrowed(categories), Predicted(model.only(wanted) if wanted else model, categories)
     question = ask(own, name, target, predicted, held)
-    return Candidate(choice, Designs(question, predicted, Exact(own), np.empty((0, len(question.inputs)))))
+    return Candidate(choice, Designs(question, predicted, Exact(own, predicted), np.empty((0, len(question.inputs)))))
 
 
 def _rank(best: Optimum) -> tuple[bool, float]:
@@ -118,14 +149,19 @@ def _rank(best: Optimum) -> tuple[bool, float]:
     return best.feasible, best.objective if best.feasible else -float(best.excess.max(initial=-np.inf))
 
 
-def _search(asked: list[Candidate]) -> list[Candidate]:
+def _search(asked: list[Candidate], tell: Callable[[str], None]) -> list[Candidate]:
     """Optimum of every choice on the surrogate, with the safety margin that its uncertainty asks for."""
     traced: list[Front | None] = [None] * len(asked)
     if asked[0].question.objectives > 1:
+        tell("tracing the front")
         traced = [front.trace(candidate.asked, program.scan(candidate.question)) for candidate in asked]
     fronts = [own for own in traced if own is not None]
     scales = front.normalisation(fronts) if fronts else None
-    return [_climbed(replace(one, front=own, normalisation=scales)) for one, own in zip(asked, traced, strict=True)]
+    found = []
+    for number, (one, own) in enumerate(zip(asked, traced, strict=True), 1):
+        tell(f"searching, choice {number} of {len(asked)}" if len(asked) > 1 else "searching")
+        found.append(_climbed(replace(one, front=own, normalisation=scales)))
+    return found
 
 
 def _climbed(candidate: Candidate) -> Candidate:

@@ -66,7 +66,11 @@ def spread(answer: Answer) -> str:
 
 def within(answer: Answer) -> str:
     """The tolerances within which a design is to be built, in brackets; empty where there is none."""
-    bands = [f"{one.title} ± {sizes.told(one.name, one.tolerance)}" for one in answer.variables if one.tolerance]
+    bands = [
+        f"{variable.title} ± {sizes.told(variable.name, variable.tolerance)}"
+        for variable in answer.variables
+        if variable.tolerance
+    ]
     return f" ({listed(bands)})" if bands else ""
 
 
@@ -108,10 +112,10 @@ def device(answer: Answer) -> str:
 
 def _figures(answer: Answer) -> str:
     parts = []
-    for one in answer.figures:
-        ends = sorted((one.figure_low, one.figure_high), key=abs)
-        told = dict.fromkeys(shown(end, FIGURES[one.figure].units, 3) for end in ends)
-        parts.append(f"{titles.title(one.figure)} {' to '.join(told)}")
+    for figure in answer.figures:
+        ends = sorted((figure.figure_low, figure.figure_high), key=abs)
+        told = dict.fromkeys(shown(end, FIGURES[figure.figure].units, 3) for end in ends)
+        parts.append(f"{titles.title(figure.figure)} {' to '.join(told)}")
     return f"{capital(listed(parts))}." if parts else ""
 
 
@@ -126,6 +130,6 @@ def _overload(answer: Answer) -> str:
     told = f"The load may rise to {number(share, 3)} times its own before {words} stops it"
     if share < _SAME:
         told = f"The load may not rise: {words} stops it"
-    ranges = [one.figure_low for one in answer.figures if one.figure == "dynamic_range"]
+    ranges = [figure.figure_low for figure in answer.figures if figure.figure == "dynamic_range"]
     reach = f": a dynamic range of {number(share * ranges[0], 2)}" if ranges else ""
     return f"{told}{reach}."

@@ -29,10 +29,11 @@ def as_text(answer: Answer, *, si: bool = False) -> str:
     notes = filter(None, (answer.flags, asides.spread(answer)))
     lines = [answer.goal, str(verdict(answer)), answer.status, f"polish: {answer.polish}"]
     lines += [f"note: {note}" for note in notes]
-    lines += [f"  {one.category:44s} {one.kind:25s} {one.kind_role}" for one in answer.categories]
-    for one in answer.variables:
-        within = f", within {one.tolerance}" if one.tolerance else ""
-        lines.append(f"  {one.name:44s} {_value(one.value, FACTORS[one.name].units, si):25s} {one.role}{within}")
+    lines += [f"  {category.category:44s} {category.kind:25s} {category.kind_role}" for category in answer.categories]
+    for variable in answer.variables:
+        within = f", within {variable.tolerance}" if variable.tolerance else ""
+        value = _value(variable.value, FACTORS[variable.name].units, si)
+        lines.append(f"  {variable.name:44s} {value:25s} {variable.role}{within}")
     lines.append(f"  {'':44s} {'exact':25s} {'predicted':25s} margin")
     for term in answer.terms:
         margin = "" if np.isnan(term.margin) else f"{100 * term.margin:.3g} %"
@@ -61,18 +62,20 @@ def as_json(answer: Answer) -> str:
         "feasible": answer.feasible,
         "spread": asides.spread(answer),
         "factors": {
-            one.name: {
-                "value": one.value,
-                "role": one.role,
-                "units": FACTORS[one.name].units,
-                "tolerance": one.tolerance,
+            variable.name: {
+                "value": variable.value,
+                "role": variable.role,
+                "units": FACTORS[variable.name].units,
+                "tolerance": variable.tolerance,
             }
-            for one in answer.variables
+            for variable in answer.variables
         },
-        "categories": {one.category: {"value": one.kind, "role": one.kind_role} for one in answer.categories},
+        "categories": {
+            category.category: {"value": category.kind, "role": category.kind_role} for category in answer.categories
+        },
         "choices": [
-            {"choice": one.choice, "objective": _finite(one.choice_objective), "feasible": one.choice_feasible}
-            for one in answer.choices
+            {"choice": choice.choice, "objective": _finite(choice.choice_objective), "feasible": choice.choice_feasible}
+            for choice in answer.choices
         ],
         "terms": {
             term.name: {key: _finite(value) for key, value in _numbers(term).items()}
@@ -120,10 +123,10 @@ def as_csv(answers: Iterable[Answer]) -> str:
 def _rows(answer: Answer) -> list[tuple[Any, ...]]:
     """Rows of one design, without its target."""
     rows: list[tuple[Any, ...]] = [
-        (one.kind_role, one.category, "", "", "", one.kind, "", "", "") for one in answer.categories
+        (category.kind_role, category.category, "", "", "", category.kind, "", "", "") for category in answer.categories
     ]
-    for one in answer.variables:
-        rows.append((one.role, one.name, FACTORS[one.name].units, "", "", one.value, "", "", ""))
+    for variable in answer.variables:
+        rows.append((variable.role, variable.name, FACTORS[variable.name].units, "", "", variable.value, "", "", ""))
     for term in answer.terms:
         numbers = [getattr(term, key) for key in _NUMBERS]
         cells = ["" if np.isnan(number) else number for number in numbers]
@@ -158,8 +161,8 @@ def _outcomes(answers: Mapping[str, Answer]) -> list[tuple[str, str, str, str]]:
     rows = []
     for name, answer in answers.items():
         goal = answer.terms[0]
-        parts = [one.kind for one in answer.categories if one.kind_role == "variable"]
-        parts += [f"{one.title} {one.words}" for one in answer.variables if one.chosen]
+        parts = [category.kind for category in answer.categories if category.kind_role == "variable"]
+        parts += [f"{variable.title} {variable.words}" for variable in answer.variables if variable.chosen]
         value = shown(goal.exact, goal.units, 4)
         rows.append((name, verdict(answer).kind, f"{goal.title} {value}", ", ".join(parts)))
     return rows

@@ -1,6 +1,5 @@
 """The verdict on a design in words: recommended, at the edge of the studied range, or not reachable."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
@@ -11,6 +10,7 @@ from workflow.design.verdict.answer import ROOM, Answer
 from workflow.design.verdict.term import Term
 from workflow.design.verdict.variable import Variable
 from workflow.language import titles
+from workflow.language.evidence import unverified
 from workflow.language.numbers import number
 from workflow.language.titles import capital, listed
 
@@ -18,7 +18,6 @@ RECOMMENDED, AT_EDGE, UNREACHABLE = "recommended", "at the edge of the studied r
 #: What comes first of a design that is beyond what its materials bear.
 BEYOND = "beyond linear theory"
 
-_NOT_READ = re.compile(r"\b(recalled|not read|somebody's code)\b")  # words of sources
 _UNREAD = 0.5  # share of its range that is left of a factor which a read-out cannot identify
 _NOTHING = 1e-3  # least share that a moved end must bring to be told
 
@@ -83,12 +82,7 @@ def verdict(answer: Answer) -> Verdict:
 def _sources(answer: Answer) -> str:
     """Where what the materials bear comes from, for every limit that names it."""
     found = {term.bound: term.source for term in answer.terms}
-    return " ".join(f"{capital(bound)}: {source}{_unverified(source)}." for bound, source in found.items() if bound)
-
-
-def _unverified(source: str) -> str:
-    """A mark for a source that says itself that it was not read."""
-    return " (unverified: not read at its source)" if _NOT_READ.search(source) else ""
+    return " ".join(f"{capital(bound)}: {source}{unverified(source)}." for bound, source in found.items() if bound)
 
 
 def _idle(answer: Answer) -> str:

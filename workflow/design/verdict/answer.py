@@ -172,7 +172,9 @@ class Answer:
     def case(self) -> dict[str, float]:
         """Every factor in the case that decides the first objective, the variables without their tolerances."""
         worst = self.terms[0].worst
-        return {one.name: one.value if one.chosen else worst[one.name] for one in self.variables}
+        return {
+            variable.name: variable.value if variable.chosen else worst[variable.name] for variable in self.variables
+        }
 
     @property
     def feasible(self) -> bool:

@@ -73,34 +73,30 @@ def doubts(design: Designs) -> Array:
 
 
 def predict(design: Designs, sets: Mapping[Key, Scenarios]) -> Prediction:
-    """Terms on the surrogate, with what may be off carried through expression and risk measure as if it added."""
+    """Terms on the surrogate, with what may be off carried through expression and risk measure: errors go together."""
     values, scenarios = [], []
-    stds: list[float] = []
-    reaches: list[float] = []
+    errors: list[tuple[float, float]] = []
     for term in design.question.terms:
         chosen = sets[term.key]
         found = design.values(design.predicted, chosen, term)
-        weights = term.weights(found[0])
+        slopes = term.slopes(found[0])
         values.append(float(term.counted(found)[0]))
-        scenarios.append(int(weights.argmax()))
-        for source, sizes in ((design.predicted.stds, stds), (design.predicted.reaches, reaches)):
-            own = {name: size[0] for name, size in source(design.factors(chosen), _quantities(term)).items()}
-            sizes.append(float(weights @ _carried(design, chosen, term, own)))
-    return Prediction(np.array(values), scenarios, np.array(stds), np.array(reaches))
+        scenarios.append(int(np.abs(slopes).argmax()))
+        partials = _partials(design, chosen, term)
+        weights = {name: slopes * partials[name] for name in _quantities(term)}
+        errors.append(design.predicted.errors(design.factors(chosen), weights) if weights else (0.0, 0.0))
+    stds, reaches = np.array(errors).reshape(-1, 2).T
+    return Prediction(np.array(values), scenarios, stds, reaches)
 
 
 def _quantities(term: Term) -> list[str]:
     return [name for name in term.expression.names() if name in ALL_QUANTITIES]
 
 
-def _carried(design: Designs, chosen: Scenarios, term: Term, sizes: Mapping[str, Array]) -> Array:
-    """Sum over quantities of |d expression / d quantity| times a size of each; (scenarios,)."""
+def _partials(design: Designs, chosen: Scenarios, term: Term) -> dict[str, Array]:
+    """Derivatives of a term's expression by the names in it, on the surrogate: (scenarios,) each."""
     known = design.question.known(design.predicted, design.factors(chosen), [term.expression])
-    partials = term.expression.partials({name: values[0] for name, values in known.items()})[1]
-    total = np.zeros(chosen.count)
-    for name, size in sizes.items():
-        total += np.abs(partials[name]) * size
-    return total
+    return term.expression.partials({name: values[0] for name, values in known.items()})[1]
 
 
 def judge(design: Designs) -> Answer:
@@ -214,8 +210,10 @@ def tolerances(design: Designs) -> Array:
     for term in terms:
         chosen = design.question.searched[term.key]
         weights = term.weights(design.values(design.predicted, chosen, term)[0])
-        own = {name: np.asarray(sizes[name]) for name in _quantities(term)}
-        out.append(float(weights @ _carried(design, chosen, term, own)))
+        partials = _partials(design, chosen, term)
+        out.append(
+            sum(sizes[name] * float(weights @ np.abs(partials[name] + 0 * weights)) for name in _quantities(term))
+        )
     return np.array(out)
 
 

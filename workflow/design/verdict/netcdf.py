@@ -114,7 +114,7 @@ _SCALARS = ("overload", "overload_term")
 _OWN = {
     *_TERM, *_VARIABLE, *_SENSITIVITY, *_TOLERATED, *_SCALARS, "edge", "elasticity", "worst", "effect", "spread",
     "feasible", "status", "beyond", "flags", "nominal_exact", "nominal_choice",
-    *(one.name for row in _ROWS.values() for one in fields(row)),
+    *(field.name for row in _ROWS.values() for field in fields(row)),
 }  # fmt: skip
 
 
@@ -168,7 +168,7 @@ def dataset(answer: Answer) -> xr.Dataset:
 
 def _columns(rows: Sequence[Any]) -> list[tuple[str, list[Any]]]:
     """Names of the fields of rows of one type, with a value a row."""
-    return [(one.name, [getattr(row, one.name) for row in rows]) for one in fields(rows[0])]
+    return [(field.name, [getattr(row, field.name) for row in rows]) for field in fields(rows[0])]
 
 
 def _plain(value: Any) -> Any:
@@ -246,7 +246,7 @@ def _tolerated(data: xr.Dataset) -> Tolerated | None:
 
 def _members(data: xr.Dataset, row: type[Any]) -> Iterator[Any]:
     """Rows of one type; none where the data set has no such dimension."""
-    keys = [one.name for one in fields(row)]
+    keys = [field.name for field in fields(row)]
     if keys[0] in data.dims:
         yield from itertools.starmap(row, _rows(data, keys))
 

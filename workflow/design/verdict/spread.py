@@ -78,7 +78,7 @@ def over(design: Designs, worst: Sequence[Scenario]) -> Spread:
         with np.errstate(divide="ignore", invalid="ignore"):
             effects[told, column] = (ends[0] - ends[1]) / (2 * _STEP) / here
     effects[~np.isfinite(effects)] = np.nan
-    return Spread(tuple(answer.Constant(one.name, one.prior) for one in constants), effects)
+    return Spread(tuple(answer.Constant(constant.name, constant.prior) for constant in constants), effects)
 
 
 def _tells(study: Study, term: Term) -> bool:

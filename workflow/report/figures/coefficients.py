@@ -1,5 +1,7 @@
 """Figure of the report: decay of the Chebyshev coefficients along every factor, the reason for its levels."""
 
+from collections.abc import Sequence
+
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
@@ -14,14 +16,17 @@ _FLOOR = 1e-17
 
 
 @styled
-def figure(validation: xr.Dataset) -> Figure:
+def figure(validation: xr.Dataset, told: Sequence[str]) -> Figure:
     """Largest coefficient of every output over its range, along every input of the factorial.
 
     Parameters
     ----------
     validation
         ``coefficient`` over (output, input, mode), ``kinked`` over (output, input), attribute ``tolerance``.
+    told
+        The outputs that are shown.
     """
+    validation = validation.sel(output=list(told))
     along = "axis" if "axis" in validation.dims else "input"  # groups take the place of the inputs
     names = [str(name) for name in validation[along].values]
     rows = -(-len(names) // _COLUMNS)

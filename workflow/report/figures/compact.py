@@ -43,7 +43,7 @@ def compacted(text: str) -> str:
 
 def _name(style: str) -> str:
     """The same for the same style in every figure, as many stand in one page."""
-    return "s" + hashlib.blake2b(style.encode(), digest_size=5).hexdigest()
+    return "s" + hashlib.blake2b(style.encode(), digest_size=4).hexdigest()
 
 
 def _number(value: float) -> str:
@@ -69,4 +69,4 @@ def _outline(path: str) -> str:
 
 def _joined(hundredths: list[int]) -> str:
     """Numbers with a blank only where the next has no sign of its own."""
-    return re.sub(" -", "-", " ".join(_number(one / 100) for one in hundredths))
+    return re.sub(" -", "-", " ".join(_number(hundredth / 100) for hundredth in hundredths))

@@ -1,5 +1,6 @@
 """Figure of the report: errors of the independent methods over their effort."""
 
+from collections.abc import Mapping
 from itertools import cycle
 from typing import Any
 
@@ -17,12 +18,14 @@ _CONVERGENCE = {
     "fem_contact": ("finite elements, unilateral contact", True),
     "film_resolution": ("load on a film, default resolution", True),
     "film_elements": ("spectral elements, load on a film", False),
+    "film_air": ("spectral elements, voltage of a film in air", False),
 }
 
 
 @styled
-def figure(curves: list[dict[str, Any]]) -> Figure:
-    """Errors of an independent method over its effort, a panel for each problem."""
+def figure(findings: Mapping[str, Any]) -> Figure:
+    """Errors of an independent method over its effort, a panel for each problem: ``curves`` of a group of checks."""
+    curves: list[dict[str, Any]] = findings["curves"]
     names = list(dict.fromkeys(curve["figure"] for curve in curves))
     made, axes = plt.subplots(1, len(names), figsize=(5.2 * len(names), 4.2), squeeze=False)
     for ax, name in zip(axes.flat, names, strict=True):

@@ -1,5 +1,7 @@
 """Figure of the report: whether the surrogate's intervals hold, before and after calibration."""
 
+from collections.abc import Sequence
+
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
@@ -15,7 +17,7 @@ _COLUMNS = 4
 
 
 @styled
-def figure(validation: xr.Dataset) -> Figure:
+def figure(validation: xr.Dataset, told: Sequence[str]) -> Figure:
     """Coverage in the deciles of every input, and the probability integral transform.
 
     Parameters
@@ -23,7 +25,10 @@ def figure(validation: xr.Dataset) -> Figure:
     validation
         ``validation.nc`` of a calibrated model: ``decile_coverage`` over (output, input, decile), ``pit`` and
         ``raw_pit`` over (output, case).
+    told
+        The outputs that are shown.
     """
+    validation = validation.sel(output=list(told))
     names = [str(name) for name in validation["input"].values]
     rows = -(-(len(names) + 2) // _COLUMNS)
     made, axes = plt.subplots(rows, _COLUMNS, figsize=(11, 2.6 * rows), squeeze=False)

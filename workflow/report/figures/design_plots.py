@@ -161,7 +161,7 @@ def _front(answer: Answer) -> Figure:
             style = "o-" if len(names) == 2 and own.all() else "o"
             words = f"front, exact: {choice}" if choice else "front, exact"
             ax.plot(
-                *(one[own] for one in columns),
+                *(column[own] for column in columns),
                 style,
                 ms=2.5,
                 lw=1,

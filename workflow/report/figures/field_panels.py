@@ -1,6 +1,6 @@
 """Figures of the report: exact fields along the surface and below the punch, while one factor varies."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -15,6 +15,7 @@ from workflow.language import numbers, titles
 from workflow.report.figures.contours import below
 from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, Array, field_label, styled
 from workflow.report.svg import INK
+from workflow.study import coupling
 
 #: Fields that the parametric study shows, in the paper's order.
 SHOWN = (
@@ -32,11 +33,13 @@ _THREE = ("low", "middle", "high")
 
 
 @styled
-def fields(slabs: Sequence[xr.Dataset]) -> Figure:
+def fields(slabs: Sequence[xr.Dataset], felt: Collection[str]) -> Figure:
     """Surface fields of a few cases: every factor in its middle but the second, or the only one, which varies.
 
-    The slabs are parts of the whole along its first axis; their number does not change the figure.
+    The slabs are parts of the whole along its first axis; their number does not change the figure. Fields that the
+    study does not feel (``coupling.fields``) are left out.
     """
+    slabs = [coupling.kept(slab, felt) for slab in slabs]
     first, *others = (str(dim) for dim in slabs[0]["contact_pressure"].dims if dim != "position")
     if not others:
         whole = xr.concat(slabs, first)
@@ -78,8 +81,9 @@ def _said(value: xr.DataArray, digits: int = 3) -> str:
 
 
 @styled
-def effect(data: xr.Dataset) -> Figure:
-    """Effect of one factor on the six surface fields of the paper's parametric study."""
+def effect(data: xr.Dataset, felt: Collection[str]) -> Figure:
+    """Effect of one factor on those of the six surface fields of the paper's parametric study that are felt."""
+    data = coupling.kept(data, felt)
     varied = next(str(dim) for dim in data["contact_pressure"].dims if dim != "position")
     return _field_panels(data, varied)
 

@@ -1,4 +1,6 @@
-"""Figure of the report: what each factor does to a few quantities on average."""
+"""Figures of the report: what each factor does to the quantities, in variance and on average."""
+
+from collections.abc import Sequence
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -8,6 +10,7 @@ from matplotlib.figure import Figure
 
 from workflow.language import titles
 from workflow.language.numbers import prefixed
+from workflow.report import ranked, tornado
 from workflow.report.figures.style import BLUE, by_ratio, factor_scale, logarithmic, styled
 from workflow.study.categories import parted
 
@@ -16,11 +19,17 @@ _EVERY = 2  # positions of a curve, of which one is drawn
 _BAND = 2  # root-mean-square errors on either side of a main effect
 
 
+def indices(sensitivity: xr.Dataset, told: Sequence[str], aims: Sequence[str]) -> str:
+    """Sobol' indices as tornado charts, of those outputs that a study aims at; see :func:`ranked.sensitivities`."""
+    return tornado.draw(ranked.sensitivities(sensitivity.sel(output=list(told)), aims))
+
+
 @styled
-def main_effects(sensitivity: xr.Dataset, outputs: list[str]) -> Figure:
+def main_effects(sensitivity: xr.Dataset, told: Sequence[str], of_interest: Sequence[str]) -> Figure:
     """Mean of some outputs given one input, minus the mean over the box, and twice its root-mean-square error."""
+    sensitivity = sensitivity.sel(output=list(told))
     inputs = [str(name) for name in sensitivity["input"].values]
-    shown = outputs[:_SHOWN]
+    shown = of_interest[:_SHOWN]
     figure, axes = plt.subplots(
         len(shown),
         len(inputs),

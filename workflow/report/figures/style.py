@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from storage.files import write_bytes
+from storage.files import write_bytes, write_text
 from workflow.language import numbers, titles
 from workflow.language.factors import FACTORS
 from workflow.language.wordings import TITLES
@@ -104,8 +104,11 @@ def logarithmic(ax: Axes, which: str, values: Array) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure as SVG, with what a pointer over it can say; whole or not at all."""
+def save(figure: Figure | str, path: Path) -> None:
+    """Write a figure as SVG, with what a pointer over it can say, or one that is SVG; whole or not at all."""
+    if isinstance(figure, str):
+        write_text(path, figure)
+        return
     drawn = io.BytesIO()
     with mpl.rc_context(STYLE):  # the salt of the ids acts while saving
         said = f'<metadata class="hover">{hover.metadata(figure)}</metadata>\n</svg>'

@@ -1,5 +1,7 @@
 """Figures of the report: errors along the exact values, and the errors of every quantity."""
 
+from collections.abc import Sequence
+
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
@@ -14,8 +16,9 @@ _PANELS, _POINTS = 3, 150
 
 
 @styled
-def residuals(validation: xr.Dataset) -> Figure:
-    """Errors over range along the exact values, on cases never trained on: the outputs of the largest errors first."""
+def residuals(validation: xr.Dataset, told: Sequence[str]) -> Figure:
+    """Errors over range of some outputs along the exact values, on cases never trained on: the largest first."""
+    validation = validation.sel(output=list(told))
     names = [str(name) for name in validation.sortby("max_error", ascending=False)["output"].values[:_PANELS]]
     columns = min(3, len(names))
     rows = -(-len(names) // columns)
@@ -40,8 +43,9 @@ def residuals(validation: xr.Dataset) -> Figure:
 
 
 @styled
-def errors(validation: xr.Dataset) -> Figure:
-    """Largest error over range of every output, the baseline beside it, against the tolerance."""
+def errors(validation: xr.Dataset, told: Sequence[str]) -> Figure:
+    """Largest error over range of some outputs, the baseline beside it, against the tolerance."""
+    validation = validation.sel(output=list(told))
     names = [str(name) for name in validation["output"].values]
     y = np.arange(len(names))
     figure, ax = plt.subplots(figsize=(9, 0.27 * len(names) + 1.1))

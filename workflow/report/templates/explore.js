@@ -2,8 +2,9 @@
 "use strict";
 
 const NODES = 29, FINER = 5, PAUSE = 150, SLICE = 12; // nodes a side, and parts of an interval of theirs that are shaded; milliseconds
+const COARSE = 4; // every so many nodes a side are the first picture
 const PLOT = { left: 64, right: 470, top: 12, bottom: 318, bar: 486, wide: 14, near: 12 };
-const LETTER = 7.4; // width of a letter of a limit's name, about
+const LETTER = 7.9, LINE = 17, LONG = 26; // width of a letter of a limit's name, about, height of its line, and letters of one line
 // viridis (S. van der Walt and N. Smith, 2015; CC0), which readers of every kind of sight can order
 const VIRIDIS = [[68, 1, 84], [72, 40, 120], [62, 74, 137], [49, 104, 142], [38, 130, 142], [31, 158, 137], [53, 183, 121], [109, 205, 89], [180, 222, 44], [253, 231, 37]];
 
@@ -11,6 +12,11 @@ function viridis(share) {
   const place = Math.min(Math.max(share, 0), 1) * (VIRIDIS.length - 1), k = Math.min(Math.floor(place), VIRIDIS.length - 2);
   return VIRIDIS[k].map((one, c) => Math.round(one + (place - k) * (VIRIDIS[k + 1][c] - one)));
 }
+
+// Columns and rows of nodes by their number, the node of the coarse ones that is next to one, and their order: coarse ones first.
+const placed = (n) => [n % NODES, Math.floor(n / NODES)], coarsest = (n) => placed(n).reduce((sum, one, k) => sum + COARSE * Math.round(one / COARSE) * NODES ** k, 0);
+const ALL = Array.from({ length: NODES * NODES }, (_, n) => n), ORDER = [...ALL.filter((n) => coarsest(n) === n), ...ALL.filter((n) => coarsest(n) !== n)];
+const FIRST = ((NODES - 1) / COARSE + 1) ** 2;
 
 // The scaled coordinate of a node, both ends of the range among them, and the place of a coordinate in the picture.
 const node = (k) => -1 + (2 * k) / (NODES - 1);
@@ -48,10 +54,33 @@ function roundValues({ low, high, scale }) {
   return all.filter((one) => one >= low * (1 - 1e-9) && one <= high * (1 + 1e-9));
 }
 
+// Where a name of some size stands beside its line, given as segments [[x, y], [x, y]]: over nothing of `taken`, crossed by
+// as little as can be of all lines, and next to the middle.
+function namePlace(segments, wide, high, all, taken) {
+  const points = all.flatMap(([a, b]) => [a, b, [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2]]), within = (value, low, most) => Math.max(Math.min(value, most), low);
+  const sides = [-wide / 2, 8, -wide - 8].flatMap((aside) => [6, -high - 6, -high / 2].map((down) => [aside, down]));
+  const places = segments.flatMap(([[x, y]]) => sides.map(([aside, down]) => {
+    const left = within(x + aside, PLOT.left + 6, PLOT.right - wide - 6), top = within(y + down, PLOT.top + 2, PLOT.bottom - high - 2), right = left + wide, bottom = top + high;
+    const covered = taken.filter((one) => left < one.right && right > one.left && top < one.bottom && bottom > one.top).length;
+    const crossed = points.filter(([px, py]) => px > left - 4 && px < right + 4 && py > top - 2 && py < bottom + 2).length;
+    return { left, right, top, bottom, cost: 1000 * covered + crossed, off: Math.hypot(2 * x - PLOT.left - PLOT.right, 2 * y - PLOT.top - PLOT.bottom) };
+  }));
+  return places.reduce((best, one) => (one.cost < best.cost || (one.cost === best.cost && one.off < best.off) ? one : best));
+}
+
+// A name in one line, or in two that part where they are most alike.
+function inLines(words) {
+  if (words.length <= LONG) return [words];
+  const blanks = [...words].flatMap((letter, k) => (letter === " " ? [k] : [])), middle = words.length / 2;
+  if (!blanks.length) return [words];
+  const at = blanks.reduce((best, k) => (Math.abs(k - middle) < Math.abs(best - middle) ? k : best));
+  return [words.slice(0, at), words.slice(at + 1)];
+}
+
 function startMap(panel, root) {
   const svg = root.querySelector("svg"), layer = (name) => svg.querySelector(`[data-layer=${name}]`);
   const choosers = [...root.querySelectorAll("select")], inputs = panel.model.inputs;
-  let nodes = [], drawn = "", timer = 0, running = 0;
+  let nodes = [], drawn = "", finished = "", timer = 0, running = 0;
 
   const axes = () => choosers.map((one) => Number(one.value));
   const titled = (k) => panel.data.titles[inputs[k].name];
@@ -77,27 +106,32 @@ function startMap(panel, root) {
     return inputs.every((_, k) => same(k)) ? axes().map((k) => t[k]) : null;
   }
 
-  function compute() {
+  // Coarsely at first, at once where a page is printed.
+  function compute(slice = SLICE) {
     const run = ++running, wanted = key(), found = [];
+    let rough = false, n = 0;
+    const shown = (all) => { [nodes, drawn] = [all, wanted]; paint(); };
     const step = () => {
-      const end = performance.now() + SLICE;
-      while (found.length < NODES * NODES && performance.now() < end) {
-        found.push(panel.judged(at(node(found.length % NODES), node(Math.floor(found.length / NODES))), true));
-      }
+      const end = performance.now() + slice;
+      while (n < ORDER.length && performance.now() < end) found[ORDER[n]] = panel.judged(at(...placed(ORDER[n++]).map(node)), true);
       if (run !== running) return;
-      if (found.length < NODES * NODES) return void setTimeout(step);
-      [nodes, drawn] = [found, wanted];
-      paint();
+      if (n === ORDER.length) { finished = wanted; return shown(found); }
+      if (!rough && n >= FIRST) { rough = true; shown(ALL.map((k) => found[coarsest(k)])); }
+      setTimeout(step);
     };
     step();
   }
+
+  addEventListener("beforeprint", () => { if (finished !== key()) { clearTimeout(timer); compute(Infinity); } });
 
   function paint() {
     const goals = nodes.map(({ goal }) => goal), star = starred(), best = star ? [panel.goal.exact ?? panel.judged(at(...star)).goal] : [];
     const known = [...goals, ...best].filter(Number.isFinite), low = Math.min(...known), high = Math.max(...known);
     const lines = (nodes[0]?.limits ?? []).map((_, n) => nodes.map(({ limits }) => limits[n]));
     layer("shade").setAttribute("href", shaded(goals, lines, low, high));
-    layer("limits").innerHTML = lines.map((one, n) => limitLine(zeroLine(one), panel.data.cases[panel.chosen].limits.filter(({ judged }) => judged)[n])).join("");
+    const taken = star ? [{ left: acrossAt(star[0]) - LINE, right: acrossAt(star[0]) + LINE, top: upAt(star[1]) - LINE, bottom: upAt(star[1]) + LINE }] : [];
+    const limits = panel.data.cases[panel.chosen].limits.filter(({ judged }) => judged), drawnLines = lines.map((values) => zeroLine(values).map((ends) => ends.map(([s, t]) => [acrossAt(s), upAt(t)])));
+    layer("limits").innerHTML = drawnLines.map((segments, n) => limitLine(segments, limits[n].words, drawnLines.flat(), taken)).join("");
     layer("axes").innerHTML = axis(0) + axis(1) + colourBar(low, high);
     const { title } = panel.goal, [x, y] = axes().map(titled);
     Object.assign(svg.dataset, { low: String(low), high: String(high), broken: String(nodes.filter(({ broken }) => broken).length) });
@@ -120,13 +154,14 @@ function startMap(panel, root) {
     return canvas.toDataURL();
   }
 
-  function limitLine(segments, limit) {
+  // A limit's line with its name beside it.
+  function limitLine(segments, words, all, taken) {
     if (!segments.length) return "";
-    const path = segments.map(([a, b]) => `M${[a, b].map(([s, t]) => `${acrossAt(s).toFixed(1)} ${upAt(t).toFixed(1)}`).join("L")}`).join("");
-    const off = ([[s, t]]) => Math.hypot(s, t), [s, t] = segments.reduce((best, one) => (off(one) < off(best) ? one : best))[0];
-    const wide = LETTER * limit.words.length, start = Math.max(Math.min(acrossAt(s) - wide / 2, PLOT.right - wide - 6), PLOT.left + 6);
-    const place = `x="${start.toFixed(1)}" y="${Math.max(upAt(t) + (t > 0 ? 18 : -8), PLOT.top + 14).toFixed(1)}"`;
-    return `<path class="limit" d="${path}"/><text class="halo" ${place}>${escaped(limit.words)}</text>`;
+    const path = segments.map((ends) => `M${ends.map((end) => end.map((one) => one.toFixed(1)).join(" ")).join("L")}`).join("");
+    const parts = inLines(words), place = namePlace(segments, LETTER * Math.max(...parts.map(({ length }) => length)), LINE * parts.length, all, taken), x = place.left.toFixed(1);
+    taken.push(place);
+    const lines = parts.map((part, k) => `<tspan x="${x}" y="${(place.top + 14 + k * LINE).toFixed(1)}">${escaped(part)}${k + 1 < parts.length ? " " : ""}</tspan>`);
+    return `<path class="limit" d="${path}"/><text class="halo">${lines.join("")}</text>`;
   }
 
   function axis(n) {

@@ -29,6 +29,24 @@ function carried(tree, values, sizes) {
   }, 0);
 }
 
+// How far an expression of several values may be off, their errors going together as those of the held-out rows did: the rule of
+// surrogate/intervals/sums.py at one point. Of each value its column in the model, its deviation and how far its interval reaches.
+function offBy(model, tree, values, errors) {
+  const told = Object.entries(errors).map(([name, one]) => {
+    const at = (size) => evaluate(tree, { ...values, [name]: values[name] + size });
+    return { ...one, slope: one.std > 0 ? (at(one.std) - at(-one.std)) / 2 : 0 };
+  }).filter(({ slope }) => slope !== 0);
+  if (!model.together || told.length < 2) return told.reduce((sum, { slope, std, reach }) => sum + (Math.abs(slope) * reach) / std, 0);
+  const { rows, outputs, scores } = model.together;
+  const sums = Float64Array.from({ length: rows }, (_, row) =>
+    told.reduce((sum, { slope, column }) => sum + slope * scores[row * outputs + column], 0)).sort();
+  const end = (share) => {
+    const place = Math.min(Math.max(share * (rows + 1) - 1, 0), rows - 1), below = Math.floor(place);
+    return sums[below] + (place - below) * (sums[Math.min(below + 1, rows - 1)] - sums[below]);
+  };
+  return Math.max(Math.abs(end((1 - model.interval.level) / 2)), Math.abs(end((1 + model.interval.level) / 2)));
+}
+
 // Of a panel: its data and model, and which kind of case and which target are chosen.
 function judging(panel) {
   const { data, model } = panel;
@@ -41,11 +59,11 @@ function judging(panel) {
     return found;
   }
 
-  // How far the intervals of the quantities reach from their means.
-  function reaches({ mean, lower, upper }) {
+  // Of every quantity its deviation and how far its interval reaches from the mean.
+  function errors({ mean, std, lower, upper }) {
     return Object.fromEntries(data.quantities.map(({ name }, p) => {
       const column = panel.kind.columns[p];
-      return [name, Math.max(upper[column] - mean[column], mean[column] - lower[column])];
+      return [name, { column, std: std[column], reach: Math.max(upper[column] - mean[column], mean[column] - lower[column]) }];
     }));
   }
 
@@ -74,9 +92,8 @@ function judging(panel) {
   }
 
   function room(limit, t, there) {
-    const sizes = reaches(predict(model, t));
-    Object.keys(sizes).forEach((name) => { sizes[name] += panel.kind.allowances[name]; });
-    return carried(limit.tree, there, sizes) + 1e-12 * Math.abs(limit.value);
+    const off = offBy(model, limit.tree, there, errors(predict(model, t)));
+    return off + carried(limit.tree, there, panel.kind.allowances) + 1e-12 * Math.abs(limit.value);
   }
 
   // By how much a limit is broken, negative where it is kept; an interval is asked for only where the mean is beyond the limit.
@@ -99,8 +116,9 @@ function judging(panel) {
     const points = target ? scenarios(target, t, few ? target.few : undefined) : [];
     const found = over ? points.map((one) => evaluate(tree, one.values)) : [evaluate(tree, values(t))];
     const limits = target ? target.limits.filter((one) => one.judged).map((one) => beyond(one, points)) : [];
-    return { goal: (maximise ? Math.min : Math.max)(...found), limits, broken: limits.some((one) => one > 0) };
+    const broken = limits.some((one) => one > 0) || refusal(panel.model, t) !== "";
+    return { goal: (maximise ? Math.min : Math.max)(...found), limits, broken };
   }
 
-  return { values, reaches, scenarios, worst, goal, cell };
+  return { values, errors, scenarios, worst, goal, cell };
 }

@@ -1,7 +1,7 @@
 // The punch on its body to scale, as workflow/report/device.py draws it, from the numbers of the sliders.
 "use strict";
 
-const PICTURE = { width: 560, height: 250, surface: 128, whole: [14, 206], near: [236, 546], top: 26, low: 222 };
+const PICTURE = { words: 46, width: 560, height: 250, surface: 128, whole: [14, 206], near: [236, 546], top: 26, low: 222 };
 const STEEP = { device: 84, wider: 2.6, deep: 62, tips: 10, line: 22, points: 97, bar: [4, 90] };
 const TINT = {
   ink: "var(--ink)", paper: "var(--card)", accent: "var(--accent)", soft: "var(--soft)", bad: "var(--bad)",
@@ -97,7 +97,8 @@ function stackWords(device, size) {
   ];
   if (device.thickness === null) return [...parts, words(near[0] + 8, low - 10, device.point ? "half-space" : "half-plane", soft, "start")];
   const interface_ = surface + device.thickness * size.near, place = near[1] - 14;
-  const between = device.grounded ? `${device.base ? ", " : ""}grounded electrode between` : "";
+  const electrode = `${device.base ? ", " : ""}grounded electrode between`;
+  const between = !device.grounded ? "" : (device.base + electrode).length <= PICTURE.words ? electrode : ", electrode";
   return [
     ...parts,
     `<path d="M${place} ${surface} V${at(interface_)}" ${tipped}/>`,

@@ -32,8 +32,22 @@ function loadSurrogate(plain) {
   }
   if (plain.correction) model.correction = { ...plain.correction, coefficients: readArray(plain.correction.coefficients) };
   if (plain.curves) model.curves = loadCurves(plain.curves);
-  if (plain.interval) model.interval = { lower: readArray(plain.interval.lower), upper: readArray(plain.interval.upper) };
+  if (plain.together) model.together = loadTogether(plain.together);
+  if (plain.region) model.region = { ...plain.region, coefficients: readArray(plain.region.coefficients).data, places: readArray(plain.region.places) };
+  if (plain.interval) model.interval = { level: plain.interval.level, lower: readArray(plain.interval.lower), upper: readArray(plain.interval.upper) };
   return model;
+}
+
+// Scores of the held-out rows, in deviations, row by row (surrogate/intervals/copula.py).
+function loadTogether({ ranks, probabilities, quantiles }) {
+  const { shape: [rows, , outputs], data } = readCore(ranks), of = readArray(quantiles).data;
+  const scores = data.map((rank, n) => {
+    const share = (rank + 0.5) / rows, column = n % outputs;
+    const k = Math.max(probabilities.findIndex((next) => next >= share), 1), wide = probabilities[k] - probabilities[k - 1];
+    const below = of[(k - 1) * outputs + column], above = of[k * outputs + column];
+    return below + ((above - below) / wide) * (share - probabilities[k - 1]);
+  });
+  return { rows, outputs, scores };
 }
 
 function logit(share) {
@@ -135,6 +149,16 @@ function learnt(model, t) {
   if (model.correction) correct(model.correction, by.along, own);
   const mean = own.map(by.told);
   return { along: by.along, parts, mean, size: (p) => by.size(mean[p], p) };
+}
+
+// Why a point has no answer: the reason of the nearest known case that is refused; empty where it has one.
+function refusal({ region }, t) {
+  if (!region) return "";
+  const T = t.map((x) => chebyshev(x, region.degree + 1));
+  const terms = region.degrees.map((row) => row.reduce((product, degree, k) => product * T[k][degree], 1));
+  if (terms.reduce((sum, term, m) => sum + region.coefficients[m] * term, -region.least) >= 0) return "";
+  const far = region.which.map((_, n) => t.reduce((sum, x, k) => sum + (x - region.places.data[n * t.length + k]) ** 2, 0));
+  return region.reasons[region.which[far.indexOf(Math.min(...far))]];
 }
 
 // Means of all outputs.

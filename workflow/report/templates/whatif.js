@@ -29,10 +29,21 @@ function startWhatIf(root) {
     const [mean, lower, upper] = [answer.mean, answer.lower, answer.upper].map((all) => kind.columns.map((column) => all[column]));
     showInputs(found);
     showOutputs(mean, lower, upper);
-    showFigures(found, judge.reaches(answer));
+    showFigures(found, judge.errors(answer));
     showLimits();
     showHeadlines(found);
+    showRefusal();
     watchers.forEach((told) => told(found));
+  }
+
+  // Where the solver refuses cases, next to nothing is said.
+  function showRefusal() {
+    const told = root.querySelector("[data-refusal]");
+    if (!told) return;
+    const reason = refusal(model, point);
+    told.hidden = !reason;
+    told.textContent = reason && `No answer here, beyond the edge of the cases that have one. ${reason}`;
+    root.querySelectorAll(".quantities, .tiles, ul.limits").forEach((one) => { one.style.visibility = reason ? "hidden" : ""; });
   }
 
   function showInputs(values) {
@@ -54,9 +65,9 @@ function startWhatIf(root) {
   }
 
   // Figures of the device: as far as the intervals of their quantities take them.
-  function showFigures(found, reach) {
+  function showFigures(found, errors) {
     data.figures.forEach(({ name, units, tree }) => {
-      const value = evaluate(tree, found), away = carried(tree, found, reach);
+      const value = evaluate(tree, found), away = offBy(model, tree, found, errors);
       showValue(root.querySelector(`tr[data-figure="${name}"]`), units, value, value - away, value + away);
     });
   }
@@ -77,12 +88,13 @@ function startWhatIf(root) {
       const below = tile.querySelector("span");
       if (below) below.textContent = text;
     };
-    const { title, units, exact } = judge.goal(), { goal, broken } = judge.cell(point), target = data.cases[chosen], tile = root.querySelector("[data-goal]");
+    const { title, short, units, exact } = judge.goal(), { goal, broken } = judge.cell(point), target = data.cases[chosen], tile = root.querySelector("[data-goal]");
     const value = design === null ? goal : exact ?? goal;
     tile.dataset.value = String(value);
     write(tile, said(value, units, 3), title);
     root.querySelectorAll("[data-headline]").forEach((one) => {
       const figure = data.figures.find(({ name }) => name === one.dataset.headline);
+      one.hidden = figure.title === short; // the goal says it
       write(one, said(evaluate(figure.tree, found), figure.units, 3));
     });
     const verdict_ = root.querySelector("[data-verdict]");

@@ -1,0 +1,115 @@
+"""Cases of point contacts on half-spaces, all of them at once."""
+
+from dataclasses import fields
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array, column, distinct_rows
+from solver.face.materials import material_of
+from solver.face.point import OnPoints
+from solver.face.punches import punch_of
+from solver.film.powerlaw import material_from
+from solver.film.windows import Indices
+from solver.halfplane.precision import warn_of_rounding
+from solver.halfplane.surface import HalfPlane
+from solver.material.constants import UNITS
+from solver.point.body import HalfSpace, Stretch
+from solver.point.halfspace import conducted
+from solver.point.inside import Inside, whole
+from solver.point.pressed import Friction, Pressed
+from solver.point.profile import Shape
+from solver.point.response import contact_coupling
+from solver.point.rim import Rim
+
+
+class OnHalfSpace(OnPoints):
+    """Points on half-spaces.
+
+    Raises
+    ------
+    FactorError, MaterialError
+        An inadmissible material.
+
+    Warns
+    -----
+    PrecisionWarning
+        Rounding costs digits.
+    """
+
+    def _pressed(self) -> list[tuple[Indices, Pressed]]:
+        warn_of_rounding(self._half)
+        return [(own, self._of(own, shape, coefficient)) for own, shape, coefficient in self._by_exponent(self._every)]
+
+    def _apart(self) -> list[tuple[Indices, Pressed]]:
+        _, which = distinct_rows(np.stack(self._constants, -1))
+        return [
+            (own[some], self._of(own[some], shape, coefficient[some]))
+            for own, shape, coefficient in self._by_exponent(self._every)
+            for number in np.unique(which[own])
+            if (some := np.flatnonzero(which[own] == number)).size
+        ]
+
+    @property
+    def _every(self) -> Indices:
+        return np.arange(int(np.prod(self.shape)))
+
+    @cached_property
+    def _half(self) -> HalfPlane:
+        return HalfPlane(material_of(self.cases))
+
+    @cached_property
+    def _constants(self) -> list[Array]:
+        """Those of the materials, infinite where unknown; (case,) each."""
+        return [self.flat(np.nan_to_num(getattr(self._half.material, key), nan=np.inf)) for key in UNITS]
+
+    @cached_property
+    def _compliances(self) -> tuple[Array, Array, Array]:
+        """N and k of the contacts in their units, and these; (case, 3, 3), (case, 3) and (case, 4)."""
+        half, punch, conducts = self._half, punch_of(self.cases), self.cases.conducts
+        units = half.scale[..., 1:]
+        N = half.compliance + column(punch.compliance) * np.diag([1.0, 0.0, 0.0])
+        N = conducted(N / (units[..., :, None] * units[..., None, :]), conducts)
+        k = contact_coupling(
+            half.friction_coupling / (half.scale[..., :1] * units), half.scale, punch.coupling, conducts
+        )
+        sizes = ((N, (3, 3)), (k, (3,)), (half.scale, (4,)))
+        N, k, units = (np.broadcast_to(v, (*self.shape, *own)).reshape(-1, *own) for v, own in sizes)
+        return N, k, units
+
+    def _of(self, own: Indices, shape: Shape, coefficient: Array) -> Pressed:
+        """Some cases of one exponent."""
+        N, k, units = self._compliances
+        conducts = np.broadcast_to(self.cases.conducts, (*self.shape, 2)).reshape(-1, 2)
+        friction = Friction(self._friction[own], k[own]) if "friction" in self.cases.values else None
+        body = HalfSpace(N[own], shape, self._stretch(own))
+        return Pressed(body, units[own], coefficient, *self._loads(own), conducts[own], friction=friction)
+
+    @property
+    def _lacks_c12(self) -> str | None:
+        material = self._half.material
+        return material.name if np.any(np.isnan(material.c12)) else None
+
+    @cached_property
+    def _rims(self) -> Rim:
+        rim = Rim.of(self._half)
+        flat = (self.flat(value) for value in (rim.stiffness, rim.shear, rim.tangential, rim.transverse))
+        return Rim(np.broadcast_to(rim.coupling, (*self.shape, 3)).reshape(-1, 3), *flat)
+
+    def _rim(self, places: Indices) -> Rim | None:
+        if self._lacks_c12 is not None:
+            return None
+        return Rim(*(getattr(self._rims, field.name)[places] for field in fields(Rim)))
+
+    def _stretch(self, own: Indices) -> Stretch | None:
+        """What the surfaces of some cases do along themselves; nothing is known without c12."""
+        if self._lacks_c12 is not None:
+            return None
+        share = np.broadcast_to(self._half.in_plane_share, (*self.shape, 3)).reshape(-1, 3)
+        rim = self._rims
+        return Stretch(rim.coupling[own], rim.stiffness[own], rim.shear[own], share[own])
+
+    def _inside(self, places: Indices, pressed: Pressed) -> Inside:
+        own = [float(values[places[0]]) for values in self._constants]
+        dielectric = 0.0  # the last of the constants: a half-space of metal, too, is one
+        return whole(material_from((*(None if np.isinf(value) else value for value in own), dielectric), "half-space"))

@@ -1,0 +1,125 @@
+"""Cases of point contacts on films, by the film and what the punch is: the tables that they share."""
+
+from collections.abc import Sequence, Set
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array, distinct_rows
+from solver.face.electrodes import electroded, reading_of
+from solver.face.filmbodies import Bodies, films_of, refuse_charge
+from solver.face.point import OnPoints
+from solver.face.punches import punch_of
+from solver.face.refusal import FactorError
+from solver.film.electroded import surface
+from solver.film.stack import Stack
+from solver.film.windows import Indices, Kind
+from solver.point.body import Film
+from solver.point.electrodes import electrode_quantities
+from solver.point.inside import Inside
+from solver.point.pressed import Friction, Pressed
+from solver.point.response import contact_coupling
+from solver.point.rim import Rim
+from solver.point.table import PointKind
+
+
+class OnPointFilm(OnPoints):
+    """Points on films, all cases of one film and conduction from the same tables.
+
+    Raises
+    ------
+    FactorError, MaterialError
+        An unknown base, an interface that a base does not have, inadmissible materials.
+    """
+
+    def quantities(self) -> dict[str, Array]:
+        """Those of a half-space, and the nominal field."""
+        return self.put_together(lambda pressed, places: with_nominal_field(self._quantities(pressed, places), pressed))
+
+    def _pressed(self) -> list[tuple[Indices, Pressed]]:
+        bodies, conducts, elastic = self._bodies, self.cases.conducts, punch_of(self.cases)
+        punches = conducts[..., 0], conducts[..., 1], elastic.compliance, elastic.coupling, electroded(self.cases)
+        columns = [self.flat(column) for column in (*bodies.columns, *punches)]
+        kinds, which = distinct_rows(np.stack(columns, -1))
+        thickness, reading, found = self.flat(bodies.thickness), reading_of(self.cases), []
+        for number, (*row, electric, magnetic, punch, coupling, covered) in enumerate(kinds.tolist()):
+            film = Kind(*bodies.film(row), 0.0, (True, True), (True, True), 1, electroded=bool(covered))
+            if metal := film.electroded or film.stack().conductors[0]:
+                refuse_charge(self.cases)
+            held = bool(electric) and not metal, bool(magnetic)
+            for own, shape, coefficient in self._by_exponent(np.flatnonzero(which == number)):
+                kind = PointKind(film, held, shape, punch)
+                body = Film(kind, thickness[own])
+                read = None if reading is None else reading.part(own)
+                friction = self._rubbing(kind, own, coupling)
+                loads = self._loads(own)
+                found.append((own, Pressed(body, kind.scale, coefficient, *loads, np.array(held), read, friction)))
+        return found
+
+    def _refuse_electroded(self, what: str) -> None:
+        if any(pressed.body.kind.film.electroded for _, pressed in self._parts if isinstance(pressed.body, Film)):
+            raise FactorError(f"electrode: 'top': {what} under it are not given; ask for quantities alone")
+
+    def _rubbing(self, kind: PointKind, own: Indices, punch: float) -> Friction | None:
+        """What slides; None where nothing is said of it."""
+        if "friction" not in self.cases.values:
+            return None
+        stack = kind.film.stack()
+        if stack.top.graded:
+            if np.any(slides := self._friction[own]):
+                raise FactorError(
+                    f"friction: {np.max(slides):g} of a point contact on a film that is graded, whose first order in "
+                    "friction is not solved; must be 0"
+                )
+            return None
+        k = -surface(stack)[0, 1:]
+        coupling = contact_coupling(k, stack.scale, np.array(punch), np.array(kind.conducts))
+        return Friction(self._friction[own], np.broadcast_to(coupling, (own.size, 3)), punch)
+
+    @cached_property
+    def _bodies(self) -> Bodies:
+        return films_of(self.cases)
+
+    @property
+    def _lacks_c12(self) -> str | None:
+        return self._bodies.lacks_c12
+
+    def _rim(self, places: Indices) -> Rim | None:
+        stack = next(_stack(one) for own, one in self._parts if own is places)
+        return None if self._lacks_c12 is not None or stack.electroded else Rim.of(stack.media[0].halfplane)
+
+    def _inside(self, places: Indices, pressed: Pressed) -> Inside:
+        self._refuse_electroded("fields")
+        return Inside(_stack(pressed))
+
+    def peaks(self, asked: Set[str]) -> dict[str, Array]:
+        """Those of a half-space, and of the base; none where a film is graded."""
+        self._refuse_graded("peaks: are not given of a film that is graded")
+        return super().peaks(asked)
+
+    def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
+        """As in a half-space; not inside a film that is graded."""
+        self._refuse_graded(
+            "fields: are not given inside a film that is graded, under a point; those at its surface are"
+        )
+        return super().interior(x, y, asked)
+
+    def _refuse_graded(self, why: str) -> None:
+        if any(_stack(pressed).top.graded for _, pressed in self._parts):
+            raise FactorError(why)
+
+
+def _stack(pressed: Pressed) -> Stack:
+    if not isinstance(pressed.body, Film):
+        raise TypeError("a half-space is no stack")
+    return pressed.body.kind.film.stack()
+
+
+def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Array]:
+    """Quantities of a body, and the nominal field where it is a film."""
+    body = pressed.body
+    if isinstance(body, Film) and "voltage" in out:
+        out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)
+    if isinstance(body, Film) and pressed.reading is not None:
+        out |= electrode_quantities(pressed.charged, body, pressed.reading)
+    return out

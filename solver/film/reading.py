@@ -1,0 +1,143 @@
+"""What is read of an electrode: all of it, or patches of it and their neighbours."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.windows import Indices
+from solver.names import CHOICES
+
+#: Places of the shapes of patches.
+DISC, STRIP, RING, RECTANGLE = (CHOICES["patch"].index(name) for name in ("disc", "strip", "ring", "rectangle"))
+
+_Outputs = dict[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """The electrode that is read, and patches of it at zero volts; (case,) each.
+
+    Attributes
+    ----------
+    collector
+        Number of the electrode, 1 for the uppermost.
+    shape
+        Of its patches: place in ``solver.names.CHOICES["patch"]``.
+    position
+        Of the patch's middle from that of the contact [m].
+    other
+        Inner diameter of a ring, length of a rectangle across x [m]; of others 0.
+    size
+        Diameter of a disc or ring, width of a strip across x or of a rectangle [m]; None: no patches.
+    pitch
+        Distance of neighbours [m]; None: no neighbours.
+    floating
+        Number of strips that float on each side; None: all of the electrode is at zero volts.
+    """
+
+    collector: Array
+    shape: Array
+    position: Array
+    other: Array
+    size: Array | None = None
+    pitch: Array | None = None
+    floating: Array | None = None
+
+    def part(self, places: Indices) -> "Reading":
+        """Some of the cases."""
+        size, pitch, floating = (
+            None if given is None else given[places] for given in (self.size, self.pitch, self.floating)
+        )
+        collector, shape, position, other = (
+            values[places] for values in (self.collector, self.shape, self.position, self.other)
+        )
+        return Reading(collector, shape, position, other, size, pitch, floating)
+
+    def over(self, length: Array) -> "Reading":
+        """With lengths over others [m]."""
+        size, pitch = (None if given is None else given / length for given in (self.size, self.pitch))
+        return Reading(
+            self.collector, self.shape, self.position / length, self.other / length, size, pitch, self.floating
+        )
+
+    def together(self, answer: Callable[[Indices, int, int], dict[str, Array]], extent: Array) -> _Outputs:
+        """Outputs of cases whose electrode is the same and whose distances are of like size, those that all have.
+
+        Parameters
+        ----------
+        answer
+            Outputs of some cases, of an electrode, for an octave of distances.
+        extent
+            Of the contacts from their middle; (case,).
+        """
+        octaves, found = octave_of(self.reach + extent), list[tuple[Indices, dict[str, Array]]]()
+        for number in np.unique(self.collector).tolist():
+            for octave in np.unique(octaves).tolist():
+                some = np.flatnonzero((self.collector == number) & (octaves == octave))
+                if some.size:
+                    found.append((some, answer(some, int(number), octave)))
+        return joined(found, extent.size)
+
+    @property
+    def reach(self) -> Array:
+        """How far the patches extend from the middle of the contact [m]."""
+        if self.size is None:
+            return np.zeros_like(self.position)
+        pitch = np.zeros_like(self.position) if self.pitch is None else self.pitch
+        along = np.maximum(np.abs(self.position), pitch) + self.size / 2
+        if self.floating is not None:
+            along = along + (self.floating + 1) * pitch
+        return np.asarray(np.hypot(along, np.where(self.shape == RECTANGLE, self.other / 2, 0.0)))
+
+
+@dataclass(frozen=True, eq=False)
+class Collected:
+    """What patches collect, as integrals over the wavenumber that a contact of either kind gives.
+
+    Attributes
+    ----------
+    reading
+        The patches.
+    patch
+        Charges of patches whose middles are at distances (case,), by the ``reading``; (case,).
+    gradient
+        Their derivatives by the distance; (case,).
+    """
+
+    reading: Reading
+    patch: Callable[[Array], Array]
+    gradient: Callable[[Array], Array]
+
+    def quantities(self, force: Array) -> dict[str, Array]:
+        """Those of ``solver.names.ELECTRODE_QUANTITIES`` that patches have; (case,) each.
+
+        Parameters
+        ----------
+        force
+            What presses; (case,).
+        """
+        if self.reading.size is None:
+            return {}
+        out = {"patch_charge_per_force": self.patch(self.reading.position) / force}
+        if self.reading.pitch is not None:
+            own = self.patch(np.zeros_like(self.reading.pitch))
+            out["crosstalk"] = self.patch(self.reading.pitch) / own
+            out["patch_charge_gradient"] = -2 * self.gradient(self.reading.pitch / 2) / force
+        return out
+
+
+def joined(parts: list[tuple[Indices, _Outputs]], count: int) -> _Outputs:
+    """Outputs of all cases from those of some, as far as all parts have them; (case,) each."""
+    names = [name for name in parts[0][1] if all(name in values for _, values in parts)]
+    out = {name: np.empty(count) for name in names}
+    for places, values in parts:
+        for name in names:
+            out[name][places] = values[name]
+    return out
+
+
+def octave_of(reach: Array) -> Indices:
+    """Least power of two, from 1 on, of distances over the thickness of the top layer; as ``reach``."""
+    return np.asarray(np.ceil(np.log2(np.maximum(reach, 1.0))), dtype=np.intp)

@@ -1,0 +1,125 @@
+"""What a graded film adds to the half-space's tractions at given radii: Abel's equation on pieces (points, 4).
+
+With t(k) = int_0^1 phi(b) cos(kab) db, as in (P7.1), phi over C a^(e-1),
+
+    (pi/2) N phi(b) + (a/2) int_-1^1 Lambda(a |b - b'|) phi(b') db' = (u0, rise b^e),
+
+whose kernel is singular at 0 where the material changes with depth. What stands at the pieces' nodes, and phi at the
+edge, are the coefficients here.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, cached_property, lru_cache
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebval
+
+from approximation.chebyshev import coefficients, mapped_points
+from solver.arrays import Array, BoolArray
+from solver.film.stack import Stack
+from solver.point.gradedspread import PAIRS, graded_spread
+from solver.point.halfspace import conducted
+from solver.point.pieces import Pieces
+from solver.point.profile import Shape
+
+_BETWEEN = 12  # Chebyshev points between two samples of the pressure
+_KEPT = 256  # sets of places
+
+
+@cache
+def pieces(*, kinked: bool) -> Pieces:
+    """Made once: what kernels are integrated by is the same of every film."""
+    return Pieces(kinked)
+
+
+@lru_cache(_KEPT)
+def _forms(of: Pieces, x: tuple[float, ...]) -> Array:
+    return -of.bounded(np.array(x))
+
+
+@dataclass(frozen=True, eq=False)
+class GradedTerms:
+    """Densities at nodes of pieces, and at the edge behind them.
+
+    Parameters
+    ----------
+    stack
+        The film, its top layer of unit thickness.
+    conducts
+        Of the electric and the magnetic field; (2,).
+    compliance
+        N of the contact over (y, phi, psi); (3, 3). A field that the punch does not conduct has no entries but its own.
+    shape
+        The punch.
+    radii
+        a; (radius,).
+    """
+
+    stack: Stack
+    conducts: BoolArray
+    compliance: Array
+    shape: Shape
+    radii: Array
+
+    @property
+    def _pieces(self) -> Pieces:
+        return pieces(kinked=self.shape.exponent % 2 != 0)
+
+    @property
+    def loads(self) -> Array:
+        """Shares of the coefficients in a load over 2 pi; (n,)."""
+        return np.append(self._pieces.weights, 0.0)
+
+    @property
+    def edges(self) -> Array:
+        """Shares of them in the strength at the edge; (n,)."""
+        return np.append(np.zeros(self._pieces.count), 1.0)
+
+    def forms(self, x: Array) -> Array:
+        """Shares of them in a traction less its strength over x; (x, n)."""
+        return _forms(self._pieces, tuple(x.tolist()))
+
+    def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
+        """A traction less its strength over x at x within limits (case,), of coefficients (case, n)."""
+        x = np.stack([mapped_points(_BETWEEN, *pair) for pair in zip(low.tolist(), high.tolist(), strict=True)])
+        values = np.stack([self.forms(own) @ one for own, one in zip(x, series, strict=True)], 1)
+        polynomials = coefficients(values)
+
+        def read(at: Array) -> Array:
+            values = chebval((2 * at - low - high) / (high - low), polynomials, tensor=False)
+            return np.asarray(values, dtype=np.float64)
+
+        return read
+
+    @cached_property
+    def coefficients(self) -> Array:
+        """Coefficients of u0 in each channel and of g = (r/a)^e, without the half-space's; (radius, 3, n, 4)."""
+        return np.array([self._at(radius) for radius in self.radii.tolist()])
+
+    @cached_property
+    def _halfspace(self) -> Array:
+        """phi of the half-space at the nodes; (3, node, 4)."""
+        inverse = 2 / np.pi * np.linalg.inv(self.compliance)
+        found = np.zeros((3, self._pieces.count, 4))
+        found[:, :, :3] = inverse[:, None]
+        found[:, :, 3] = inverse[:, :1] * self.shape.rise * self._pieces.nodes**self.shape.exponent
+        return found
+
+    def _at(self, radius: float) -> Array:
+        """At one radius; (3, n, 4)."""
+        spread, count = graded_spread(self.stack, 2 * float(np.max(self.radii))), self._pieces.count
+        kernels = spread.at(radius * self._pieces.distances)
+        layers = np.empty((3, 3, count + 1, count))
+        whole = radius / 2 * self._pieces.integrated(kernels)
+        for pair, (i, j) in enumerate(PAIRS):
+            layers[i - 1, j - 1] = layers[j - 1, i - 1] = whole[..., pair]
+        ahead = conducted(np.moveaxis(layers, (0, 1), (-2, -1)), self.conducts)  # (place, node, 3, 3)
+        layers = np.moveaxis(ahead, (-2, -1), (0, 2))  # (3, place, 3, node)
+        own = np.einsum("ij,mn->imjn", np.pi / 2 * self.compliance, np.eye(count))
+        system = (own + layers[:, :count]).reshape(3 * count, 3 * count)
+        right = -np.einsum("imjn,jnd->imd", layers, self._halfspace, optimize=True)
+        inside = np.linalg.solve(system, right[:, :count].reshape(3 * count, 4)).reshape(3, count, 4)
+        edge = right[:, count] - np.einsum("ijn,jnd->id", layers[:, count], inside)
+        edge = np.linalg.solve(np.pi / 2 * self.compliance, edge)
+        return np.concatenate([inside, edge[:, None]], 1)

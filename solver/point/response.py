@@ -1,0 +1,83 @@
+"""What a half-space answers to friction, to the first order of it (points, 8)."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from solver.arrays import Array, BoolArray
+from solver.film.windows import Indices
+from solver.point.profile import Shape
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """What a half-space answers to friction, without layers, per eta.
+
+    Attributes
+    ----------
+    compliance
+        N of the contact; (..., 3, 3).
+    coupling
+        k of the contact; (..., 3).
+    shape
+        The punch, not flat.
+    """
+
+    compliance: Array
+    coupling: Array
+    shape: Shape
+
+    def part(self, cases: Indices) -> "Response":
+        """Some of the cases."""
+        return Response(self.compliance[cases], self.coupling[cases], self.shape)
+
+    @cached_property
+    def answers(self) -> tuple[Array, Array]:
+        """N^-1 k, and N^-1 e_y for a unit shift; (..., 3) each."""
+        inverse = np.linalg.inv(self.compliance)
+        unit = 2 / np.pi * self.shape.exponent * self.shape.rise
+        along = np.einsum("...ij,...j->...i", inverse, self.coupling)
+        return np.asarray(along), np.asarray(unit * inverse[..., 0])
+
+    def shift(self, turned: Array) -> Array:
+        """c over a times the densities' unit that makes the edge smooth, of H[phi_sigma] there; (...)."""
+        along, moved = self.answers
+        return np.asarray(along[..., 0] * turned / moved[..., 0])
+
+    def closed(self, turned: Array, b: Array, shift: Array) -> Array:
+        """psi of H[phi_sigma] (..., b) and shifts (...); (..., 3, b)."""
+        along, moved = self.answers
+        return np.asarray(
+            shift[..., None, None] * moved[..., None] * b ** (self.shape.exponent - 1)
+            - along[..., None] * turned[..., None, :]
+        )
+
+
+def contact_coupling(coupling: Array, scale: Array, punch: Array | float, conducts: BoolArray) -> Array:
+    """k of the contact from that of the body, in its units; (..., 3).
+
+    Parameters
+    ----------
+    coupling
+        Of the body; (..., 3).
+    scale
+        Units of the body; (..., 4).
+    punch
+        k_p [1/Pa]; (...).
+    conducts
+        Of the electric and the magnetic field; (..., 2).
+    """
+    own = coupling - np.asarray(punch / (scale[..., 0] * scale[..., 1]))[..., None] * np.eye(3)[0]
+    return np.where(np.concatenate([np.ones_like(conducts[..., :1]), conducts], -1), own, 0.0)
+
+
+def legendre(b: Array, count: int) -> Array:
+    """P_n(2 b - 1); (b, n)."""
+    return np.asarray(np.polynomial.legendre.legvander(2 * b - 1, count - 1))
+
+
+def legendre_rates(b: Array, count: int) -> Array:
+    """d P_n(2 b - 1) / db; (b, n)."""
+    derived = np.polynomial.legendre.legder(np.eye(count), axis=0) if count > 1 else np.zeros((1, count))
+    return np.asarray(2 * np.polynomial.legendre.legvander(2 * b - 1, len(derived) - 1) @ derived)

@@ -1,0 +1,208 @@
+"""The largest pressure below a point that slides, to the first order in friction (points, 8).
+
+The pressure is p0(r) + p1(r) cos(angle), so that its largest value lies on the sliding direction through the centre:
+
+    p1(r) = (1/r) int_0^x psi'(sqrt(r^2 + w^2)) dw,   x = sqrt(1 - r^2),
+
+psi the density of sigma_yy, smooth at the edge but for a logarithm of its slope. Panels in the angle whose sine is r
+shrink towards the edge; a table of p1 stands beside those of a window.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from approximation.chebyshev import coefficients, gauss_points
+from approximation.measure import ITSELF
+from approximation.summit import highest
+from solver.arrays import Array
+from solver.film.windows import Indices
+from solver.halfplane.potentials import LINE, LINE_WEIGHTS
+from solver.point.body import Film
+from solver.point.density import Density, second_kind_rates, turned_form_rates
+from solver.point.pressed import Contact, Friction
+from solver.point.pressure import added_forms, halfspace_form
+from solver.point.profile import Shape
+from solver.point.response import Response, legendre_rates
+from solver.point.slidingtable import SlidingWindow, sliding_window
+
+_COUNT = 20  # points of a panel
+_MIDDLE = np.pi / 2 * np.array([0.25, 0.5])
+_HALVINGS = 6  # of panels towards the edge
+_APEX = 0.1  # radius within which the pressure below an apex of infinite curvature is no sum of p0 and p1
+_CLOSE = 1e-8
+_TOGETHER = 4096  # cases at a time: bounded memory
+_KEPT = 128
+
+
+@dataclass(frozen=True, eq=False)
+class Ray:
+    """Panels from the centre to the edge.
+
+    Attributes
+    ----------
+    ends
+        Angles between panels, rising; (panel + 1,).
+    """
+
+    ends: Array
+
+    @classmethod
+    def of(cls, shape: Shape) -> "Ray":
+        """From beside the apex, where it is sharper than a sphere's."""
+        toward = np.pi / 2 * (1 - 0.5 ** np.arange(1, _HALVINGS + 1))
+        first = np.arcsin(_APEX) if shape.exponent < 2 else 0.0
+        return cls(np.unique(np.concatenate([[first], _MIDDLE, toward, [np.pi / 2]])))
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """Points of the panels of both rays, from the leading edge to the trailing."""
+        return (_COUNT,) * (2 * (self.ends.size - 1))
+
+    @cached_property
+    def _angles(self) -> Array:
+        half = np.diff(self.ends)[:, None] / 2
+        return np.asarray((self.ends[:-1, None] + half * (1 + gauss_points(_COUNT))).ravel())
+
+    @cached_property
+    def r(self) -> Array:
+        """r/a; (place,)."""
+        return np.sin(self._angles)
+
+    @cached_property
+    def x(self) -> Array:
+        """sqrt(1 - r^2); (place,)."""
+        return np.cos(self._angles)
+
+    @cached_property
+    def b(self) -> Array:
+        """sqrt(r^2 + w^2) of the integrals; (place, node)."""
+        return np.hypot(self.r[:, None], self.x[:, None] * LINE)
+
+    def summed(self, rates: Array) -> Array:
+        """(1/r) int of rates at ``b``, (..., place * node); (..., place)."""
+        return np.asarray(rates.reshape(*rates.shape[:-1], *self.b.shape) @ LINE_WEIGHTS * (self.x / self.r))
+
+    def top(self, middle: Array, turned: Array) -> Array:
+        """Largest of p0 + p1 cos(angle); (case,)."""
+        both = np.concatenate([(middle - turned)[:, ::-1], middle + turned], 1)
+        return highest(both[:, None, None], self.counts, ITSELF, _CLOSE).value
+
+
+@lru_cache(_KEPT)
+def _ray(shape: Shape) -> Ray:
+    return Ray.of(shape)
+
+
+@lru_cache(_KEPT)
+def _own(shape: Shape) -> tuple[Array, Array]:
+    """Of a unit shift and of the half-space's unit form: (place,) each."""
+    ray, e = _ray(shape), shape.exponent
+    moved = (e - 1) * ray.summed(ray.b.ravel() ** (e - 2))
+    return moved, shape.rise * 2 / np.pi * ray.summed(turned_form_rates(e, ray.b.ravel()))
+
+
+@lru_cache(_KEPT)
+def _added(shape: Shape, even: int, count: int) -> tuple[Array, Array]:
+    """Of what layers add without friction, by its even functions, and of P_n(2 b - 1); (n, place) each."""
+    ray = _ray(shape)
+    b = ray.b.ravel()
+    return 2 / np.pi * ray.summed(second_kind_rates(b, even)), ray.summed(legendre_rates(b, count).T)
+
+
+def turned_pressures(response: Response, density: Density, shift: Array, series: Array) -> Array:
+    """p1 per eta at the places of the ray; (column, place).
+
+    Parameters
+    ----------
+    response, density
+        Of the half-space of the top, and without friction.
+    shift, series
+        c over a times the densities' unit, and what layers add to psi_sigma as P_n(2 b - 1); (column,), (column, n).
+    """
+    along, unit = response.answers
+    moved, form = _own(density.shape)
+    even, more = _added(density.shape, density.signed.shape[-1], series.shape[-1])
+    turned = density.form[:, :1] * form + density.signed[:, 0] @ even
+    return np.asarray((shift * unit[..., 0])[:, None] * moved - along[..., :1] * turned + series @ more)
+
+
+@lru_cache(_KEPT)
+def _of_halfspace(shape: Shape) -> Array:
+    """p1 per eta, of a half-space whose N^-1 k and (2/pi) (N^-1)_yy are 1 in the first channel; (place,)."""
+    one = np.ones((1, 3))
+    density = Density(shape, 0 * one, -one, np.zeros((1, 3, 0)))
+    response = Response(np.eye(3), np.eye(3)[0], shape)
+    shift = response.shift(density.turned(np.ones(1))[:, 0, 0])
+    return np.asarray(turned_pressures(response, density, shift, np.zeros((1, 1)))[0])
+
+
+@dataclass(frozen=True, eq=False)
+class TurnedWindow:
+    """Pressures that friction adds over half a decade of radii.
+
+    Parameters
+    ----------
+    window
+        What layers make of friction.
+    """
+
+    window: SlidingWindow
+
+    @cached_property
+    def _series(self) -> Array:
+        """Chebyshev coefficients of p1 per (V, Psi, g) and eta; (node, 3, place)."""
+        found = [
+            turned_pressures(self.window.response, causes, shift, series[:, 0])
+            for causes, shift, series in self.window.solutions
+        ]
+        return coefficients(np.array(found))
+
+    def read(self, log_radius: Array, causes: Array) -> Array:
+        """p1 per eta of causes (V, Psi, g); (case, place)."""
+        read = np.tensordot(self.window.window.polynomials(log_radius), self._series, 1)
+        return np.asarray(np.einsum("cdp,cd->cp", read, causes))
+
+
+@lru_cache(_KEPT)
+def _turned_window(window: SlidingWindow) -> TurnedWindow:
+    return TurnedWindow(window)
+
+
+def largest_pressure(contact: Contact, friction: Friction) -> Array:
+    """Largest pressure of curved punches that slide [Pa], p0 + p1 cos(angle) over the contact; (case,).
+
+    At the sharp apex of exponents below 2 it is that at rest.
+    """
+    at_rest = contact.peak_pressure
+    found = np.array(at_rest)
+    slid = np.flatnonzero(friction.coefficient != 0)
+    for first in range(0, slid.size, _TOGETHER):
+        some = slid[first : first + _TOGETHER]
+        middle, turned = _pressures(contact, friction, some)
+        size = (contact.size / contact.radius / contact.pressed.units[:, 0])[some]
+        found[some] = np.maximum(at_rest[some], size * _ray(contact.pressed.body.shape).top(middle, turned))
+    return found
+
+
+def _pressures(contact: Contact, friction: Friction, some: Indices) -> tuple[Array, Array]:
+    """p0 and p1 of some cases at the places of the ray, over C a^(e-1); (case, place) each."""
+    body, eta = contact.pressed.body, friction.coefficient[some, None]
+    shape, ray = body.shape, _ray(body.shape)
+    inverse = np.linalg.inv(np.broadcast_to(contact.state.stiffness.compliance, (contact.radius.size, 3, 3))[some])
+    middle = 2 / np.pi * inverse[:, :1, 0] * halfspace_form(shape, ray.x, ray.r)
+    if not isinstance(body, Film):
+        coupled = np.einsum("ci,ci->c", inverse[:, 0], friction.coupling[some])
+        return middle, eta * (2 / np.pi * inverse[:, 0, 0] * coupled)[:, None] * _of_halfspace(shape)
+    turned = np.empty_like(middle)
+    for places, of in body.windows(contact.radius):
+        own = np.flatnonzero(np.isin(some, places))
+        if own.size:
+            chosen = some[own]
+            log_ratio, causes = np.log(contact.radius[chosen] / body.thickness[chosen]), contact.state.causes[chosen]
+            series = of.tractions(log_ratio, causes)[:, 0]
+            middle[own] -= series @ added_forms(ray.x, series.shape[-1]).T
+            table = _turned_window(sliding_window(of.kind, of.number, friction.punch))
+            turned[own] = table.read(log_ratio, causes[:, 1:])
+    return middle, eta * turned

@@ -1,0 +1,200 @@
+"""What the layers of a stack make of friction, over windows of radii (points, 8).
+
+The half-space's answer is steep beside the edge and kept apart, in closed form; what the layers add to it is smooth:
+Nystroem's method, spectral.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from approximation.chebyshev import coefficients
+from solver.arrays import Array
+from solver.film.electroded import difference, surface
+from solver.film.kernel import strip, wavenumbers
+from solver.film.windows import Indices
+from solver.point import hankel
+from solver.point.density import Density
+from solver.point.inside import Inside, Tractions
+from solver.point.response import Response, contact_coupling, legendre
+from solver.point.table import PointKind, Window, window
+
+_FIRST, _MORE = 24, 12.0  # nodes of a small contact, and what a wide one adds
+_KEPT = 128
+_EDGE = np.ones(1)
+
+
+@dataclass(frozen=True, eq=False)
+class SlidingWindow:
+    """What layers make of friction over half a decade of radii.
+
+    Parameters
+    ----------
+    window
+        Of the contacts without friction.
+    punch
+        Coupling k_p of the punch [1/Pa].
+    """
+
+    window: Window
+    punch: float
+
+    @cached_property
+    def _series(self) -> Array:
+        """Chebyshev coefficients of what is solved at the nodes; (node, 3, 1 + 3 n)."""
+        return coefficients(self._solved)
+
+    @cached_property
+    def response(self) -> Response:
+        """Of the half-space of the top."""
+        kind = self.window.kind
+        stack = kind.film.stack()
+        coupling = contact_coupling(-surface(stack)[0, 1:], stack.scale, self.punch, np.array(kind.conducts))
+        return Response(kind.compliance, coupling, kind.shape)
+
+    @cached_property
+    def _solved(self) -> Array:
+        """c/a and Legendre coefficients per (V, Psi, g) and eta, at the nodes; (node, 3, 1 + 3 n)."""
+        kind = self.window.kind
+        stack, radii = kind.film.stack(), np.exp(self.window.nodes)
+        k, weights = wavenumbers(stack, 2 * float(np.max(radii)), strip(stack))
+        there = np.array([True, *kind.conducts])
+        added = difference(stack, k)
+        layers = Layers(
+            k,
+            weights,
+            np.where(there[:, None] & there, added[:, 1:, 1:], 0.0),
+            np.where(there, added[:, 1:, 0], 0.0),
+        )
+        stiffness = kind.stiffness(self.window.read(self.window.nodes))
+        reach = float(np.max(radii)) / min(float(stack.media[0].slowest), 1.0)
+        count = _FIRST + int(_MORE * np.sqrt(reach))
+        found = [
+            layers.solved(self.response, self._causes(number, stiffness.edges[number]), radius, count)
+            for number, radius in enumerate(radii.tolist())
+        ]
+        return np.array(found)
+
+    @property
+    def solutions(self) -> Iterator[tuple[Density, Array, Array]]:
+        """Per node: densities of V, Psi and the profile, c/a and Legendre coefficients of each per eta."""
+        stiffness = self.window.kind.stiffness(self.window.read(self.window.nodes))
+        for number, solved in enumerate(self._solved):
+            yield self._causes(number, stiffness.edges[number]), solved[:, 0], solved[:, 1:].reshape(3, 3, -1)
+
+    def _causes(self, number: int, edges: Array) -> Density:
+        """Densities of V, Psi and the profile, each with the depth that makes its edge smooth."""
+        kind = self.window.kind
+        causes = np.zeros((3, 4))
+        causes[:, 1:] = np.eye(3)
+        causes[:, 0] = -edges[0, 1:] / edges[0, 0]
+        strengths = causes @ edges.T
+        strengths[:, 0] = 0.0
+        form = causes[:, 3:] * (-2 / np.pi * np.linalg.inv(kind.compliance)[:, 0])
+        series = np.einsum("ind,cd->cin", self.window.added[number], causes)
+        return Density(kind.shape, strengths, form, series)
+
+    def read(self, log_radius: Array) -> Array:
+        """At radii within the window; (case, 3, 1 + 3 n)."""
+        return np.asarray(np.tensordot(self.window.polynomials(log_radius), self._series, 1))
+
+    @cached_property
+    def _tensions(self) -> Array:
+        """Chebyshev coefficients of what the layers add to sigma_xx at the trailing edge; (node, 2, 3).
+
+        Per (V, Psi, g), without friction and per eta [Pa].
+        """
+        kind, nodes = self.window.kind, self.window.nodes
+        stiffness = kind.stiffness(self.window.read(nodes))
+        inside, rows = Inside(kind.film.stack()), ("stress_xx",)
+        found = []
+        for number, ratio in enumerate(np.exp(nodes).tolist()):
+            density = self._causes(number, stiffness.edges[number])
+            ratios, sines = np.full(3, ratio), _Slid(self.response, density, self._solved[number])
+            plain = inside.of_layers(Tractions(ratios, density, np.zeros(3)), 1.0, rows)[:, 0]
+            slid = inside.of_layers(Tractions(ratios, density, np.ones(3), sines), 1.0, rows)[:, 0]
+            found.append([plain, slid - plain])
+        return coefficients(np.array(found))
+
+    def tensions(self, log_radius: Array) -> Array:
+        """At radii within the window; (case, 2, 3)."""
+        return np.asarray(np.tensordot(self.window.polynomials(log_radius), self._tensions, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class _Slid:
+    """psi of causes from what is solved of them, per eta.
+
+    Attributes
+    ----------
+    response, causes
+        What is closed.
+    solved
+        c/a and Legendre coefficients; (cause, 1 + 3 n).
+    """
+
+    response: Response
+    causes: Density
+    solved: Array
+
+    def __call__(self, b: Array, columns: Indices) -> Array:
+        """psi; (column, 3, b)."""
+        series = self.solved[columns, 1:].reshape(columns.size, 3, -1)
+        own = self.response.closed(self.causes.part(columns).turned(b)[:, 0], b, self.solved[columns, 0])
+        return np.asarray(own + series @ legendre(b, series.shape[-1]).T)
+
+
+@dataclass(frozen=True, eq=False)
+class Layers:
+    """What layers and base add to the half-space of the top, at wavenumbers.
+
+    Attributes
+    ----------
+    k, weights
+        (k,).
+    normal, along
+        Delta over (y, phi, psi), and of these to the traction along x; (k, 3, 3) and (k, 3).
+    """
+
+    k: Array
+    weights: Array
+    normal: Array
+    along: Array
+
+    def solved(self, response: Response, causes: Density, radius: float, count: int) -> Array:
+        """c/a and Legendre coefficients of psi without the half-space's, per eta; (cause, 1 + 3 count)."""
+        phases = self.k * radius
+        x, w = np.polynomial.legendre.leggauss(count)
+        b, weights = (1 + x) / 2, w / 2
+        sines = np.sin(phases[:, None] * b)
+        shares = 2 / np.pi * self.weights * radius
+        own = np.einsum("ij,mn->imjn", response.compliance, np.eye(count))
+        kernel = np.einsum("km,kn,kij->imjn", sines, sines * shares[:, None], self.normal, optimize=True) * weights
+        whole = (own + kernel).reshape(3 * count, 3 * count)
+
+        at = hankel.nodes(parts=int(np.max(phases) / 8) + 4, kinked=True)
+        turned = causes.turned(at.b)[:, 0]
+        free = response.closed(turned, at.b, np.zeros(len(turned)))
+        moved = response.closed(np.zeros((1, at.b.size)), at.b, np.ones(1))
+        waved = np.sin(phases[:, None] * at.b) * at.weights
+        carried = np.einsum("kij,kb,cjb->ick", self.normal, waved, np.concatenate([free, moved]), optimize=True)
+        pushed = np.einsum(
+            "kb,cb->ck", np.cos(phases[:, None] * at.b) * at.weights, causes.at(at.b)[:, 0], optimize=True
+        )
+        carried[:, :-1] -= self.along.T[:, None] * pushed
+        right = -np.einsum("ick,k,kn->inc", carried, shares, sines, optimize=True)
+        values = np.linalg.solve(whole, right.reshape(3 * count, -1)).reshape(3, count, -1)
+        series = (2 * np.arange(count) + 1)[:, None] * (legendre(b, count).T * weights) @ values  # (3, n, cause)
+        edges = np.sum(series[0], 0)  # P_n(1) = 1
+        edges[:-1] += response.closed(causes.turned(_EDGE)[:, 0], _EDGE, np.zeros(len(turned)))[:, 0, 0]
+        shift = -edges[:-1] / (edges[-1] + response.closed(np.zeros((1, 1)), _EDGE, np.ones(1))[0, 0, 0])
+        both = np.moveaxis(series[..., :-1] + series[..., -1:] * shift, -1, 0)
+        return np.concatenate([shift[:, None], both.reshape(len(shift), -1)], 1)
+
+
+@lru_cache(_KEPT)
+def sliding_window(kind: PointKind, number: int, punch: float) -> SlidingWindow:
+    """Made once."""
+    return SlidingWindow(window(kind, number), punch)

@@ -1,0 +1,116 @@
+"""What the kernels of a stack make of charges on the right side beside a contact.
+
+One rule serves all targets where the kernel is smooth over an interval (:mod:`solver.surroundings.rules`); elsewhere
+intervals end where the kernel's panels do.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from solver.arrays import Array, BoolArray
+from solver.film.kernel import Kernel
+from solver.surroundings.grid import Grid
+from solver.surroundings.rules import RULE, spans
+
+#: Pieces of panels: target, panel, start and end of each.
+_Pieces = tuple[NDArray[np.intp], NDArray[np.intp], Array, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Densities:
+    """Densities of the right side under one stack.
+
+    Parameters
+    ----------
+    grid
+        Their panels.
+    kernel
+        Kernels as far as charges lie.
+    far
+        Sums of channels at distances [m], beyond the kernels' reach too.
+    """
+
+    grid: Grid
+    kernel: Kernel
+    far: Callable[[Array, Array], Array]
+
+    def integrals(self, h: float, X: Array, mix: Array) -> Array:
+        """Integrals of sums of channels (19, c) against the densities, at targets; (target, c, n).
+
+        Parameters
+        ----------
+        h
+            Half-length [m].
+        X
+            Targets; (target,).
+        mix
+            From the channels of the kernels to what is asked for; (19, c).
+        """
+        grid = self.grid
+        rough = grid.rough_at(X, self.kernel.smoothness / h)
+        rules = grid.rules
+        target, interval = np.nonzero(~rough)
+        values = np.zeros((X.size, rules.panel.size, RULE, mix.shape[1]))
+        values[target, interval] = self.far(h * (X[target, None] - np.cosh(rules.theta[interval])), mix)
+        out = np.zeros((X.size, mix.shape[1], grid.panels, grid.count // grid.panels))
+        for place, panel in enumerate(rules.panel):
+            out[:, :, panel] += np.swapaxes(values[:, place], 1, 2) @ rules.shape[place]
+        whole: Array = out.reshape(X.size, mix.shape[1], grid.count)
+        return whole + self._by_pieces(h, X, rough, mix) if np.any(rough) else whole
+
+    def _by_pieces(self, h: float, X: Array, rough: BoolArray, mix: Array) -> Array:
+        """What the intervals of :attr:`Grid.rules` add where the kernel is not smooth over them; (target, ..., n)."""
+        grid = self.grid
+        some = np.flatnonzero(rough.any(1))
+        found = []
+        for piece, infinite in zip(
+            self._pieces(h, X[some], self.kernel.edges, rough[some]), (False, True), strict=True
+        ):
+            row, panel, start, stop = piece
+            u, weights = spans(start, stop)
+            theta = -np.log(u) if infinite else u
+            slope = (1 - u**2) / 2 if infinite else np.sinh(u)
+            weighted = self.far(h * (X[some][row, None] - np.cosh(theta)), mix) * (weights * slope)[..., None]
+            found.append((some[row] * grid.panels + panel, np.swapaxes(weighted, 1, 2) @ grid.interpolations(panel, u)))
+        out = np.zeros((X.size * grid.panels, mix.shape[1], grid.count // grid.panels))
+        for place, own in found:  # pieces of a panel follow each other
+            first = np.flatnonzero(np.diff(place, prepend=-1))
+            if first.size:
+                out[place[first]] = np.add.reduceat(own, first)
+        whole = np.moveaxis(out.reshape(X.size, grid.panels, mix.shape[1], -1), 1, 2)
+        return np.asarray(whole.reshape(X.size, mix.shape[1], grid.count))
+
+    def _pieces(self, h: float, X: Array, edges: Array, rough: BoolArray) -> tuple[_Pieces, _Pieces]:
+        """Pieces of the finite panels and of the infinite one, on which neither a density nor a kernel has a break.
+
+        Target, panel, start and end in u of each, those of a target's panel side by side.
+
+        Parameters
+        ----------
+        h
+            Half-length [m].
+        X
+            Targets; (target,).
+        edges
+            Ends of the kernels' panels [m].
+        rough
+            Which intervals are asked for; (target, interval).
+        """
+        grid = self.grid
+        ends = np.array(grid.ends)
+        far = float(np.cosh(ends[-1]))
+        breaks = X[:, None] + np.concatenate([edges, -edges]) / h
+        inner = np.arccosh(np.clip(breaks, 1.0, far))
+        inverse = np.exp(-np.arccosh(np.maximum(breaks, far)))
+        found = []
+        for own, among, first in ((ends, inner, 0), (grid.infinite_ends, inverse, grid.panels - 1)):
+            all_ends = np.sort(np.concatenate([np.tile(own, (X.size, 1)), among], 1), 1)
+            start, stop = all_ends[:, :-1], np.minimum(all_ends[:, 1:], own.max())
+            interval = np.clip(np.searchsorted(own, (start + stop) / 2) - 1, 0, own.size - 2) + first
+            row, place = np.nonzero((stop > start) & np.take_along_axis(rough, interval, 1))
+            panel = np.minimum(interval[row, place], grid.panels - 1)
+            found.append((row, panel, start[row, place], stop[row, place]))
+        return found[0], found[1]

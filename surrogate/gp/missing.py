@@ -1,0 +1,171 @@
+"""Cases that a factorial lacks, filled in by the process of its grid: there K^-1 y is then zero.
+
+K is a product over the factors, and so is its inverse: what the process expects at m places given all others are the
+values z of K^-1[m, m] z = -K^-1[m, rest] y[rest] (C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine
+Learning (2006), section A.2). The kernels' parameters follow from the whole grid, and are found anew with these values.
+
+Of the Chebyshev kernel the inverse is beyond all numbers: z then makes |K^-1/2 y|^2 least, whose rows, one a mode of
+the grid, weigh as the modes decay. Householder's triangles with columns exchanged keep every row's digits where the
+heaviest stand first (A. J. Cox and N. J. Higham, Stability of Householder QR factorization for weighted least squares
+problems (1998)). Factors on which it does not depend what is missing fall out of K: all along them is solved at once.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import xarray as xr
+from scipy.linalg import qr, solve_triangular
+from scipy.ndimage import distance_transform_edt
+
+from approximation.arrays import Array, Flags
+from surrogate.gp.factors import ChebyshevFactor, Factor
+from surrogate.gp.gridgp import GridGP
+
+#: Most places that are filled in together, fits of the process to the filled grid, and the change over range that
+#: ends them.
+MOST, ROUNDS, STILL = 2000, 4, 1e-9
+#: Most numbers of the least squares' matrix; where all modes have no room in it, the lightest are left out, but for so
+#: many to each place.
+_ROOM, _ROWS = 2**24, 4
+#: The logarithm of the least weight of a row over the largest.
+_LIGHTEST = -300.0
+
+
+def fit(make: Callable[[], GridGP], data: xr.Dataset, missing: Flags) -> GridGP:
+    """Fit a grid's process to a factorial that lacks some cases.
+
+    Parameters
+    ----------
+    make
+        Gives the process, not fitted.
+    data
+        The factorial, all outputs over all dimensions in the same order, anything where cases are missing.
+    missing : ndarray of bool
+        Which are missing, of the shape of the factorial.
+    """
+    return filled(make, data, dict.fromkeys(map(str, data.data_vars), missing))[1]
+
+
+def filled(make: Callable[[], GridGP], data: xr.Dataset, missing: dict[str, Flags]) -> tuple[xr.Dataset, GridGP]:
+    """Fill a factorial that lacks some cases of some outputs, and fit a grid's process to it.
+
+    Parameters
+    ----------
+    make
+        Gives the process, not fitted.
+    data
+        The factorial, all outputs over all dimensions in the same order, anything where cases are missing.
+    missing : dict of str to ndarray of bool
+        By output, which are missing, of the shape of the factorial.
+
+    Raises
+    ------
+    ValueError
+        More places are missing than can be filled in together.
+    """
+    data = data.map(lambda array: array.copy(data=_nearest(array.values, missing[str(array.name)])))
+    alike: dict[bytes, list[str]] = {}
+    for name, flags in missing.items():
+        if flags.any():
+            alike.setdefault(flags.tobytes(), []).append(name)
+    model = make().fit(data)
+    for _ in range(ROUNDS):
+        moved = 0.0
+        offsets = dict(zip(model.outputs_, model.offset_.tolist(), strict=True))
+        for names in alike.values():
+            where = missing[names[0]]
+            stacked = np.stack([data[name].values - offsets[name] for name in names], -1)
+            found = expected(model.factors_, stacked, where)
+            for k, name in enumerate(names):
+                values = data[name].values
+                new = found[:, k] + offsets[name]
+                moved = max(moved, float(np.abs(new - values[where]).max() / (np.ptp(values) or 1.0)))
+                values[where] = new
+        model = make().fit(data)
+        if moved <= STILL:
+            break
+    return data, model
+
+
+def _nearest(values: Array, missing: Flags) -> Array:
+    """The values with those of the nearest place where some are missing."""
+    if not missing.any():
+        return values
+    return np.asarray(values[tuple(distance_transform_edt(missing, return_distances=False, return_indices=True))])
+
+
+def expected(factors: Sequence[Factor], values: Array, missing: Flags) -> Array:
+    """What the process expects in the missing places, given the values in all others.
+
+    Parameters
+    ----------
+    factors : sequence of Factor
+        The process's, whose mean is zero.
+    values : ndarray, shape (n_1, ..., n_d, p)
+        Of some outputs; anything in the missing places.
+    missing : ndarray of bool, shape (n_1, ..., n_d)
+
+    Returns
+    -------
+    ndarray, shape (m, p)
+        In the places' order.
+
+    Raises
+    ------
+    ValueError
+        More than `MOST` places, without the factors on which none depends.
+    """
+    own = [k for k in range(missing.ndim) if (missing != np.take(missing, [0], axis=k)).any()]
+    rest = [k for k in range(missing.ndim) if k not in own]
+    order = [*own, *rest]
+    flags = missing.transpose(order)
+    inner = flags.reshape(*flags.shape[: len(own)], -1)[..., 0]
+    if np.count_nonzero(inner) > MOST:
+        raise ValueError(
+            f"{np.count_nonzero(inner)} places of the factors on which it depends that some are missing: at most "
+            f"{MOST} are filled in"
+        )
+    moved = values.transpose(*order, -1)
+    columns = moved.reshape(*inner.shape, -1)
+    known = np.where(inner[..., None], 0.0, columns)
+    parts = [factors[k] for k in own]
+    smooth = [factor for factor in parts if isinstance(factor, ChebyshevFactor)]
+    found = _of_modes(smooth, known, inner) if len(smooth) == len(parts) else _of_matrices(parts, known, inner)
+    whole = np.zeros(columns.shape)
+    whole[inner] = found
+    back = whole.reshape(moved.shape).transpose(*np.argsort(order), -1)
+    return np.asarray(back[missing])
+
+
+def _of_matrices(factors: Sequence[Factor], known: Array, missing: Flags) -> Array:
+    """What kernels expect whose inverses are numbers."""
+    places = np.nonzero(missing)
+    block = np.ones((len(places[0]), len(places[0])))
+    for axis, (factor, place) in enumerate(zip(factors, places, strict=True)):
+        inverse = factor.inverse()[0] @ factor.basis.T
+        inverse /= np.abs(inverse).max()
+        block *= inverse[np.ix_(place, place)]
+        known = np.moveaxis(np.tensordot(inverse, known, (1, axis)), 0, axis)
+    return np.asarray(np.linalg.lstsq(block, -known[missing], rcond=None)[0])
+
+
+def _of_modes(factors: Sequence[ChebyshevFactor], known: Array, missing: Flags) -> Array:
+    """What Chebyshev kernels expect, by the weights of their modes."""
+    count = int(np.count_nonzero(missing))
+    weights = np.zeros(missing.shape)  # logarithms
+    for axis, factor in enumerate(factors):
+        along = np.log(factor.weights) - 0.5 * np.log(factor.eigenvalues)
+        weights += along.reshape([-1 if k == axis else 1 for k in range(missing.ndim)])
+    heaviest = np.argsort(-weights.ravel(), kind="stable")[: max(_ROWS * count, _ROOM // count)]
+    scale = np.exp(np.maximum(weights.ravel()[heaviest] - weights.max(), _LIGHTEST))
+    matrix = np.repeat(scale[:, None], count, axis=1)
+    for axis, (factor, modes, places) in enumerate(
+        zip(factors, np.unravel_index(heaviest, missing.shape), np.nonzero(missing), strict=True)
+    ):
+        matrix *= factor.basis.T[np.ix_(modes, places)]
+        known = np.moveaxis(np.tensordot(factor.basis.T, known, (1, axis)), 0, axis)
+    right = -scale[:, None] * known.reshape(missing.size, -1)[heaviest]
+    orthogonal, triangle, order = qr(matrix, mode="economic", pivoting=True, overwrite_a=True)
+    found = np.empty((count, right.shape[1]))
+    found[order] = solve_triangular(triangle, orthogonal.T @ right)
+    return found

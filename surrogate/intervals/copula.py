@@ -1,0 +1,184 @@
+"""How errors go together: over the outputs as those of held-out cases did, over points by a length along every input.
+
+The rows of held-out cases, every score as its rank among those of its output, are an empirical copula of the outputs
+(L. Ruschendorf, J. Stat. Plan. Inference 139 (2009) 3921): a row drawn is a joint draw at one point. At several points
+rows are mixed, as normal scores, by a Cholesky factor of the correlation over these. Marginal distributions stay
+uniform whatever is mixed, so that what a model makes of them is its own calibrated one.
+
+The error of interpolation on Chebyshev-Gauss levels is waves of equal width in the angle arccos(t): there the
+correlation exp(-sum_k (angle_k - angle'_k)^2 / (2 length_k^2)) has one length everywhere.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+from scipy.special import ndtr, ndtri
+
+from approximation.arrays import Array, Indices
+
+#: Most rows that are kept, and most points that are drawn together.
+MOST_ROWS, MOST_POINTS = 1000, 3000
+# Cases and pairs of them that tell the lengths, and how far apart [rad] along every input those of a pair are at most.
+_CASES, _PAIRS, _APART = 10_000, 50_000, 1.0
+# How often pairs are chosen again, within so many lengths, and of how few at least.
+_ROUNDS, _NEAR, _FEWEST = 4, 1.2, 500
+# Logarithms of lengths [rad] before any case: normal about this one, with this standard deviation; and their bounds.
+_LIKELY, _SPREAD, _BOUNDS = 0.3, 1.5, (1e-3, 1e2)
+_ROUNDING = 1e-9  # added to the correlation's diagonal before it is decomposed
+
+
+@dataclass(frozen=True)
+class Copula:
+    """Joint ranks of held-out errors, and the lengths over which errors stay alike.
+
+    Attributes
+    ----------
+    ranks : ndarray of int, shape (m, p)
+        Of every row, the rank of its score among those of each output, from 0: every column is a permutation.
+    lengths : ndarray, shape (d,)
+        Of the correlation over points, in the angle arccos(t) of every scaled input [rad].
+    """
+
+    ranks: Indices
+    lengths: Array
+
+    @classmethod
+    def of(cls, scores: Array, t: Array) -> Self:
+        """Return that of held-out scores (p, n) at scaled coordinates (d, n); NaN are scores of what has no error."""
+        kept = _evenly(scores.shape[1], MOST_ROWS)
+        ranks = _ranks(scores[:, kept])
+        some = _evenly(scores.shape[1], _CASES)
+        told = np.isfinite(scores).all(axis=1)
+        normal = _normal(_ranks(scores[told][:, some]))
+        return cls(ranks, _lengths(normal, _angles(t[:, some])))
+
+    def near(self, t: Array, other: Array) -> Array:
+        """Return the correlation over points of one error at scaled coordinates (d, n) and (d, k): (n, k)."""
+        return np.asarray(np.exp(-0.5 * _squares(_angles(t), _angles(other), self.lengths)))
+
+    def drawn(self, t: Array, draws: int, random: np.random.Generator) -> Array:
+        """Draw probabilities, uniform for every output and point, that go together.
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, n)
+            Scaled coordinates of the points, at most `MOST_POINTS`.
+        draws : int
+            How many.
+        random : Generator
+            What is drawn with.
+
+        Returns
+        -------
+        ndarray, shape (p, draws, n)
+        """
+        n, (m, p) = t.shape[1], self.ranks.shape
+        row = random.integers(m, size=(draws, n))
+        # a rank stands for a whole m-th of the probability
+        share = (self.ranks[row] + random.uniform(np.finfo(float).tiny, 1, (draws, n, p))) / m
+        if n == 1:
+            return np.moveaxis(share, 2, 0)
+        root = np.linalg.cholesky(self.near(t, t) + _ROUNDING * np.eye(n))
+        root /= np.sqrt((root**2).sum(axis=1, keepdims=True))
+        return np.asarray(ndtr(np.einsum("sj,njp->pns", root, ndtri(share), optimize=True)))
+
+    def only(self, columns: Sequence[int]) -> Self:
+        """Return that of some outputs."""
+        return replace(self, ranks=self.ranks[:, list(columns)])
+
+    def state(self) -> dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]:
+        """Return the arrays with their dimensions, for a file."""
+        return {
+            "calibration_rank": (("held_row", "output"), self.ranks.astype(np.uint16)),
+            "calibration_length": (("input",), self.lengths),
+        }
+
+    @classmethod
+    def restore(cls, stored: xr.Dataset, inputs: int, outputs: int) -> Self | None:
+        """Return what is in a file, None where it has none; ValueError names what is inconsistent."""
+        if "calibration_rank" not in stored:
+            return None
+        ranks, lengths = stored["calibration_rank"].values, stored["calibration_length"].values
+        fits = ranks.dtype.kind in "iu" and ranks.ndim == 2 and ranks.shape[1] == outputs and lengths.shape == (inputs,)
+        if not fits or not 0 < len(ranks) <= MOST_ROWS or not (lengths > 0).all():
+            raise ValueError("the rows of the calibration do not fit the model")
+        if (np.sort(ranks, axis=0) != np.arange(len(ranks))[:, None]).any():
+            raise ValueError("the ranks of the calibration's rows are not each there once")
+        return cls(ranks.astype(np.intp), lengths)
+
+
+def _evenly(cases: int, most: int) -> Indices:
+    return np.unique(np.linspace(0, cases - 1, min(cases, most)).astype(np.intp))
+
+
+def _ranks(scores: Array) -> Indices:
+    """Ranks of scores (p, n) among those of their output, (n, p)."""
+    return np.argsort(np.argsort(scores, axis=1, kind="stable"), axis=1, kind="stable").T
+
+
+def _normal(ranks: Indices) -> Array:
+    """Normal scores of ranks, (n, p)."""
+    return np.asarray(ndtri((ranks + 0.5) / len(ranks)))
+
+
+def _angles(t: Array) -> Array:
+    return np.arccos(np.clip(t, -1, 1))
+
+
+def _squares(angles: Array, other: Array, lengths: Array) -> Array:
+    """Squared distances over the lengths, (n, k), of angles (d, n) and (d, k)."""
+    square = np.zeros((angles.shape[1], other.shape[1]))
+    for a, b, length in zip(angles, other, lengths, strict=True):
+        square += (np.subtract.outer(a, b) / length) ** 2
+    return square
+
+
+def _lengths(normal: Array, angles: Array) -> Array:
+    """Lengths by which near cases have like normal scores (n, p), by least squares over pairs; angles (d, n).
+
+    What is fitted is the fall from one that near pairs show: the pairs are chosen again by the lengths found so far.
+    """
+    lengths = np.full(len(angles), _LIKELY)
+    if not normal.shape[1]:
+        return lengths
+    d, n = angles.shape
+    apart = np.full(d, min(_APART, np.pi / 2 * (2 * _PAIRS / max(n * n, 1)) ** (1 / d)))
+    for _ in range(_ROUNDS):
+        pairs = _pairs(angles / apart[:, None])
+        if len(pairs) < _FEWEST:
+            break
+        first, second = pairs.T
+        alike = np.einsum("np,np->n", normal[first], normal[second]) / normal.shape[1]
+        lengths = _fitted((angles[:, first] - angles[:, second]) ** 2, alike)
+        apart = np.minimum(_NEAR * lengths, _APART)
+    return lengths
+
+
+def _fitted(squares: Array, alike: Array) -> Array:
+    """Lengths of the correlation that is nearest to products of scores, (pairs,), at squared distances (d, pairs)."""
+    noise = max(float(np.mean(alike**2)), 1e-12)
+
+    def cost(logarithms: Array) -> tuple[float, Array]:
+        over = squares * np.exp(-2 * logarithms)[:, None]
+        model = np.exp(-0.5 * over.sum(axis=0))
+        left, away = alike - model, (logarithms - np.log(_LIKELY)) / _SPREAD
+        slopes = -(over @ (left * model)) / noise + away / _SPREAD
+        return 0.5 * float(left @ left / noise + away @ away), slopes
+
+    starts = [np.full(len(squares), np.log(length)) for length in (1.0, _LIKELY, 0.1)]
+    bounds = [(float(np.log(_BOUNDS[0])), float(np.log(_BOUNDS[1])))] * len(squares)
+    found = [minimize(cost, start, jac=True, method="L-BFGS-B", bounds=bounds) for start in starts]
+    return np.asarray(np.exp(min(found, key=lambda one: float(one.fun)).x))
+
+
+def _pairs(scaled: Array) -> Indices:
+    """Pairs of cases of scaled angles (d, n) that differ by at most one along every input, `_PAIRS` at most: (k, 2)."""
+    from scipy.spatial import cKDTree  # slow to import
+
+    found = cKDTree(scaled.T).query_pairs(1.0, p=np.inf, output_type="ndarray")
+    return found if len(found) <= _PAIRS else np.random.default_rng(0).choice(found, _PAIRS, replace=False)

@@ -1,0 +1,54 @@
+"""How far a sum of errors reaches, of several outputs at several points, by how these go together.
+
+At one point the held-out rows say it: the sum of each row is one that was seen. Over points the ends of their own sums
+add as deviations do, by the correlation of the points' sums.
+"""
+
+import numpy as np
+
+from approximation.arrays import Array
+from surrogate.intervals.copula import Copula
+from surrogate.intervals.distribution import Distribution, central
+
+_BLOCK = 512  # points whose correlations with all others are held at a time
+
+
+def ends(distribution: Distribution, copula: Copula | None, level: float, sizes: Array, t: Array) -> Array:
+    """Return the ends of the central interval of a sum of errors.
+
+    Parameters
+    ----------
+    distribution : Distribution
+        Of errors in standard deviations.
+    copula : Copula or None
+        How they go together; without it the ends of all errors are added up, which is the most that they can come to.
+    level : float
+        Of the interval.
+    sizes : ndarray, shape (p, n)
+        Standard deviation of every output's error at every point, times its weight in the sum, with its sign.
+    t : ndarray, shape (e, n)
+        Scaled coordinates of the points as the calibration knows them.
+
+    Returns
+    -------
+    ndarray, shape (2,)
+    """
+    told = sizes.any(axis=0)
+    sizes, t = sizes[:, told], t[:, told]
+    both = np.broadcast_to(distribution.ends(level), (2, len(sizes)))[..., None] * sizes
+    if copula is None or not sizes.size:
+        return np.array([both.min(axis=0).sum(), both.max(axis=0).sum()])
+    scores = distribution.inverse(((copula.ranks + 0.5) / len(copula.ranks)).T)
+    own = np.quantile(sizes.T @ scores, central(level), axis=1, method="weibull")
+    lone = np.count_nonzero(sizes, axis=0) == 1
+    own[:, lone] = np.sort(both[..., lone].sum(axis=1), axis=0)
+    if sizes.shape[1] == 1:
+        return np.asarray(own[:, 0])
+    spread = np.cov(scores).reshape(len(scores), -1) @ sizes
+    scale = np.sqrt(np.maximum((sizes * spread).sum(axis=0), np.finfo(np.float64).tiny))
+    squares = np.zeros(2)
+    for start in range(0, len(scale), _BLOCK):
+        some = slice(start, start + _BLOCK)
+        alike = copula.near(t[:, some], t) * (sizes[:, some].T @ spread) / np.multiply.outer(scale[some], scale)
+        squares += [float(end[some] @ alike @ end) for end in own]
+    return np.sqrt(np.maximum(squares, 0)) * [-1, 1]

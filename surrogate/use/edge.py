@@ -1,0 +1,127 @@
+"""The edge beyond which cases are refused, learnt from cases of which it is known: a region with a margin.
+
+A polynomial of the scaled inputs by logistic regression with a ridge, its degree by cases left out in folds. Where it
+is cut is a conformal threshold (V. Vovk, A. Gammerman and G. Shafer, Algorithmic Learning in a Random World (2005)): of
+n refused cases left out, the k-th highest value passes a fresh refused case with a probability of k / (n + 1) at most.
+The margin is a little wider: the answered cases next to the edge are given up, for there the edge is known least.
+"""
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+
+from approximation.arrays import Array, Flags, Indices
+from surrogate.face.region import Region
+from surrogate.intervals.trend import values
+
+#: Share of the refused cases that may pass, share of the answered ones that the margin takes at least, folds, and most
+#: cases and terms that are learnt from.
+PASSING, MARGIN, FOLDS, MOST_CASES, MOST_TERMS = 0.05, 0.01, 5, 6000, 100
+#: Highest total degree that is tried, cases that a term needs, the ridge, and steps of Newton's iteration.
+_DEGREES, _CASES_A_TERM, _RIDGE, _STEPS = (1, 2, 3, 4, 6), 4, 1e-4, 60
+#: Refused cases whose reasons are kept.
+_TOLD = 200
+
+
+def learn(t: Array, refused: Flags, even: Flags, groups: Indices, which: Indices, reasons: Sequence[str]) -> Region:
+    """Learn where cases are answered.
+
+    Parameters
+    ----------
+    t : ndarray, shape (d, n)
+        Scaled inputs of all cases that are known.
+    refused : ndarray of bool, shape (n,)
+        Whether each is refused; at least one is, and one is not.
+    even : ndarray of bool, shape (n,)
+        Those that are spread evenly over the box: the promise rests on them.
+    groups : ndarray of int, shape (n,)
+        Group of every case; the cases of one are left out together.
+    which : ndarray of int, shape (k,)
+        Number of the reason of every refused case, in their order.
+    reasons : sequence of str
+        Their texts.
+    """
+    random = np.random.default_rng(0)
+    whole = t
+    chosen = _chosen(refused, even, random)
+    t, known, held, groups = t[:, chosen], refused[chosen], even[chosen], groups[chosen]
+    numbers = np.unique(groups, return_inverse=True)[1].ravel()
+    fold = random.permutation(np.arange(numbers.max() + 1) % FOLDS)[numbers]
+    tried = [_total(len(t), degree) for degree in _DEGREES]
+    tried = [one for one in tried if len(one) <= min(MOST_TERMS, len(known) // _CASES_A_TERM)] or [_total(len(t), 1)]
+    apart = [_left_out(degrees, t, known, fold) for degrees in tried]
+    best = int(np.argmin([_loss(score, known) for score in apart]))
+    degrees, score = tried[best], apart[best]
+    coefficients = _fitted(values(degrees, t), known)
+    threshold = score[known & held] if (known & held).any() else score[known]
+    rank = int(PASSING * (len(threshold) + 1))
+    answered = score[~known & held] if (~known & held).any() else score[~known]
+    least = max(float(np.sort(threshold)[-max(rank, 1)]), float(np.quantile(answered, MARGIN)))
+    places = np.flatnonzero(refused)
+    some = random.permutation(len(places))[:_TOLD]
+    return Region(
+        degrees,
+        coefficients,
+        least,
+        max(rank, 1) / (len(threshold) + 1),
+        float(refused[even].mean()) if even.any() else float(refused.mean()),
+        float((answered < least).mean()),
+        np.ascontiguousarray(whole[:, places[some]].T),
+        np.asarray(which)[some],
+        tuple(reasons),
+    )
+
+
+def _chosen(refused: Flags, even: Flags, random: np.random.Generator) -> Indices:
+    """At most so many cases: the evenly spread ones first, and as many refused ones as there may be."""
+    found = []
+    for kind in (refused, ~refused):
+        places = random.permutation(np.flatnonzero(kind))
+        found.append(places[np.argsort(~even[places], kind="stable")][: MOST_CASES // 2])
+    return np.sort(np.concatenate(found))
+
+
+def _total(inputs: int, degree: int) -> Indices:
+    """Degrees of all terms up to a total degree, the constant first."""
+    some = [index for index in product(range(degree + 1), repeat=inputs) if sum(index) <= degree]
+    return np.array(sorted(some, key=lambda index: (sum(index), index)), dtype=np.intp)
+
+
+def _left_out(degrees: Indices, t: Array, refused: Flags, fold: Indices) -> Array:
+    """The value at every case of the polynomial that the other folds tell, (n,)."""
+    terms, found = values(degrees, t), np.empty(t.shape[1])
+    for number in range(FOLDS):
+        out = fold == number
+        if out.any():
+            found[out] = _fitted(terms[:, ~out], refused[~out]) @ terms[:, out]
+    return found
+
+
+def _loss(score: Array, refused: Flags) -> float:
+    """Mean negative logarithm of the probability of what is known."""
+    return float(np.logaddexp(0.0, np.where(refused, score, -score)).mean())
+
+
+def _fitted(terms: Array, refused: Flags) -> Array:
+    """Coefficients by penalised likelihood; terms (m, n), the constant's is not penalised. Newton, its steps halved."""
+    penalty = np.full(len(terms), _RIDGE)
+    penalty[0] = 1e-3 * _RIDGE
+    sign = np.where(refused, 1.0, -1.0)
+
+    def cost(own: Array) -> float:
+        return float(np.logaddexp(0.0, sign * (own @ terms)).mean() + penalty @ own**2 / 2)
+
+    found = np.zeros(len(terms))
+    least = cost(found)
+    for _ in range(_STEPS):
+        share = 1 / (1 + np.exp(-np.clip(sign * (found @ terms), -500, 500)))
+        gradient = terms @ (sign * share) / terms.shape[1] + penalty * found
+        hessian = (terms * (share * (1 - share))) @ terms.T / terms.shape[1] + np.diag(penalty)
+        step, length = np.linalg.solve(hessian, gradient), 1.0
+        while (now := cost(found - length * step)) > least and length > 1e-4:
+            length /= 2
+        if now >= least - 1e-10:
+            break
+        found, least = found - length * step, now
+    return found

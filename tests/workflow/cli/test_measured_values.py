@@ -1,0 +1,64 @@
+"""``meecontact invert --measured``: a value and its error as people write them, with units, prefixes and shares."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from surrogate import GridGP, Input
+from workflow.cli import main, questions
+from workflow.study.model import load
+
+STUDY = """
+title: A punch
+fixed: {material: BaTiO3, friction: 0.2, radius: 0.05}
+factors: {load: {low: 1e3, high: 1e5, levels: 5, scale: log}}
+surrogate: {outputs: [voltage]}
+"""
+SLOPE = -0.05  # V for a N/m
+
+
+@pytest.fixture(autouse=True)
+def results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, own = tmp_path / "one.yaml", Input("load", 1e3, 1e5, "log", "N m-1")
+    path.write_text(STUDY, encoding="utf-8")
+    levels = own.levels(14)
+    model = GridGP(inputs=[own]).fit(xr.Dataset({"voltage": ("load", SLOPE * levels)}, {"load": levels}))
+    study = load(path)
+    monkeypatch.setattr(questions, "results", lambda folder: (study, model))
+
+
+def told(capsys: pytest.CaptureFixture[str], text: str) -> list[float]:
+    """Load and the ends of its interval, in SI."""
+    assert main.main(["invert", "results/one", "--si", "--infer", "load", "--measured", f"voltage={text}"]) == 0
+    words = capsys.readouterr().out.replace("[", " ").replace("]", " ").replace(",", " ").split()
+    return [float(word) for word in words[1:4]]
+
+
+@pytest.mark.parametrize(
+    "text", ["-519+-1%", "-519 V +- 1 %", "-0.519kV+-1%", "-0.519 kV+-5.19V", "-519+-5.19", "-519e3mV+-5190 mV"]
+)
+def test_one_measurement_in_all_its_forms(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    mean, low, high = told(capsys, text)
+    # the posterior of what is linear, uniform in the logarithm before: normal about 519/0.05 within 1e-4
+    assert mean == pytest.approx(-519 / SLOPE, rel=2e-3)
+    np.testing.assert_allclose([low, high], [mean * (1 - 0.0196), mean * (1 + 0.0196)], rtol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("-0.519kV", "'-0.519kV' is not of the form VALUE+-STD"),
+        ("-519+-5mm", "unit mismatch: '5mm' for a number in V"),
+        ("-519mm+-1%", "--measured: voltage"),
+        ("-519+-0%", "'0%' is not a positive number with a unit"),
+        ("-519+--5", "'-5' is not a positive number with a unit"),
+        ("nan+-1%", "--measured: voltage"),
+    ],
+)
+def test_what_is_none_is_refused_in_one_line(text: str, says: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.main(["invert", "results/one", "--infer", "load", "--measured", f"voltage={text}"]) == 2
+    seen = capsys.readouterr()
+    assert says in seen.err
+    assert (seen.out, seen.err.count("\n")) == ("", 1)

@@ -1,0 +1,204 @@
+"""Studies of which the solver refuses some cases: a mask with reasons in the files, all others as they are alone.
+
+A flat punch that is tilted needs tension once it tilts too far for its load: the half-plane says so at once.
+"""
+
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import CaseError, solve
+from storage.netcdf import read_whole, write_whole
+from workflow.dataset import datacard, factorial, holes, quantities
+from workflow.dataset import slabs as dataset
+from workflow.learning import training
+from workflow.study import refusals
+from workflow.study.model import Study, load
+from workflow.study.reading import InputError
+from workflow.study.refusals import REASON, REFUSAL
+
+STUDY = """\
+title: How far may a flat punch tilt?
+fixed: {composite: fibrous, profile: flat, volume_fraction: 0.4, charge: 0.0, magnetic_charge: 0.0, width: 0.025}
+factors:
+  slope: {low: 1e-5, high: 1e-4, levels: 6}
+  friction: {low: 0.0, high: 0.4, levels: 3}
+  load: {low: 2e5, high: 1e6, levels: 7, scale: log}
+dataset: {slabs: 2, peaks: false, positions: {inside: 6, outside: 4}}
+validation: {cases: 40, calibration: 100}
+"""
+REASON_GIVEN = "contact: it would need tension between punch and surface (too much tilt or moment)"
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    path = tmp_path_factory.mktemp("study") / "tilted.yaml"
+    path.write_text(STUDY, encoding="utf-8")
+    return load(path)
+
+
+@pytest.fixture(scope="module")
+def folder(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The files that the pipeline's rules make of the data set."""
+    folder = tmp_path_factory.mktemp("results")
+    (folder / "fields").mkdir()
+    slabs = [folder / f"fields/slab_{index}.nc" for index in range(2)]
+    for index, slab in enumerate(slabs):
+        dataset.write_slab(study, index, slab)
+    write_whole(quantities.gather([read_whole(slab) for slab in slabs]), folder / "quantities.nc")
+    card = datacard.card(study, "tilted", slabs, [])
+    (folder / dataset.CARD).write_text(json.dumps(card), encoding="utf-8")
+    return folder
+
+
+def test_the_mask_is_that_of_cases_solved_alone(study: Study, folder: Path) -> None:
+    found = read_whole(folder / "quantities.nc")
+    mask = found[REFUSAL] > 0
+    assert 0.02 < float(mask.mean()) < refusals.MOST
+    assert found[REASON].values.tolist() == [REASON_GIVEN]
+    assert {name for name in found.data_vars if name != REASON and np.isnan(found[name]).any()} == {*study.quantities}
+    levels = factorial.levels(study)
+    random = np.random.default_rng(1)
+    some = [tuple(place) for place in random.permutation(np.argwhere(mask.values))[:4]]
+    some += [tuple(place) for place in random.permutation(np.argwhere(~mask.values))[:8]]
+    for place in some:
+        case = {name: levels[name][k] for name, k in zip(map(str, mask.dims), place, strict=True)}
+        if mask.values[place]:
+            with pytest.raises(CaseError, match=re.escape(REASON_GIVEN)):
+                solve({**study.fixed, **case})
+            assert all(np.isnan(found[name].values[place]) for name in study.quantities)
+        else:
+            alone = solve({**study.fixed, **case})
+            for name in study.quantities:
+                np.testing.assert_allclose(found[name].values[place], alone[name], rtol=1e-12)
+
+
+def test_slabs_hold_the_mask_of_their_fields_too_and_the_card_counts_no_refused_case(
+    study: Study, folder: Path
+) -> None:
+    card = json.loads((folder / dataset.CARD).read_text(encoding="utf-8"))
+    mask = read_whole(folder / "quantities.nc")[REFUSAL].values > 0
+    assert (card["refused"]["places"], card["refused"]["of"]) == (mask.sum(), mask.size)
+    assert card["refused"]["reasons"] == {REASON_GIVEN: mask.sum()}
+    assert f"{mask.sum()} of {mask.size} places" in datacard.markdown(card)
+    assert "they lie within slope " in card["refused"]["told"]
+    for name in ("contact_pressure", "depth"):
+        parts = [read_whole(folder / file["name"])[name] for file in card["files"]]
+        values = np.concatenate([part.values for part in parts])
+        told = card["variables"][name]
+        assert told["count"] == np.isfinite(values).sum()
+        assert told["count"] < values.size
+        assert told["attributes"]["mean"] == pytest.approx(np.nanmean(values.astype(float)), rel=1e-9)
+        assert told["attributes"]["actual_range"] == pytest.approx([np.nanmin(values), np.nanmax(values)], rel=1e-12)
+
+
+def test_a_slab_of_which_nothing_is_answered_is_a_slab(study: Study) -> None:
+    steep = {"slope": np.array([9e-5]), "friction": np.array([0.0, 0.1]), "load": np.array([2e5])}
+    mask = holes.Mask(steep, 2)
+    frame = factorial.exact(study, {**steep, "load": np.array([9e5])})
+    region = (slice(0, 1), slice(0, 2), slice(0, 1))
+    values = mask.values(region, lambda: factorial.exact(study, steep, holes=2.0), frame)
+    assert all(np.ma.getmaskarray(array).all() for array in values.values())
+    assert mask.stored()[REFUSAL].values.tolist() == [[[1], [1]]]
+    with pytest.raises(refusals.HolesError, match="more than 20 % of all cases are refused: contact: it"):
+        mask.values(region, lambda: factorial.exact(study, steep, holes=2.0), frame)
+
+
+def test_cases_of_which_none_is_refused_are_solved_once(study: Study) -> None:
+    calls = []
+
+    def solved(cases: Mapping[str, Any]) -> xr.Dataset:
+        calls.append(cases)
+        return xr.Dataset({"depth": ("load", [1.0, 2.0])})
+
+    assert REFUSAL not in refusals.answered(solved, {"load": [1.0, 2.0]})
+    assert len(calls) == 1
+
+
+def test_a_few_refused_cases_among_many_cost_few_calls() -> None:
+    calls = 0
+
+    def solved(cases: Mapping[str, Any]) -> xr.Dataset:
+        nonlocal calls
+        calls += 1
+        a, b = cases["a"], cases["b"]
+        if ((a > 62) & (b > 61)).any():
+            raise CaseError(f"a: {float(a.max()):g}")
+        return xr.Dataset({"f": a + b})
+
+    axis = np.arange(64.0)
+    found = refusals.answered(solved, {"a": axis, "b": axis})
+    assert np.argwhere(found[REFUSAL].values > 0).tolist() == [[63, 62], [63, 63]]
+    np.testing.assert_array_equal(np.isnan(found["f"].values), found[REFUSAL].values > 0)
+    assert float(found["f"][10, 20]) == 30
+    assert calls <= 1 + 2 * 12 + 2
+
+
+def test_random_cases_that_are_refused_are_left_out_and_counted(study: Study) -> None:
+    drawn = factorial.cases(study, "calibration")
+    left = holes.kept(drawn)
+    refused = holes.refused(drawn, ["case"])
+    assert 0 < refused.sum() < 0.2 * 100
+    assert left.sizes["case"] == 100 - refused.sum()
+    assert REFUSAL not in left
+    assert np.isfinite(left["depth"]).all()
+    assert holes.reasons(drawn, ["case"]) == [REASON_GIVEN] * int(refused.sum())
+    assert holes.kept(left) is left
+
+
+def test_a_factorial_that_lacks_too_much_is_refused_in_one_line() -> None:
+    mask = np.zeros((4, 5), dtype=np.int32)
+    mask[:, 4] = 2, 1, 2, 2
+    mask[0, 0] = 1
+    whole = refusals.masked(xr.Dataset(), xr.Variable(("a", "b"), mask), ["too far", "too near"])
+    with pytest.raises(refusals.HolesError) as caught:
+        holes.check(whole, ["a", "b"])
+    assert str(caught.value) == "5 of 20 places (25 %) are refused: too near; at most 20 % may be"
+
+
+def test_a_box_of_which_most_is_refused_is_bad_input(tmp_path: Path) -> None:
+    path = tmp_path / "steep.yaml"
+    path.write_text(STUDY.replace("low: 2e5", "low: 2e4"), encoding="utf-8")
+    with pytest.raises(InputError, match="factors: the solver refuses more than 20 % of the box: contact: it would"):
+        load(path)
+
+
+def test_masks_of_slabs_are_joined_by_their_reasons() -> None:
+    def part(number: int, reasons: list[str]) -> xr.Dataset:
+        data = xr.Dataset({"f": (("a", "b"), np.ones((1, 2)))})
+        return refusals.masked(data, xr.Variable(("a", "b"), [[0, number]]), reasons) if reasons else data
+
+    whole = holes.joined([part(1, ["far"]), part(0, []), part(2, ["near", "far"])], "a")
+    assert [str(whole[REASON].values[k - 1]) for k in whole[REFUSAL].values[:, 1] if k] == ["far", "far"]
+    assert whole[REFUSAL].values[1].tolist() == [0, 0]
+
+
+def test_the_surrogate_of_a_study_with_holes_is_exact_at_kept_nodes_and_refuses_beyond_its_edge(
+    study: Study, folder: Path
+) -> None:
+    """Oracles: the solver at its nodes, and on fresh cases whether it answers and what."""
+    whole = read_whole(folder / "quantities.nc")
+    model = training.fit(study, whole)
+    nodes = factorial.learned(study, whole)
+    points = {name: nodes[name] for name in study.factors}
+    found = model.predict(points, return_std=False)
+    for name in ("depth", "contact_trailing", "voltage_sensitivity"):
+        truth = nodes[name].transpose(*study.factors).values
+        away = np.abs(found[name].transpose(*study.factors).values - truth)
+        assert np.nanmax(away) <= 1e-12 * np.nanmax(np.abs(truth))
+    training.calibrated(study, model, whole, factorial.cases(study, "calibration"))
+    assert model.region_ is not None
+    other = study.validation.model_copy(update={"seed": 9})
+    fresh = factorial.cases(study.model_copy(update={"validation": other}), "validation")
+    table = training.validate(study, whole, fresh, model)
+    assert table.attrs["drawn"] == 40
+    assert table.attrs["refused_inside"] <= 1
+    assert table.attrs["answered_outside"] <= 4
+    assert float(table["max_error"].max()) < 1e-2  # what three levels of friction can tell
+    assert table.sizes["case"] == 40 - table.attrs["refused"] - table.attrs["answered_outside"]

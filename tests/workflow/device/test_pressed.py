@@ -1,0 +1,131 @@
+"""A press in time on a study's design, and the patch that is read, against plates and dividers of charge."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver.film.electrodes import Electrode
+from solver.film.stack import Layer, Stack
+from storage.netcdf import write_whole
+from workflow.device import pressed
+from workflow.device.circuit import permittivity
+from workflow.device.contact import Contact, film
+from workflow.report import sentences, tables
+from workflow.report.figures import signal_in_time
+from workflow.study.model import Study, load
+from workflow.study.pressing import Pressing
+from workflow.study.reading import InputError
+
+STUDY = """\
+title: A finger
+body:
+  - {material: PDMS, thickness: thickness, below: {electric: grounded}}
+  - {material: PVDF, thickness: 5e-5}
+fixed: {profile: sphere, radius: 0.01, electric: insulating, magnetic: insulating, base: rigid, collector: 2,
+        patch_size: 2e-3}
+factors:
+  thickness: {low: 5e-4, high: 1e-3, levels: 2}
+  force: {low: 0.01, high: 0.1, levels: 2}
+surrogate: {outputs: [patch_charge_per_force]}
+device: {amplifier: {input_capacitance: 10 pF, feedback_capacitance: 10 pF, charge_noise: 1 fC}}
+design: {touch: {maximise: abs(patch_charge_per_force), over: [thickness], at: {force: 0.05}}}
+signal: {design: touch, force: 50 mN, hold: 1 s}
+"""
+PVDF = solver.find("PVDF")
+DISC = np.pi * 1e-6  # of 2 mm
+
+
+def study_of(folder: Path, text: str = STUDY) -> Study:
+    path = folder / "study.yaml"
+    path.write_text(text, encoding="utf-8")
+    return load(path)
+
+
+def test_a_press_on_a_patch_is_its_charge_over_the_feedback(tmp_path: Path) -> None:
+    study = study_of(tmp_path)
+    assert isinstance(study.signal, Pressing)
+    case = {**study.fixed, "thickness": 7e-4, "force": 0.02}
+    shown = pressed.signal(study, study.signal, case)
+    body = Stack([Layer(solver.find("PDMS"), 7e-4, "grounded"), Layer(PVDF, 5e-5)])
+    own = {name: value for name, value in study.fixed.items() if name != "base"}
+    exact = solver.solve({**own, "body": body, "force": [0.05]})
+    charge = float(exact["patch_charge_per_force"].squeeze()) * 0.05
+    assert float(shown["contact_charge"]) == pytest.approx(charge, rel=1e-8)
+    held = shown["output"].sel(time=slice(0.2, 1.0)).values
+    np.testing.assert_allclose(held, charge / 10e-12, rtol=1e-5)  # open-loop gain 1e6
+    assert np.isinf(float(shown["time_constant"]))
+    plates = permittivity(PVDF) * DISC / 5e-5
+    assert float(shown["capacitance"]) == pytest.approx(plates, rel=1e-12)
+    assert float(shown["noise_force"]) > 1e-15 / charge * 0.05
+    drawn = signal_in_time.figure(shown)
+    assert [ax.get_ylabel().split()[0] for ax in drawn.axes] == ["force", "charge", "voltage", "output"]
+    write_whole(shown, tmp_path / "signal.nc")
+    said = sentences.signal(tables.signal(tmp_path), "Charge")
+    assert said.startswith("50 mN on the design 'Charge' shows ")
+    assert "A constant force is held: nothing leaks. The noise floor is 1" in said
+
+
+def test_a_voltage_amplifier_on_a_patch_divides_by_its_plates() -> None:
+    case: dict[str, Any] = {
+        "material": "PZT-4",
+        "profile": "sphere",
+        "radius": 0.01,
+        "thickness": 1e-4,
+        "base": "rigid",
+    }
+    case |= {"electrode": "top", "collector": 2, "patch_size": 1e-3, "magnetic": "insulating"}
+    contact = Contact.of(case, 1.0, body=film(case, solver.find("PZT-4")))
+    charge, capacitance = contact.at(np.array([0.0, 1e-6, 1.0]))
+    material = solver.find("PZT-4")
+    np.testing.assert_allclose(capacitance, permittivity(material) * np.pi * 1e-6 / 4 / 1e-4, rtol=1e-12)
+    assert charge[2] == pytest.approx(-float(material.e33 / material.c33), rel=0.05)  # nearly all of it is on the disc
+    assert contact.rates(np.array([0.5]))[1] == 0
+    assert contact.roughness < 1e-6
+
+
+def test_plates_have_a_film_on_each_side_and_a_metal_between() -> None:
+    copper, glass = solver.find("copper"), solver.find("glass")
+    body = Stack([Layer(PVDF, 1e-5, "grounded"), Layer(glass, 2e-5), Layer(copper, 1e-5), Layer(glass, 4e-5)], "rigid")
+    sides = [permittivity(one) / thickness for one, thickness in ((glass, 2e-5), (glass, 4e-5))]
+    assert Electrode(body, 2).capacitance == pytest.approx(sum(sides), rel=1e-12)
+    assert Electrode(body, 1).capacitance == pytest.approx(sides[0], rel=1e-12)  # the bare film above ends nowhere
+    covered = Stack([Layer(PVDF, 1e-5), Layer(glass, 2e-5)], electroded=True)
+    in_turn = 1 / (1e-5 / permittivity(PVDF) + 2e-5 / permittivity(glass))
+    assert Electrode(covered, 1).capacitance == pytest.approx(in_turn, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("design: touch", "design: tuch", "signal: design: 'tuch' is not a design target; known are touch"),
+        ("force: 50 mN", "force: 50 mV", "signal.force: .*unit mismatch"),
+        ("hold: 1 s", "hold: 0", r"signal.hold: .*0 is not a finite number > 0 \[s\]"),
+        ("device: {", "# {", "signal: needs device: amplifier"),
+        (",\n        patch_size: 2e-3", "", "signal: these cases have no patch_charge_per_force"),
+    ],
+)
+def test_a_press_that_cannot_be_is_refused(tmp_path: Path, old: str, new: str, words: str) -> None:
+    text = STUDY.replace(old, new)
+    text = text.replace("patch_charge_per_force", "electrode_pressure") if "patch_size" in old else text
+    with pytest.raises(InputError, match=words):
+        study_of(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [({}, "patch_size: missing"), ({"patch_size": 1e-3, "patch": "strip"}, "patch: 'strip' below a point has no end")],
+)
+def test_electrodes_without_an_end_are_refused(more: dict[str, Any], words: str) -> None:
+    case = {
+        "material": "PZT-4",
+        "profile": "sphere",
+        "radius": 0.01,
+        "thickness": 1e-4,
+        "base": "rigid",
+        "collector": 1,
+    }
+    with pytest.raises(solver.FactorError, match=words):
+        Contact.of(case | more, 1.0, body=film(case, solver.find("PZT-4")))

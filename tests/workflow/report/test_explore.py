@@ -1,0 +1,57 @@
+"""The page's map: the names of its limits stand beside lines, not across them."""
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.workflow.report.browser import in_node, needs_node
+from workflow.run.provenance import ROOT
+
+SCRIPT = (ROOT / "workflow/report/templates/explore.js").read_text(encoding="utf-8")
+WIDE, HIGH = 174.0, 34.0  # of "voltage over thickness / at most 500 kV/m"
+STEPS = np.linspace(0.0, 1.0, 41)
+
+
+def polyline(x: np.ndarray[Any, Any], y: np.ndarray[Any, Any]) -> list[list[list[float]]]:
+    """Segments between points of the picture, whose frame is 64 to 470 by 12 to 318."""
+    points = np.stack([np.broadcast_to(x, STEPS.shape), np.broadcast_to(y, STEPS.shape)], 1).tolist()
+    return [list(pair) for pair in pairwise(points)]
+
+
+LINES = {
+    "steep": polyline(260 + 20 * STEPS, 12 + 306 * STEPS),
+    "flat": polyline(64 + 406 * STEPS, 160 + 10 * STEPS),
+    "diagonal": polyline(64 + 406 * STEPS, 318 - 306 * STEPS),
+    "bent": polyline(100 + 300 * STEPS, 40 + 250 * (1 - STEPS) ** 3),
+}
+
+
+@needs_node
+@pytest.mark.parametrize("others", [(), ("flat",), ("steep",)], ids=str)
+def test_a_name_crosses_no_line_and_covers_no_other(others: tuple[str, ...], tmp_path: Path) -> None:
+    every = [segment for name in others for segment in LINES[name]]
+    star = {"left": 250.0, "right": 286.0, "top": 147.0, "bottom": 181.0}
+    asked = [(line, line + every) for name, line in LINES.items() if name not in others]
+    asks = ",".join(f"namePlace({line}, {WIDE}, {HIGH}, {all_lines}, [{star}])" for line, all_lines in asked)
+    for (line, all_lines), place in zip(asked, in_node(SCRIPT, f"[{asks}]", tmp_path), strict=True):
+        dense = np.concatenate([np.linspace(ends[0], ends[1], 9) for ends in all_lines])
+        left, right, top, bottom = (place[key] for key in ("left", "right", "top", "bottom"))
+        assert (right - left, bottom - top) == pytest.approx((WIDE, HIGH))
+        assert not np.any((dense[:, 0] > left) & (dense[:, 0] < right) & (dense[:, 1] > top) & (dense[:, 1] < bottom))
+        assert left >= star["right"] or right <= star["left"] or top >= star["bottom"] or bottom <= star["top"]
+        assert 64 <= left < right <= 470
+        assert 12 <= top < bottom <= 318
+        beside = np.array([ends[0] for ends in line])
+        aside = np.maximum(np.maximum(left - beside[:, 0], beside[:, 0] - right), 0)
+        below = np.maximum(np.maximum(top - beside[:, 1], beside[:, 1] - bottom), 0)
+        assert np.hypot(aside, below).min() < HIGH  # it is its line's
+
+
+@needs_node
+def test_a_long_name_has_two_lines(tmp_path: Path) -> None:
+    words = ["voltage over thickness at most 500 kV/m", "depth at most 1 um", "a" * 40]
+    told = in_node(SCRIPT, f"{words}.map(inLines)", tmp_path)
+    assert told == [["voltage over thickness", "at most 500 kV/m"], ["depth at most 1 um"], ["a" * 40]]
