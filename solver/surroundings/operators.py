@@ -340,9 +340,13 @@ def operators(system: System, shortest: float, longest: float, farthest: float =
     farthest
         X as far as which charges are not yet those of the open gap.
     """
-    stack = system.kernel.stack
-    whole = stack.thickness
-    distance = max(30.0, 40 * whole / shortest, min(300.0, 2e3 * system.kernel.width / longest), farthest)
     even = system.coefficients.friction == 0 and system.degree == 1
+    return Operators(system, grid_of(system, shortest, longest, farthest), even)
+
+
+def grid_of(system: System, shortest: float, longest: float, farthest: float = 0.0) -> Grid:
+    """Panels beside contacts; as for :func:`operators`."""
+    stack = system.kernel.stack
+    distance = max(30.0, 40 * stack.thickness / shortest, min(300.0, 2e3 * system.kernel.width / longest), farthest)
     growing = bool(np.any(np.diagonal(low(stack))[2:]))
-    return Operators(system, Grid.up_to(distance, GROWING if growing else LEVEL), even)
+    return Grid.up_to(distance, GROWING if growing else LEVEL)
