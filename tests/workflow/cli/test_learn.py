@@ -183,6 +183,7 @@ def test_a_plan_says_which_measurements_tell_most(project: Path, capsys: pytest.
     assert (plan["constants"], answer["units"]) == ([], "V")
     assert answer["planned"] < answer["random"] < answer["now"]
     model = load(project / "planned.nc")
+    assert isinstance(model, CorrectedGP)
     lower, upper = model.interval_array(np.array([[0.03, 9e4]]), 0.95)
     k = model.outputs_.index("voltage[laminate]")
     own = float(model.nominal_.predict_array(np.array([[0.03, 9e4]]), return_std=True)[1][0, k])
