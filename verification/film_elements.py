@@ -146,7 +146,7 @@ class Compared:
     def _potentials(self) -> list[tuple[int, str, str]]:
         """Number, name and edge intensity of the potentials that the punch makes uniform."""
         every = zip((ELECTRIC, MAGNETIC), RESPONSES[1:], INTENSITIES, strict=True)
-        return [one for one, conducts in zip(every, self.solved.conducts, strict=True) if conducts]
+        return [potential for potential, conducts in zip(every, self.solved.conducts, strict=True) if conducts]
 
 
 def _by_unit(fields: Answers) -> Answers:

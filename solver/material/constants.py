@@ -154,8 +154,8 @@ class Material:
             raise MaterialError(f"{label}: {missing[0]}: missing; needed are c11, c13, c33, c44 [Pa]")
         entries: dict[str, Any] = {**mapping, **evidence}
         material = cls(**entries)
-        for one in (material, *material.variants()):
-            one.check()
+        for variant in (material, *material.variants()):
+            variant.check()
         return material
 
     @classmethod
@@ -221,7 +221,7 @@ class Material:
         The alternatives hold as sets: a mixture of their constants need not be admissible.
         """
         several = (self, *self.variants())
-        values = {name: [float(getattr(one, name)) for one in several] for name in UNITS}
+        values = {name: [float(getattr(variant, name)) for variant in several] for name in UNITS}
         return {name: (min(found), max(found)) for name, found in values.items() if min(found) < max(found)}
 
     def plain(self) -> dict[str, Any]:

@@ -130,7 +130,7 @@ class Tabulated:
 
     def cdf(self, z: Array) -> Array:
         """Return the probability of no more than z, (p, n)."""
-        return np.stack([np.interp(one, own, PROBABILITIES) for one, own in zip(z, self.quantiles.T, strict=True)])
+        return np.stack([np.interp(row, own, PROBABILITIES) for row, own in zip(z, self.quantiles.T, strict=True)])
 
     def crps(self, z: Array) -> Array:
         """Return the integral of (F(x) - (x >= z))^2 over x at z, (p, n); F is linear between the quantiles."""

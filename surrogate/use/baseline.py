@@ -62,7 +62,7 @@ def baseline(
     grouping, named = groups_of(model), named_points(points, model.inputs_)
     if grouping is None:
         return chebyshev_interpolation(training, list(model.inputs_), points, outputs)
-    axes = {one.name: training[one.name] for one in grouping.axes}
+    axes = {axis.name: training[axis.name] for axis in grouping.axes}
     at = xr.DataArray(grouping.products.values(named.X), dims=("point", "axis"))
     columns = {one.name: at.isel(axis=k) for k, one in enumerate(grouping.axes)}
     found = chebyshev_interpolation(

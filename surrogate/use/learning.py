@@ -188,7 +188,7 @@ def learn(
         some = parts[q].few()[1]
         wild[rows.of(q)[some]] = np.mean([state[q].wild > 0 for state in chain.states], axis=0)
     plain = [{q: part.usual(state[q]) for q, part in parts.items()} for state in states]
-    predicted, variance = moments([_left_out(rows, one, noise) for one, noise in zip(draws, plain, strict=True)])
+    predicted, variance = moments([_left_out(rows, draw, noise) for draw, noise in zip(draws, plain, strict=True)])
     return Learnt(about, draws, chain, wild, (predicted, np.sqrt(variance)))
 
 
@@ -219,7 +219,7 @@ def _settled(
     """Constants about which their estimate stays, all else at its draws, and the posterior there."""
     for _ in range(_STEPS):
         parts = model.at(about)
-        draws = tuple(_draw(parts, one, share, single) for one, share in zip(states, own, strict=True))
+        draws = tuple(_draw(parts, state, share, single) for state, share in zip(states, own, strict=True))
         mean, covariance = mixture(draws)
         move = np.clip(mean - about, -_STEP, _STEP)
         if np.all(np.abs(move) <= 0.02 + 0.1 * np.sqrt(np.diag(covariance))):
@@ -269,7 +269,7 @@ def _chained(
 
 def _shares(told: Sequence[tuple[Array, Array]], single: Flags) -> Array:
     """Log-probabilities of the shares `OWN`, up to a constant, from what every output says of the constants."""
-    precision, weighted = (np.sum([one[k] for one in told], axis=0) for k in (0, 1))
+    precision, weighted = (np.sum([pair[k] for pair in told], axis=0) for k in (0, 1))
     found: Array = np.log(OWN_CHANCE)
     for k, share in enumerate(OWN):
         prior = np.where(single, share, 1.0)

@@ -186,7 +186,7 @@ class PointContact:
         held[np.isclose(r, r.max())] = True
         held[np.isclose(y, y.min()), : 4 if self.base else 2] = True
         for depth, layer in zip(
-            np.cumsum([one.thickness for one in self.layers]) / self.radius, self.layers, strict=True
+            np.cumsum([layer.thickness for layer in self.layers]) / self.radius, self.layers, strict=True
         ):
             for potential in layer.grounded:
                 held[np.isclose(y, -depth), potential] = True

@@ -39,8 +39,8 @@ def library() -> dict[str, Any]:
         "punches": {name: {"modulus": one.modulus, "poisson": one.poisson} for name, one in punches().items()},
         "limits": {name: {"title": title(name), "units": one.units} for name, one in LIMITS.items()},
         "units": {name: one.units for name, one in (ALL_QUANTITIES | FACTORS).items()},
-        "symbols": {one: _measured(one) for one in _SYMBOLS},
-        "prefixes": {one: units.parse(f"{one}m").scale for one in _PREFIXES},
+        "symbols": {symbol: _measured(symbol) for symbol in _SYMBOLS},
+        "prefixes": {prefix: units.parse(f"{prefix}m").scale for prefix in _PREFIXES},
         "digamma": DIGAMMA_SERIES.tolist(),
     }
 

@@ -51,7 +51,7 @@ def croissant(card: Mapping[str, Any]) -> dict[str, Any]:
     dict
         Of which every record is a case: its levels of the axes, its quantities, its fields over the positions.
     """
-    files = [_file(one) for one in card["files"]]
+    files = [_file(file) for file in card["files"]]
     slabs = {"@type": "cr:FileSet", "@id": "slabs", "name": "slabs", "includes": "fields/slab_*.nc"}
     axes = [_field(name, *_axis(name, name in card["categories"])) for name in (*card["factors"], *card["categories"])]
     outputs = [_output(name, one, card) for name, one in card["variables"].items()]

@@ -35,14 +35,14 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
     """
     lacking = _refused(study, slabs)
     files = [_file(path, PLACE if study.crossed else next(iter(study.axes))) for path in slabs]
-    variables = {one: _merged([file["variables"][one] for file in files]) for one in files[0]["variables"]}
+    variables = {name_: _merged([file["variables"][name_] for file in files]) for name_ in files[0]["variables"]}
     seconds = [_seconds(path) for path in benchmarks if path.is_file()]
     return {
         "title": study.title,
         "study": name,
         "cases": study.block * sum(file["levels"] for file in files) if study.crossed else study.cases,
         "crossed": study.crossed,
-        "factors": {one: axis.model_dump() for one, axis in study.factors.items()},
+        "factors": {name_: axis.model_dump() for name_, axis in study.factors.items()},
         "groups": _groups(study),
         "categories": study.categories,
         "fixed": study.fixed,

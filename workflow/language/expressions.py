@@ -188,7 +188,7 @@ class Call(Expression):
 
     def unit(self) -> units.Unit | None:
         """That of the arguments, its root, or none."""
-        inner = [one for one in (argument.unit() for argument in self.arguments) if one is not None]
+        inner = [unit for unit in (argument.unit() for argument in self.arguments) if unit is not None]
         for one in inner[1:]:
             if not one.fits(inner[0]):
                 raise ValueError(

@@ -87,9 +87,9 @@ class Effects:
         parts = {}
         for name in self._model.outputs_:
             parts[f"{name}: change"] = here[name] - self._start[name]
-            for one, slope in zip(self._constants, self._slopes, strict=True):
-                parts[f"{name}: {one.name}"] = slope[name]
-            parts |= {f"{name}: {one}": xr.zeros_like(here[name]) for one in self._silent}
+            for constant, slope in zip(self._constants, self._slopes, strict=True):
+                parts[f"{name}: {constant.name}"] = slope[name]
+            parts |= {f"{name}: {silent}": xr.zeros_like(here[name]) for silent in self._silent}
         return self._fitted(parts)
 
     def _fitted(self, parts: dict[str, xr.DataArray]) -> GridGP:

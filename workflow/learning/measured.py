@@ -76,10 +76,10 @@ def learn(
     spread = np.hypot(own, effects.error[rows.output])
     latest: list[GaussianProcess] = []
     unknown: list[Constant | Instrument] = [*every, *instruments]
-    single = np.array([one in singles for one in unknown], np.bool_)
+    single = np.array([constant in singles for constant in unknown], np.bool_)
 
     def forward(z: Array) -> tuple[Array, Array]:
-        told = ", ".join(f"{one:+.2f}" for one in z[: len(constants)])
+        told = ", ".join(f"{value:+.2f}" for value in z[: len(constants)])
         say(f"constants at {told} prior standard deviations")
         latest[:] = [effects.at(z)]
         found = latest[0].predict_array(rows.points).reshape(len(rows.points), len(model.outputs_), -1)
@@ -91,7 +91,7 @@ def learn(
     except (learning.NotSettledError, MaterialError) as error:
         raise InputError(str(error)) from None
     taught = Taught.of(found, rows, unknown, single, model, mean)
-    names = {one.name: one.prior for one in unknown}
+    names = {constant.name: constant.prior for constant in unknown}
     surrogate = CorrectedGP(
         model, latest[0], names, found.about, found.draws, rows, effects.error, "\n".join(taught.lines)
     )

@@ -161,7 +161,7 @@ def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases:
     axes = list(study.axes)
     grid = factorial.with_factors(study, quantities) if study.groups else quantities
     nodes = xr.broadcast(*(grid[name] for name in study.factors), xr.DataArray(holes.refused(grid, axes), dims=axes))
-    columns = [one.transpose(*axes).values.ravel() for one in nodes]
+    columns = [column.transpose(*axes).values.ravel() for column in nodes]
     X = np.concatenate([np.stack(columns[:-1], -1), np.stack([cases[name].values for name in study.factors], -1)])
     refused = np.concatenate([columns[-1], holes.refused(cases, ["case"])]).astype(bool)
     texts = [text for data, dims in ((grid, axes), (cases, ["case"])) for text in holes.reasons(data, dims)]

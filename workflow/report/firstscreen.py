@@ -105,7 +105,7 @@ def answered(
         doubt=doubted(own),
         stops=_unbroken(capital(told.stops)),
         breaks=_unbroken(asides.first_to_break(found)),
-        why=tuple(_unbroken(one) for one in why if one),
+        why=tuple(_unbroken(reason) for reason in why if reason),
         verdict=told,
         drawing=element(
             device.draw(of_case(study, case, contact), built), f"device-{name}", f"{title}, drawn to scale: {built}"

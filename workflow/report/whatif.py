@@ -110,7 +110,7 @@ def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[l
     """Ends of every output over the box: of its factorial, or of the surrogate, where that is in groups."""
     if study.groups:
         t = 2 * sobol_points(_POINTS, len(model.box)) - 1
-        X = np.stack([one.from_unit(row) for one, row in zip(model.box.values(), t.T, strict=True)], axis=1)
+        X = np.stack([own.from_unit(row) for own, row in zip(model.box.values(), t.T, strict=True)], axis=1)
         return [[float(row.min()), float(row.max())] for row in model.predict_array(X[model.has_answers(X)]).T]
     return [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_]
 
@@ -161,7 +161,7 @@ def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str
         for factor, ends in ranges.items()
     ]
     if target.tolerance:
-        over.append(f"the tolerances of {titles.listed([titles.title(one) for one in target.tolerance])}")
+        over.append(f"the tolerances of {titles.listed([titles.title(name) for name in target.tolerance])}")
     return {
         "name": name,
         "title": study.titles[name],

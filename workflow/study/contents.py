@@ -166,7 +166,7 @@ class Contents(Strict):
     @property
     def products(self) -> dict[str, grouped.Product]:
         """What every axis of a study with groups is made of."""
-        own = {one.name: one for one in map(grouped.product, self.groups)}
+        own = {product.name: product for product in map(grouped.product, self.groups)}
         return {name: own[name] for name in self.axes} if own else {}
 
     @property

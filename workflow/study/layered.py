@@ -180,7 +180,7 @@ def solved(
         given = ", ".join(name for name in OF_THE_BASE if name in own) or "base"
         raise ValueError(f"{given}: a body needs a base, or else base_modulus and base_poisson, not both")
     whole = xr.broadcast(*own.values())
-    rows = list(zip(*(one.values.ravel().tolist() for one in whole), strict=True))
+    rows = list(zip(*(factor.values.ravel().tolist() for factor in whole), strict=True))
     made = {row: stack(layers, dict(zip(own, row, strict=True)), materials, phases) for row in dict.fromkeys(rows)}
     stacks = np.empty(len(rows), dtype=object)
     stacks[:] = [made[row] for row in rows]

@@ -18,12 +18,12 @@ Arrays = dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]
 
 def following(curves: Sequence[Curves], bases: Sequence[Basis], largest: Mapping[str, Largest]) -> Arrays:
     """Return the arrays by name with their dimensions."""
-    measures = list(dict.fromkeys(one.measure for one in largest.values()))
+    measures = list(dict.fromkeys(summit.measure for summit in largest.values()))
     state: Arrays = {
         "largest_output": (("largest",), np.array(list(largest))),
-        "largest_curves": (("largest",), np.array([one.curves for one in largest.values()])),
-        "largest_measure": (("largest",), np.array([measures.index(one.measure) for one in largest.values()])),
-        "largest_place": (("largest",), np.array([one.place for one in largest.values()])),
+        "largest_curves": (("largest",), np.array([summit.curves for summit in largest.values()])),
+        "largest_measure": (("largest",), np.array([measures.index(summit.measure) for summit in largest.values()])),
+        "largest_place": (("largest",), np.array([summit.place for summit in largest.values()])),
     }
     for k, measure in enumerate(measures):
         dims = f"branch_{k}", f"measured_{k}"

@@ -186,11 +186,11 @@ class CorrectedGP(Transformed):
                 "measured_output": (at, rows.output),
                 "measured_value": (at, rows.value),
                 "measured_error": (at, np.nan_to_num(rows.error, nan=0.0)),
-                "measured_residual": (at, self._flat([one.residual for one in first.values()])),
-                "measured_slope": ((at, "constant"), self._flat([one.slopes for one in first.values()])),
-                "draw_mean": (("draw", "constant"), np.stack([one.mean for one in self.draws_])),
+                "measured_residual": (at, self._flat([part.residual for part in first.values()])),
+                "measured_slope": ((at, "constant"), self._flat([part.slopes for part in first.values()])),
+                "draw_mean": (("draw", "constant"), np.stack([draw.mean for draw in self.draws_])),
                 "draw_covariance": (
-                    ("draw", "constant", "other_constant"), np.stack([one.covariance for one in self.draws_]),
+                    ("draw", "constant", "other_constant"), np.stack([draw.covariance for draw in self.draws_]),
                 ),
                 "draw_noise": (("draw", at), np.stack([
                     self._flat([own.noise for own in draw.discrepancies.values()]) for draw in self.draws_
