@@ -65,7 +65,7 @@ class Compared:
         if what == "load":
             return self.load
         found, expected = getattr(self, what)
-        return max(_off(found[name], one) for name, one in expected.items())
+        return max(_off(found[name], value) for name, value in expected.items())
 
     @property
     def load(self) -> float:

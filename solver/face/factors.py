@@ -182,14 +182,14 @@ def _in_si(name: str, array: xr.DataArray) -> xr.DataArray:
     if array.dtype.kind in "iuf" or not any(isinstance(text, str) for text in array.values.flat):
         return array
     factor, found = FACTORS[name], np.empty(array.shape, dtype=object)
-    for place, one in np.ndenumerate(array.values):
+    for place, given in np.ndenumerate(array.values):
         try:
-            found[place] = in_si(str(one), factor.units) if isinstance(one, str) else one
+            found[place] = in_si(str(given), factor.units) if isinstance(given, str) else given
         except ValueError as error:
             wrong = (
                 str(error)
                 if "mismatch" in str(error)
-                else f"{shown(one)} is not {factor.allowed}, bare or with its unit"
+                else f"{shown(given)} is not {factor.allowed}, bare or with its unit"
             )
             raise FactorError(f"{name}: {wrong}") from None
     numbers = all(is_finite(value) for value in found.flat)

@@ -205,12 +205,12 @@ class Material:
         Examples
         --------
         >>> import solver
-        >>> [one.name for one in solver.find("PZT-5H").variants()]
+        >>> [variant.name for variant in solver.find("PZT-5H").variants()]
         ['PZT-5H (alternative 1)']
         """
         found = []
-        for k, one in enumerate(self.alternatives, 1):
-            changed: dict[str, Any] = {**one.constants, "source": one.source, "alternatives": ()}
+        for k, alternative in enumerate(self.alternatives, 1):
+            changed: dict[str, Any] = {**alternative.constants, "source": alternative.source, "alternatives": ()}
             found.append(replace(self, **changed, name=f"{self.name} (alternative {k})"))
         return found
 

@@ -85,7 +85,7 @@ def _cost(logs: Array, t: Array, y: Array, share: Array | float = 1.0) -> tuple[
     """
     d, (n, p) = len(t), y.shape
     first, rho, noise = np.exp(logs[:d]), np.exp(logs[d:-1]), float(np.exp(logs[-1]))
-    parts = [sums(x, x, one) for x, one in zip(t, rho, strict=True)]
+    parts = [sums(x, x, rate) for x, rate in zip(t, rho, strict=True)]
     factors = [1 + size * some[0] for size, some in zip(first, parts, strict=True)]
     C = np.ones((n, n))
     for factor in factors:

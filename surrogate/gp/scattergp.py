@@ -150,8 +150,8 @@ class ScatterGP(GaussianProcess):
             return self.process_.state().assign_attrs(attrs)
         thetas = [regressor.kernel_.theta for regressor in self.process_.regressors]
         theta = np.zeros((len(thetas), max(map(len, thetas))))  # kernels have unequally many parameters
-        for row, one in zip(theta, thetas, strict=True):
-            row[: len(one)] = one
+        for row, own in zip(theta, thetas, strict=True):
+            row[: len(own)] = own
         weights = np.ones(len(self.points_)) if self.weights_ is None else self.weights_
         return xr.Dataset(
             {

@@ -47,7 +47,7 @@ def chebyshev_interpolation(
     """
     data = complete_factorial(training, inputs, outputs, chebyshev=True)
     named = named_points(points, data.inputs)
-    t = [one.to_unit(named.X[:, k]) for k, one in enumerate(data.inputs)]
+    t = [own.to_unit(named.X[:, k]) for k, own in enumerate(data.inputs)]
     answer = {}
     for name, values in data.outputs.items():
         found = _evaluate(coefficients(values), t)
@@ -64,7 +64,7 @@ def baseline(
         return chebyshev_interpolation(training, list(model.inputs_), points, outputs)
     axes = {axis.name: training[axis.name] for axis in grouping.axes}
     at = xr.DataArray(grouping.products.values(named.X), dims=("point", "axis"))
-    columns = {one.name: at.isel(axis=k) for k, one in enumerate(grouping.axes)}
+    columns = {axis.name: at.isel(axis=k) for k, axis in enumerate(grouping.axes)}
     found = chebyshev_interpolation(
         grouping.reduced(training, outputs).assign_coords(axes), grouping.axes, columns, outputs
     )

@@ -96,8 +96,8 @@ class FilmContact:
         held = np.zeros((len(x), 4), dtype=bool)
         held[np.isclose(np.abs(x), x.max())] = True
         held[np.isclose(y, y.min()), : 4 if self.base else 2] = True
-        for one in (1, *self.punch.conducted):
-            held[self._below, one] = True
+        for field in (1, *self.punch.conducted):
+            held[self._below, field] = True
         depths = np.cumsum([layer.thickness for layer in self.layers]) / self.half_length
         for depth, layer in zip(depths, self.layers, strict=True):
             for field in layer.grounded:
@@ -110,8 +110,8 @@ class FilmContact:
         x, below, conducted = self.body.places[:, 0], self._below, self.punch.conducted
         given = np.zeros((len(x), 4, 3 + len(conducted)))
         given[below, 1, :3] = x[below, None] ** np.arange(3)
-        for state, one in enumerate(conducted, start=3):
-            given[below, one, state] = 1.0
+        for state, field in enumerate(conducted, start=3):
+            given[below, field, state] = 1.0
         u, free, matrix = given.reshape(-1, given.shape[2]), ~self._held().ravel(), self.body.matrix()
         along = csr_array((np.full(len(below), -self.punch.friction), (4 * below, 4 * below + 1)), shape=matrix.shape)
         rows = ((eye_array(len(free)) + along) @ matrix)[free]  # the free rows of a held force: Coulomb's law

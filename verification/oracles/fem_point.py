@@ -54,10 +54,10 @@ class Revolved(Body):
         n = values.shape[1]
         total = np.zeros((n, 4, n, 4))
         scale = UNITS[:, None] * UNITS / STIFFNESS
-        for one, left in enumerate(parts):
-            for two, right in enumerate(parts):
-                if np.any(moduli[one, two]):
-                    total += (left.T @ (weight * right))[:, None, :, None] * (scale * moduli[one, two])[:, None, :]
+        for row, left in enumerate(parts):
+            for column, right in enumerate(parts):
+                if np.any(moduli[row, column]):
+                    total += (left.T @ (weight * right))[:, None, :, None] * (scale * moduli[row, column])[:, None, :]
         return total.reshape(4 * n, 4 * n)
 
 

@@ -101,7 +101,7 @@ def _sign(values: Array) -> int:
 
 
 def _replaced(grouping: Grouping, signs: Mapping[str, int]) -> Grouping:
-    scalings = {name: replace(one, logarithm=signs.get(name, 0)) for name, one in grouping.scalings.items()}
+    scalings = {name: replace(scaling, logarithm=signs.get(name, 0)) for name, scaling in grouping.scalings.items()}
     return replace(grouping, scalings=scalings)
 
 

@@ -67,7 +67,7 @@ def write_slab(study: Study, index: int, path: Path) -> None:
     cases = prod(levels.size for levels in axes.values())
 
     def part(region: Region) -> xr.Dataset:
-        own = {one: levels[some] for (one, levels), some in zip(axes.items(), region, strict=True)}
+        own = {axis: levels[some] for (axis, levels), some in zip(axes.items(), region, strict=True)}
         return factorial.exact(study, own, positions, curves=True, holes=mask.left)
 
     def blocks() -> Iterator[tuple[Region, Mapping[str, NDArray[Any]]]]:
@@ -100,7 +100,11 @@ def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision:
     """The slab without its values: coordinates, attributes, dimensions and types."""
     coords = {axis: xr.Variable(axis, levels, case[axis].attrs) for axis, levels in axes.items()}
     # along the first level of every axis, factors of groups stand there as arrays of one
-    kept = {name: one for name, one in case.coords.items() if axes.keys().isdisjoint(map(str, one.dims))}
+    kept = {
+        name: coordinate
+        for name, coordinate in case.coords.items()
+        if axes.keys().isdisjoint(map(str, coordinate.dims))
+    }
     frame = xr.Dataset(coords=kept).assign_coords(coords)
     empty = {}
     for name, array in case.data_vars.items():

@@ -66,9 +66,9 @@ def learn(
     lower, upper = model.interval_array(rows.points, NOMINAL)
     mean = nominal[rows.row, rows.output]
     _check_size(model, rows, mean)
-    for one in instruments:
-        if not one.measures(model, rows).any():
-            raise InputError(f"--instrument: {one.name}: no row holds a measured {one.quantity}")
+    for device in instruments:
+        if not device.measures(model, rows).any():
+            raise InputError(f"--instrument: {device.name}: no row holds a measured {device.quantity}")
     singles = uncertainty.own(study, constants)
     every, count = [*constants, *singles], len(constants) + len(singles)
     effects = Effects(study, model, every, say, [instrument.name for instrument in instruments])

@@ -50,7 +50,7 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     asked = [output(name, kinds) for name in names]
     own = model.only(asked) if study.kind.tabled else model  # of the many outputs that films have, only those
     inversion = Inversion(own, [input_.name for input_ in inputs], asked, readout.held)
-    found = [inversion.estimate(row, one) for row, one in zip(measured, _errors(readout, measured), strict=True)]
+    found = [inversion.estimate(row, errors) for row, errors in zip(measured, _errors(readout, measured), strict=True)]
     mean, low, high = (
         np.stack([getattr(posterior, key) for posterior in found], -1) for key in ("mean", "low", "high")
     )

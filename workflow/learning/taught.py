@@ -145,10 +145,10 @@ def _constants(found: Learnt, constants: list[Unknown]) -> list[dict[str, Any]]:
     rows = zip(constants, found.mean.tolist(), found.contraction.tolist(), strict=True)
     return [
         {
-            "name": name.name, "prior": name.prior, "mean": mean, "std": std, "change": name.change(mean),
+            "name": constant.name, "prior": constant.prior, "mean": mean, "std": std, "change": constant.change(mean),
             "posterior_over_prior": std,
         }
-        for name, mean, std in rows
+        for constant, mean, std in rows
     ]  # fmt: skip
 
 

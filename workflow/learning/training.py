@@ -117,7 +117,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     out = out.assign(evidence.rename(input="axis") if study.groups else evidence)
     out = out.assign_coords(units=("output", [cases[name].attrs["units"] for name in names]))
     table = described(out, "errors of the surrogate on exact cases", SOURCE, MEANINGS)
-    logs = [] if by is None else [name for name, one in by.scalings.items() if one.logarithm]
+    logs = [] if by is None else [name for name, scaling in by.scalings.items() if scaling.logarithm]
     told = {"logarithms": "; ".join(logs)} if logs else {}
     return table.assign_attrs(tolerance=study.validation.tolerance, **told, **refused)
 

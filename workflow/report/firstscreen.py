@@ -233,7 +233,9 @@ def _with_band(goal: Term) -> str:
 
 def _over(target: Target) -> str:
     """Over which conditions a goal counts, and how."""
-    spans = dict(target.worst_case) | {name: list(one.support) for name, one in target.uncertain.items()}
+    spans = dict(target.worst_case) | {
+        name: list(distribution.support) for name, distribution in target.uncertain.items()
+    }
     if not spans:
         return ""
     low_to_high = [

@@ -20,7 +20,7 @@ _MOST_NAMED = 3  # categories that a sentence names
 
 def reached(verdicts: Mapping[str, Verdict]) -> str:
     """Which targets are reachable: the first line of a page where some are not."""
-    missed = [title for title, one in verdicts.items() if one.kind == UNREACHABLE]
+    missed = [title for title, verdict in verdicts.items() if verdict.kind == UNREACHABLE]
     if not missed:
         return f"{'The target is' if len(verdicts) == 1 else f'All {len(verdicts)} targets are'} reachable."
     verb = "is" if len(missed) == 1 else "are"

@@ -134,9 +134,9 @@ def validation(folder: Path, study: Study) -> dict[str, Any]:
     worst = max(rows, key=lambda row: row["error"])
     along = data["axis" if "axis" in data.dims else "input"].values
     kinked = [
-        {"name": str(name), "along": [str(factor) for factor in along[one.values > 0]]}
-        for name, one in zip(data["output"].values, data["kinked"], strict=True)
-        if (one.values > 0).any()
+        {"name": str(name), "along": [str(factor) for factor in along[flags.values > 0]]}
+        for name, flags in zip(data["output"].values, data["kinked"], strict=True)
+        if (flags.values > 0).any()
     ]
     levels = [
         {
@@ -176,7 +176,9 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
         told = CHANGED[study.kind.contact]
         known = [name for name in told if name in data and factor in data[name].dims]  # not every punch has all
         own = {name: data[name].isel({factor: slice(len(values))}) for name in known}
-        spans = {name: (float(one.min()), float(one.max())) for name, one in own.items() if one.notnull().all()}
+        spans = {
+            name: (float(values.min()), float(values.max())) for name, values in own.items() if values.notnull().all()
+        }
         over = ", ".join(said) if named else f"{said[0]} to {said[-1]}"
         rows.append({"name": factor, "over": over, "spans": spans})
     return rows
@@ -211,7 +213,7 @@ def readout(name: str, path: Path) -> dict[str, Any]:
 def signal(folder: Path) -> dict[str, float]:
     """Numbers of a press in time."""
     data = read_whole(folder / "signal.nc")
-    found = {str(name): float(one) for name, one in data.data_vars.items() if not one.dims}
+    found = {str(name): float(value) for name, value in data.data_vars.items() if not value.dims}
     held = data["force"].values >= float(data["force"].max()) * (1 - 1e-9)
     return found | {"force": float(data["force"].max()), "output": float(data["output"].values[held][0])}
 

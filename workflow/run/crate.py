@@ -49,7 +49,9 @@ def crate(
     """
     run = f"#run-{name}"
     files = [_file(path, digest) for path, digest in results.items()]
-    tools = [_entity(f"#{tool}", "SoftwareApplication", name=tool, version=one) for tool, one in versions.items()]
+    tools = [
+        _entity(f"#{tool}", "SoftwareApplication", name=tool, version=version) for tool, version in versions.items()
+    ]
     root = _entity(
         "./",
         "Dataset",

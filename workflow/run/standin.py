@@ -47,7 +47,7 @@ def job(script: Path, file: str = "") -> Snakemake:
         rules = [rule for rule in workflow.rules if rule.script and Path(rule.script).name == script.name]
         rule = next((candidate for candidate in rules if candidate.is_producer(file)), None)
         if rule is None:
-            made = ", ".join(str(output) for rule_ in rules for output in rule_.output)
+            made = ", ".join(str(output) for named in rules for output in named.output)
             made = re.sub(r",[^{}]*}", "}", made)  # without what a wildcard may be
             raise WorkflowError(f"{script.name}: {file!r} is not one of {made}")
         found = Job(rule, DAG(workflow, rules=[rule]), rule.get_wildcards(file), targetfile=file)

@@ -68,7 +68,9 @@ def quantities(study: Contents) -> frozenset[str]:
     asked = {parted(name)[0] for name in study.of_interest if study.design} | set(study.surrogate.outputs)
     asked |= {name for readout in study.readout.values() for name in readout.measured}
     own = fields(study)
-    return frozenset(name for name, one in ALL_QUANTITIES.items() if name in asked or fields_of(one.units) <= own)
+    return frozenset(
+        name for name, quantity in ALL_QUANTITIES.items() if name in asked or fields_of(quantity.units) <= own
+    )
 
 
 def outputs(study: Contents) -> list[str]:

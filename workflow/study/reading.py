@@ -154,12 +154,14 @@ def read_material(path: Path) -> tuple[str, Material]:
     where = f"{path}: {content['name']}"
     content = _si(where, content, UNITS)
     if isinstance(limits := content.get("limits"), dict):
-        units = {name: {"value": one.units} for name, one in LIMITS.items()}
+        units = {name: {"value": limit.units} for name, limit in LIMITS.items()}
         content["limits"] = {
             name: _si(f"{where}: limits: {name}", entry, units.get(name, {})) for name, entry in limits.items()
         }
     if isinstance(others := content.get("alternatives"), list):
-        content["alternatives"] = [_si(f"{where}: alternatives: {k}", one, UNITS) for k, one in enumerate(others, 1)]
+        content["alternatives"] = [
+            _si(f"{where}: alternatives: {k}", other, UNITS) for k, other in enumerate(others, 1)
+        ]
     try:
         material = Material.from_mapping(content)
     except MaterialError as error:

@@ -113,10 +113,10 @@ def own(study: Study, constants: list[Constant]) -> list[Constant]:
     The prior standard deviation is the scatter of other published values about their family's mean, and 3 % at least.
     """
     named, found = {constant.name for constant in constants}, []
-    for one in constants:
-        material = find(one.material, study.own_materials)
-        for name in members(material, one.family):
-            single = Constant(one.material, name, _scatter(material, one.family))
+    for family in constants:
+        material = find(family.material, study.own_materials)
+        for name in members(material, family.family):
+            single = Constant(family.material, name, _scatter(material, family.family))
             found += [] if single.name in named else [single]
     return found
 

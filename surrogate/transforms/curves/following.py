@@ -29,12 +29,12 @@ def following(curves: Sequence[Curves], bases: Sequence[Basis], largest: Mapping
         dims = f"branch_{k}", f"measured_{k}"
         state[f"measure_linear_{k}"] = dims, measure.linear
         state[f"measure_root_{k}"] = (dims[0], f"row_{k}", dims[1]), measure.root
-    for k, (one, basis) in enumerate(zip(curves, bases, strict=True)):
-        state[f"curve_field_{k}"] = (f"field_{k}",), np.array(one.fields)
-        state[f"curve_size_{k}"] = (f"field_{k}",), np.array(one.sizes)
-        state[f"curve_across_{k}"] = (f"panel_across_{k}",), np.array(one.panels.across)
-        state[f"curve_down_{k}"] = (f"panel_down_{k}",), np.array(one.panels.down)
-        state[f"curve_dim_{k}"] = (), np.array(one.dim)
+    for k, (curve, basis) in enumerate(zip(curves, bases, strict=True)):
+        state[f"curve_field_{k}"] = (f"field_{k}",), np.array(curve.fields)
+        state[f"curve_size_{k}"] = (f"field_{k}",), np.array(curve.sizes)
+        state[f"curve_across_{k}"] = (f"panel_across_{k}",), np.array(curve.panels.across)
+        state[f"curve_down_{k}"] = (f"panel_down_{k}",), np.array(curve.panels.down)
+        state[f"curve_dim_{k}"] = (), np.array(curve.dim)
         state |= basis.state(k)
     return state
 

@@ -128,8 +128,8 @@ class CorrectedGP(Transformed):
         slopes = effect[..., 1:].transpose(1, 0, 2).copy()
         mean = effect[..., 0].T - slopes @ self.about_
         variance = np.zeros_like(mean)
-        for q, one in draw.discrepancies.items():
-            own, by_constants, variance[q] = one.at(t.T)
+        for q, discrepancy in draw.discrepancies.items():
+            own, by_constants, variance[q] = discrepancy.at(t.T)
             mean[q] += own
             slopes[q] -= by_constants
         return mean + slopes @ draw.mean, variance + np.einsum("pbk,kl,pbl->pb", slopes, draw.covariance, slopes)
@@ -152,8 +152,8 @@ class CorrectedGP(Transformed):
             slopes = effect[:, :, 1:].transpose(0, 1, 3, 2).copy()
             mean = effect[:, :, 0] - slopes @ self.about_
             variance = np.zeros_like(mean)
-            for q, one in draw.discrepancies.items():
-                own, by_constants, variance[:, q] = one.gradient(t.T)
+            for q, discrepancy in draw.discrepancies.items():
+                own, by_constants, variance[:, q] = discrepancy.gradient(t.T)
                 mean[:, q] += own
                 slopes[:, q] -= by_constants
             variance += np.einsum("ipbk,kl,ipbl->ipb", slopes, draw.covariance, slopes)
