@@ -54,14 +54,14 @@ class Plan:
     def lines(self) -> list[str]:
         """In words, a line each, and the table."""
         found = [
-            f"{len(self.rows)} further measurements leave {one['planned']:.2f} of the prior of {one['name']} "
-            f"({one['now']:.2f} now, {one['random']:.2f} after as many at random)"
-            for one in self.constants
+            f"{len(self.rows)} further measurements leave {constant['planned']:.2f} of the prior of {constant['name']} "
+            f"({constant['now']:.2f} now, {constant['random']:.2f} after as many at random)"
+            for constant in self.constants
         ]
-        for one in self.answers:
-            planned, now, random = (written(one[key], one["units"], 3) for key in ("planned", "now", "random"))
+        for answer in self.answers:
+            planned, now, random = (written(answer[key], answer["units"], 3) for key in ("planned", "now", "random"))
             found.append(
-                f"{len(self.rows)} further measurements leave +-{planned} of {one['name']} "
+                f"{len(self.rows)} further measurements leave +-{planned} of {answer['name']} "
                 f"(+-{now} now, +-{random} after as many at random)"
             )
         found.append(",".join([*[name for name in self.rows[0] if name != "output"], "measure"]))
@@ -169,20 +169,22 @@ def plan(
     chosen = planning.chosen(joints, noise, rows, count)
     random, even = np.random.default_rng(0), np.flatnonzero(where[:count_read] >= np.max(where[:count_read]) // 2)
     plans = [[], chosen, *(random.choice(even, count, replace=len(even) < count).tolist() for _ in range(_RANDOM))]
-    now, planned, *others = (planning.widths(joints, noise, one, rows) for one in plans)
-    sizes = zip(now.tolist(), planned.tolist(), np.median(others, axis=0).tolist(), strict=True)
-    told = [
-        {"name": name, **dict(zip(("now", "planned", "random"), one, strict=True))}
-        for name, one in zip(wanted, sizes, strict=True)
-    ]
-    for one in told:
-        if one["name"] not in known:
-            one["units"] = str(model.attrs_[one["name"]].get("units", "1"))
+    now, planned, *others = (planning.widths(joints, noise, taken, rows) for taken in plans)
+    sizes = np.stack([now, planned, np.median(others, axis=0)], -1).tolist()
+    told = {
+        name: dict(zip(("now", "planned", "random"), size, strict=True))
+        for name, size in zip(wanted, sizes, strict=True)
+    }
     readings = [
         dict(zip(model.box, points[where[k]].tolist(), strict=True)) | {"output": model.outputs_[output[k]]}
         for k in chosen
     ]
-    return Plan(readings, [one for one in told if one["name"] in known], [one for one in told if "units" in one])
+    units = {name: str(model.attrs_[name].get("units", "1")) for name in answers}
+    return Plan(
+        readings,
+        [{"name": name, **told[name]} for name in wanted if name in known],
+        [{"name": name, **told[name], "units": unit} for name, unit in units.items()],
+    )
 
 
 def _shown(
