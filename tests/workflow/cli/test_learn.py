@@ -248,5 +248,5 @@ def test_other_surrogates_and_constants_are_refused(project: Path, capsys: pytes
     save(model, project / "results/study/other.nc")
     assert main.main(["learn", str(project / "rows.csv"), "--on", str(project / "results/study/other.nc")]) == 2
     assert "was made from another state of the study" in capsys.readouterr().err
-    assert asked(project, "-o", str(project / "rows.csv")) == 2
+    assert asked(project, "-o", str(project / "results/study/surrogate.nc")) == 2
     assert "is an input of this command" in capsys.readouterr().err
