@@ -15,6 +15,7 @@ from solver.names import (
     BODY,
     CHOICES,
     CONTACTS,
+    DISC_QUANTITIES,
     ELECTRODE_QUANTITIES,
     ENDS,
     FIELDS,
@@ -159,7 +160,11 @@ POINT_FILM = Kind(
     "film under a point",
     "point",
     "absolute",
-    POINT_QUANTITIES | POINT_SLIDING | {"nominal_field": FILM_QUANTITIES["nominal_field"]} | ELECTRODE_QUANTITIES,
+    POINT_QUANTITIES
+    | POINT_SLIDING
+    | {"nominal_field": FILM_QUANTITIES["nominal_field"]}
+    | ELECTRODE_QUANTITIES
+    | DISC_QUANTITIES,
     FILM_PEAKS,
     (),
     layered=True,
