@@ -83,7 +83,9 @@ class OnHalfSpace(OnPoints):
         N, k, units = self._compliances
         conducts = np.broadcast_to(self.cases.conducts, (*self.shape, 2)).reshape(-1, 2)
         friction = Friction(self._friction[own], k[own]) if "friction" in self.cases.values else None
-        return Pressed(HalfSpace(N[own], shape), units[own], coefficient, *self._loads(own), conducts[own], friction=friction)
+        return Pressed(
+            HalfSpace(N[own], shape), units[own], coefficient, *self._loads(own), conducts[own], friction=friction
+        )
 
     @property
     def _lacks_c12(self) -> str | None:

@@ -69,10 +69,6 @@ class OnPoints:
         """What the surfaces do along themselves; None where a c12 is missing."""
         raise NotImplementedError
 
-    def _layers(self, places: Indices, pressed: Pressed) -> Inside | None:
-        """What adds to the stresses of the surface of the top's half-space; None: nothing."""
-        return None
-
     @np.errstate(all="ignore")
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and every case has; (...)."""
@@ -89,14 +85,7 @@ class OnPoints:
     @np.errstate(all="ignore")
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
         """Fields of ``solver.names.POINT_FIELDS`` at r/a that every case has, as those of a line; (..., position)."""
-
-        def fields(pressed: Pressed, places: Indices) -> dict[str, Array]:
-            stretch = self._stretch(places)
-            return surface_fields(
-                pressed, positions, stretch, None if stretch is None else self._layers(places, pressed)
-            )
-
-        found = self.put_together(fields)
+        found = self.put_together(lambda pressed, own: surface_fields(pressed, positions, self._stretch(own)))
         if np.any(self._friction):
             inside = np.abs(positions) < 1
             names = [name for name in SURFACE if self._lacks_c12 is None or SURFACE[name] not in POINT_NEED_C12]

@@ -95,9 +95,6 @@ class OnPointFilm(OnPoints):
             return None
         return Stretch.of(stack.media[0].halfplane)
 
-    def _layers(self, places: Indices, pressed: Pressed) -> Inside | None:
-        return self._inside(places, pressed)
-
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         self._refuse_electroded("fields")
         return Inside(_stack(pressed))

@@ -1,8 +1,8 @@
 """Fields along the surface of point contacts, on and beside the contact (points, 5).
 
 Tractions are t = strength / x + bounded, x = sqrt(1 - r^2/a^2), below the punch and nothing beside it. On a half-space
-the stretch of the surface is local, div u = -k . t, so that u_r = -(k/r) . int_0^r t s ds, in closed form. On a film the
-top's half-space does the same under the whole tractions, and what the layers below add is summed over wavenumbers.
+the stretch of the surface is local, div u = -k . t, so that u_r = -(k/r) . int_0^r t s ds, in closed form. On a film
+the top's half-space does the same under the whole tractions, and what the layers below add is summed over wavenumbers.
 """
 
 from collections.abc import Iterator
@@ -15,10 +15,9 @@ from solver.film.windows import Indices
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.surface import HalfPlane
 from solver.point.body import Film
-from solver.point.inside import Inside
 from solver.point.pressed import Contact, Pressed
 from solver.point.pressure import added_forms, added_means, finite, halfspace_form
-from solver.point.sliding import Rubbed
+from solver.point.surfacetable import added_stresses
 from solver.point.table import Window
 
 
@@ -132,9 +131,7 @@ class Along:
         return {"radial_stress": both + shear * (dilation - hoop), "hoop_stress": both + shear * hoop}
 
 
-def surface_fields(
-    pressed: Pressed, positions: Array, stretch: Stretch | None = None, inside: Inside | None = None
-) -> dict[str, Array]:
+def surface_fields(pressed: Pressed, positions: Array, stretch: Stretch | None = None) -> dict[str, Array]:
     """Fields of ``solver.names.POINT_FIELDS`` that every case has, SI; (case, position) each.
 
     Parameters
@@ -145,8 +142,6 @@ def surface_fields(
         r/a, of either sign, never +-1; (position,).
     stretch
         Of the surface of the top; None: no stresses.
-    inside
-        The layers, which add to these; None: a half-space.
 
     Raises
     ------
@@ -163,11 +158,8 @@ def surface_fields(
         del out["electric_displacement"]  # the electrode's, also beside the punch
     if stretch is None:
         return out
-    stresses = along.stresses(stretch)
-    if inside is not None:
-        added = inside.of_layers(Rubbed(along.contact).tractions, positions, ("stress_xx", "stress_zz"))
-        stresses = {name: own + added[:, number] for number, (name, own) in enumerate(stresses.items())}
-    return out | stresses
+    added = added_stresses(along.contact, positions)
+    return out | {name: own + added[:, number] for number, (name, own) in enumerate(along.stresses(stretch).items())}
 
 
 @dataclass(frozen=True, eq=False)
