@@ -52,7 +52,7 @@ def _series(kind: PointKind, number: int, positions: tuple[float, ...]) -> Array
         inside.of_layers(Tractions(np.full(4, ratio), density, np.zeros(4)), places, _STRESSES)
         for ratio, density in zip(np.exp(of.nodes).tolist(), _densities(of), strict=True)
     ]
-    return coefficients(np.moveaxis(found, 1, -1).reshape(len(found), -1))
+    return coefficients(np.moveaxis(np.stack(found), 1, -1).reshape(len(found), -1))
 
 
 def _densities(of: Window) -> list[Density]:
