@@ -191,7 +191,9 @@ class _Whole:
             both = f"{ALONG['long_name']}, {ACROSS['long_name']} of a point"
             self._filled["position"].attrs = ALONG | {"long_name": both}
         coords = {name: variable for name, variable in self._filled.items() if name in self._coords}
-        return xr.Dataset({name: one for name, one in self._filled.items() if name not in coords}, coords, self._attrs)
+        return xr.Dataset(
+            {name: variable for name, variable in self._filled.items() if name not in coords}, coords, self._attrs
+        )
 
     def _room(self, variable: xr.Variable) -> xr.Variable:
         """A variable as long as the table; names as objects, which one long name does not widen."""
@@ -214,11 +216,13 @@ def as_csv(answer: xr.Dataset, path: Path) -> None:
     """
     if further := [str(dim) for dim in answer.dims if dim != "case"]:
         raise InputError(f"{path}: fields over {', '.join(further)} go to netCDF; name a file that ends in .nc")
-    columns = {str(name): one for name, one in chain(answer.coords.items(), answer.data_vars.items())}
-    units = {name: one.attrs.get("units", "1") if one.dtype.kind == "f" else "1" for name, one in columns.items()}
+    columns = {str(name): column for name, column in chain(answer.coords.items(), answer.data_vars.items())}
+    units = {
+        name: column.attrs.get("units", "1") if column.dtype.kind == "f" else "1" for name, column in columns.items()
+    }
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(name if units[name] == "1" else f"{name} [{units[name]}]" for name in columns)
-    cells = [np.broadcast_to(one.values, answer.sizes["case"]).tolist() for one in columns.values()]
+    cells = [np.broadcast_to(column.values, answer.sizes["case"]).tolist() for column in columns.values()]
     rows.writerows([["" if cell != cell else cell for cell in row] for row in zip(*cells, strict=True)])
     write_text(path, text.getvalue())
