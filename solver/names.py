@@ -246,6 +246,10 @@ ENDS: dict[Contact, tuple[str, str]] = {
 #: Factors that a point contact has no use for: its depth and potentials are absolute, and it does not move.
 OF_A_LINE = ("datum", "speed", "corner", "moment")
 
+#: Attributes of the positions of surface fields, along lines and across points.
+ALONG = {"units": "1", "long_name": "surface position X = (x - c)/h"}
+ACROSS = {"units": "1", "long_name": "surface position r/a from the middle of the contact"}
+
 #: Surface fields over (case factors..., position).
 FIELDS: dict[str, Described] = {
     "contact_pressure": Described("Pa", "contact pressure p = -sigma_yy"),
