@@ -15,8 +15,7 @@ from scipy.special import j0, j1
 
 from solver.arrays import Array
 from solver.film.electrodes import Electrode, transfers
-from solver.film.reading import BARE, RECTANGLE, RING, STRIP, Collected, Reading, joined
-from solver.film.stack import StackError
+from solver.film.reading import RECTANGLE, RING, STRIP, Collected, Reading, joined
 from solver.film.windows import Indices
 from solver.point.bessel import even_orders
 from solver.point.body import Film
@@ -41,8 +40,7 @@ def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict
         An electrode that is not there, a patch that reaches farther than is resolved; discs that float below a punch
         that conducts on a bare surface.
     """
-    if reading.floating is not None and film.kind.conducts[0]:
-        raise StackError(BARE)
+    reading.refused(conducts=film.kind.conducts[0])
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, window in film.windows(contact.radius):
 
@@ -108,6 +106,7 @@ class _Read:
         """By name, SI; (case,) each."""
         whole = -np.einsum("j,cj->c", self.electrode.whole, self.loads * self.scale[1:]) / self.scale[2]
         out = {"electrode_charge_per_force": whole / self.force}
+        out["electrode_stroke_per_volt"] = np.full_like(self.force, self.electrode.stroke)
         if not self.electrode.on_top:
             pressure = self._integrated(1, lambda some: self.k / (2 * np.pi) * np.ones((some.size, 1)))
             out["electrode_pressure"] = -pressure / self.thickness**2 * self.scale[2] / self.scale[1]

@@ -44,6 +44,20 @@ def test_a_bare_film_between_electrodes_has_it_too(punch: dict[str, Any]) -> Non
     assert "voltage" not in found
 
 
+@pytest.mark.parametrize("punch", [BALL, ROLLER], ids=["ball", "roller"])
+def test_a_driven_electrode_moves_the_surface_and_changes_nothing_else(punch: dict[str, Any]) -> None:
+    """By e33/c33 a volt: what thickens between two planes that are held, free of stress across (on a rigid base)."""
+    film = {"material": "PZT-4", "thickness": 2e-4, "base": "rigid", "electrode": "top", "magnetic": "insulating"}
+    still = solver.solve(punch | film | {"collector": 1})
+    driven = solver.solve(punch | film | {"collector": 1, "electrode_voltage": [-300.0, 0.0, 300.0]})
+    moved = (driven["depth"] - still["depth"]).values
+    np.testing.assert_allclose(moved, np.array([-300.0, 0.0, 300.0]) * float(PZT.e33 / PZT.c33), rtol=1e-9, atol=1e-20)
+    assert float(still["electrode_stroke_per_volt"]) == pytest.approx(float(still["electrode_charge_per_force"]), 1e-12)
+    for name in still.data_vars:
+        if name != "depth":
+            np.testing.assert_allclose(driven[name], still[name] + 0 * driven["electrode_voltage"], rtol=1e-14)
+
+
 def test_electrodes_and_punch_have_no_charge_together() -> None:
     """The punch's charge, whatever it is, stands on the electrodes with the other sign."""
     body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4), Layer(COPPER, 2e-5), Layer(PZT, 1e-4)], SILICON)
@@ -211,6 +225,14 @@ REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
     "a ball that slides above a patch": (
         BALL | READ | {"friction": 0.1, "patch_size": 1e-3},
         "friction: 0.1 of a point contact above a patch that is read; must be 0",
+    ),
+    "a voltage below a bare punch": (
+        BALL | READ | {"collector": 1, "electric": "conducting", "electrode_voltage": 3.0},
+        "electrode_voltage: below a punch that conducts on a bare surface",
+    ),
+    "a voltage of none": (
+        BALL | {"electrode_voltage": 3.0, "material": "PZT-4", "thickness": 2e-4, "base": "rigid"},
+        "collector: missing; electrode_voltage needs it",
     ),
     "half an electrode": (BALL | READ | {"collector": 1.5}, r"collector: 1.5 is not a whole number >= 1 \[1\]"),
     "neighbours that touch": (
