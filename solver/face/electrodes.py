@@ -74,10 +74,6 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
         refuse(arrays, name, ~bare & ~kinds.isin(read), "without a film in insulated surroundings")
     if "collector" not in arrays:
         return
-    if "friction" in arrays and "patch_size" in arrays:  # what it adds has no charge in all, but moves that of patches
-        points = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "point"])
-        slides = arrays["friction"].drop_vars(arrays["friction"].coords) != 0
-        refuse(arrays, "friction", slides & points, "of a point contact above a patch that is read; must be 0")
     for name, least in (("collector", 1), ("floating_neighbours", 0)):
         if name in arrays:
             refuse(arrays, name, plain[name] != np.floor(plain[name]), f"is not a whole number >= {least} [1]")
