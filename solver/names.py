@@ -171,13 +171,28 @@ FACTORS: dict[str, Factor] = {
 #: The factor that says what each composite is made of; the laws are those of ``solver/material/laws.py``.
 COMPOSITES = {"fibrous": "volume_fraction", "laminate": "volume_fraction", "AlScN": "scandium_fraction"}
 
+#: How a composite that is no mixture is written by the share that its factor is, and the rest.
+FORMULAS = {"AlScN": "Al({rest})Sc({share})N"}
+
 #: Those that are made of the two phases.
 MIXTURES = tuple(name for name, factor in COMPOSITES.items() if factor == "volume_fraction")
+
+#: The factors of a profile, and the contact that it makes: a profile says which kind of contact a case is.
+PROFILES: dict[str, Outline] = {
+    "cylinder": Outline(("radius",)),
+    "flat": Outline(("width",), ("slope", "moment")),
+    "wedge": Outline(("slope",), ("corner",)),
+    "half_cylinder": Outline(("radius",), ("corner",)),
+    "sphere": Outline(("radius",), contact="point"),
+    "cone": Outline(("slope",), contact="point"),
+    "disc": Outline(("width",), contact="point"),
+    "power": Outline(("exponent", "coefficient"), contact="point"),
+}
 
 #: Factors that take one of a few names; the first is the default.
 CHOICES: dict[str, tuple[str, ...]] = {
     "composite": tuple(COMPOSITES),
-    "profile": ("cylinder", "flat", "wedge", "half_cylinder", "sphere", "cone", "disc", "power"),
+    "profile": tuple(PROFILES),
     "corner": ("leading", "trailing"),
     "electric": ("conducting", "insulating"),
     "magnetic": ("conducting", "insulating"),
@@ -218,18 +233,6 @@ OF_A_FILM = (
 
 #: The factor that gives a whole stack of layers (:class:`solver.Stack`), in place of a material and a film's factors.
 BODY = "body"
-
-#: The factors of a profile, and the contact that it makes: a profile says which kind of contact a case is.
-PROFILES: dict[str, Outline] = {
-    "cylinder": Outline(("radius",)),
-    "flat": Outline(("width",), ("slope", "moment")),
-    "wedge": Outline(("slope",), ("corner",)),
-    "half_cylinder": Outline(("radius",), ("corner",)),
-    "sphere": Outline(("radius",), contact="point"),
-    "cone": Outline(("slope",), contact="point"),
-    "disc": Outline(("width",), contact="point"),
-    "power": Outline(("exponent", "coefficient"), contact="point"),
-}
 
 #: What presses and charges the punch of each kind of contact.
 CONTACTS: dict[Contact, Loads] = {

@@ -85,14 +85,12 @@ class Cases:
         kind, corner = (self._one(name) for name in _OF_A_KIND)
         if isinstance(kind, Profile):
             return kind
-        if kind == "cylinder":
-            return Profile.cylinder(self.number("radius"))
-        if kind == "flat":
-            moment = self.number("moment") if "moment" in self.values else None
-            return Profile.flat(self.number("width"), self.number("slope"), moment)
-        if kind == "wedge":
-            return Profile.wedge(self.number("slope"), corner)
-        return Profile.half_cylinder(self.number("radius"), corner)
+        outline = PROFILES[kind]
+        given = {name: self.number(name) for name in outline.needs}
+        given |= {name: self.number(name) for name in outline.may if name in self.values and name in FACTORS}
+        named = {"corner": corner} if "corner" in outline.may else {}
+        made: Profile = getattr(Profile, kind)(**given, **named)
+        return made
 
     @property
     def outline(self) -> Outline:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, distinct_rows
 from solver.face.cases import Cases
 from solver.face.electrodes import electroded, reading_of
@@ -17,7 +18,7 @@ from solver.film.collected import electrode_quantities
 from solver.film.inside import inside
 from solver.film.quantities import curves, peaks, quantities
 from solver.film.similar import Films
-from solver.film.windows import Indices, Kind, critical
+from solver.film.windows import Kind, critical
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.material.constants import MaterialError

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.face.cases import Cases
 from solver.face.refusal import CaseError, FactorError
-from solver.film.windows import Indices
 from solver.halfplane.interior import LINEAR, principal_tension, von_mises
 from solver.halfplane.potentials import POTENTIALS
 from solver.halfplane.pressing import ContactError

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.film.windows import Indices
 from solver.names import CHOICES
 
 #: Places of the shapes of patches.

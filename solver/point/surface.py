@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.film.windows import Indices
 from solver.halfplane.pressing import ContactError
 from solver.point.body import Film, HalfSpace
 from solver.point.pressed import Contact, Pressed

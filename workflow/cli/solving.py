@@ -5,16 +5,14 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from tqdm import tqdm
 
+from approximation.arrays import Indices
 from solver import FactorError, MaterialError
 from solver.face.attributes import united
 from solver.names import CHOICES, FACTORS, OF_A_FILM, OF_A_PUNCH
 from workflow.cli.casetable import Table
 from workflow.study.reading import InputError
-
-Indices = NDArray[np.intp]
 
 _DEFAULTS: dict[str, float | str | None] = {name: factor.default for name, factor in FACTORS.items()}
 _DEFAULTS |= {name: choices[0] for name, choices in CHOICES.items() if name not in ("composite", "corner")}

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from approximation.arrays import Array
 from surrogate import GaussianProcess
 from surrogate.data.inputs import unit_coordinates
 from surrogate.data.measurements import Measurements
@@ -16,8 +16,6 @@ from surrogate.use import planning
 from workflow.learning.instruments import Instrument, shown
 from workflow.study import categories
 from workflow.study.reading import InputError
-
-Array = NDArray[np.float64]
 
 #: Readings that a plan is chosen from, and how many it may have.
 CANDIDATES, MOST = 400, 100

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver import solve
 from solver.names import FIELDS
 from storage.described import described
@@ -21,8 +21,6 @@ from workflow.dataset import factorial, similar
 from workflow.learning import training
 from workflow.study import representatives
 from workflow.study.model import Study
-
-Array = NDArray[np.float64]
 
 #: Fields that are learned, by their regular parts.
 NAMES = ("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx")
