@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray, stack
 from solver.body import Kind
+from solver.described import Described, Outline
 from solver.face.attributes import attributes, of_output
 from solver.face.filmfactors import kinds_of, present
 from solver.face.refusal import CaseError, FactorError
 from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import CHOICES, FACTORS, PROFILES, Described, Outline
+from solver.names import CHOICES, FACTORS, PROFILES
 
 _OF_A_KIND = ("profile", "corner")  # one of each at a time; what varies is solved part by part
 

@@ -13,6 +13,7 @@ from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import CaseError, FactorError
+from solver.fields import FIELDS, INTERIOR, NEED_C12, SINGULAR
 from solver.film.along import fields
 from solver.film.collected import electrode_quantities
 from solver.film.inside import inside
@@ -22,7 +23,7 @@ from solver.film.windows import Kind, critical
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.material.constants import MaterialError
-from solver.names import FIELDS, FILM_PEAKS, INTERIOR, NEED_C12, SINGULAR
+from solver.names import FILM_PEAKS
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,8 +13,9 @@ from solver.face.bodies import body_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.refusal import FactorError
+from solver.fields import EVERY_FIELD
 from solver.material.constants import Material
-from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FIELD
+from solver.names import ALL_PEAKS, ALL_QUANTITIES
 
 _ALONG = {"units": "1", "long_name": "surface position X = (x - c)/h"}
 _ACROSS = {"units": "1", "long_name": "surface position r/a from the middle of the contact"}

@@ -103,7 +103,7 @@ class Along:
 
 
 def surface_fields(pressed: Pressed, positions: Array) -> dict[str, Array]:
-    """Fields of ``solver.names.POINT_FIELDS`` that every case has, SI; (case, position) each.
+    """Fields of ``solver.fields.POINT_FIELDS`` that every case has, SI; (case, position) each.
 
     Parameters
     ----------

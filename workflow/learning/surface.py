@@ -12,7 +12,7 @@ import xarray as xr
 
 from approximation.arrays import Array
 from solver import solve
-from solver.names import FIELDS
+from solver.fields import FIELDS
 from storage.described import described
 from surrogate import GaussianProcess, GridGP, GroupedGP, Input
 from surrogate.data.meanings import MEANINGS, SOURCE

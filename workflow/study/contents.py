@@ -15,8 +15,9 @@ from pydantic import Field, PrivateAttr
 from solver import Material
 from solver.body import Kind, kind_of
 from solver.curves import FOLLOWS
+from solver.fields import FIELDS
 from solver.material.punches import RIGID_PUNCH
-from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, FIELDS
+from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
 from workflow.language import titles
 from workflow.language.constants import BORNE, DEVICE, Meeting
 from workflow.language.factors import FACTORS

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from solver.body import HALF_SPACE
-from solver.names import POINT_FIELDS, POINT_QUANTITIES, POINT_SLIDING
+from solver.fields import POINT_FIELDS
+from solver.names import POINT_QUANTITIES, POINT_SLIDING
 from workflow.dataset import effects, factorial, similar
 from workflow.language.constants import DEVICE, FIGURES_BY
 from workflow.report.figures import field_panels

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from approximation.arrays import Array
-from solver.names import FIELDS, POINT_FIELDS
+from solver.fields import FIELDS, POINT_FIELDS
 from workflow.design.search.contact_fields import SURFACE
 from workflow.design.verdict.answer import Answer
 from workflow.language import titles

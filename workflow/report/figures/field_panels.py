@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from approximation.arrays import Array
-from solver.names import POINT_FIELDS
+from solver.fields import POINT_FIELDS
 from workflow.dataset.effects import HALF_PLANE
 from workflow.language import numbers, titles
 from workflow.report.figures.contours import below
