@@ -17,6 +17,7 @@ from solver.names import (
     BODY,
     CHOICES,
     CONTACTS,
+    DISC_QUANTITIES,
     ELECTRODE_QUANTITIES,
     ENDS,
     FILM_PEAKS,
@@ -156,7 +157,11 @@ POINT_FILM = Kind(
     "film under a point",
     "point",
     "absolute",
-    POINT_QUANTITIES | POINT_SLIDING | {"nominal_field": FILM_QUANTITIES["nominal_field"]} | ELECTRODE_QUANTITIES,
+    POINT_QUANTITIES
+    | POINT_SLIDING
+    | {"nominal_field": FILM_QUANTITIES["nominal_field"]}
+    | ELECTRODE_QUANTITIES
+    | DISC_QUANTITIES,
     FILM_PEAKS,
     (),
     layered=True,
