@@ -60,7 +60,9 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
     for name in given:
         if (needed := _NEEDS.get(name)) and needed not in arrays:
             allowed = (
-                FACTORS[needed].allowed if needed in FACTORS else next(one for one, own in _OWN.items() if own == name)
+                FACTORS[needed].allowed
+                if needed in FACTORS
+                else next(choice for choice, own in _OWN.items() if own == name)
             )
             raise FactorError(f"{needed}: missing; {name} needs it; must be {allowed}")
     kinds, plain = kinds_of(arrays), {name: arrays[name].drop_vars(arrays[name].coords) for name in given}

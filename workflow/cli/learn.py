@@ -86,7 +86,7 @@ def learn(options: argparse.Namespace) -> None:
     instruments = _instruments(options.instrument, study)
     if options.plan is None and any((options.wanted, options.errors, options.within)):
         raise InputError("--for, --errors and --within say what --plan N is to do; --plan is not given")
-    known = [one.name for one in asked] + [instrument.name for instrument in instruments]
+    known = [constant.name for constant in asked] + [instrument.name for instrument in instruments]
     wanted, errors, box = _names(options.wanted), _errors(options.errors), _box(options.within)
     if options.plan is not None:
         plan.check(model, options.plan, wanted, known, errors, box)
@@ -111,7 +111,7 @@ def _uncertain(words: list[str] | None) -> dict[str, float | None] | None:
     if words is None:
         return None
     found: dict[str, float | None] = {}
-    for part in (one for word in words for one in word.split(",")):
+    for part in (pair for word in words for pair in word.split(",")):
         name, equals, text = part.partition("=")
         name = " ".join(name.split())
         if name in found:
@@ -138,13 +138,13 @@ def _instruments(words: list[str] | None, study: "Study") -> "list[Instrument]":
     from workflow.learning.instruments import Instrument
 
     found: list[Instrument] = []
-    for part in (one.strip() for word in words or [] for one in word.split(",")):
+    for part in (pair.strip() for word in words or [] for pair in word.split(",")):
         name, _, text = (each.strip() for each in part.partition("="))
         quantity, _, family = name.rpartition("_")
         if family not in ("gain", "offset") or quantity not in study.outputs:
             known = ", ".join(study.outputs)
             raise InputError(f"--instrument: {name!r} is not QUANTITY_gain or QUANTITY_offset of one of {known}")
-        if name in [one.name for one in found]:
+        if name in [instrument.name for instrument in found]:
             raise InputError(f"--instrument: {name}: given twice")
         if family == "gain":
             found.append(Instrument(quantity, True, _share(name, text, "--instrument")))
@@ -192,7 +192,7 @@ def _box(words: list[str] | None) -> dict[str, tuple[float, float]]:
 
 def _pairs(option: str, words: list[str] | None) -> list[tuple[str, str]]:
     pairs = []
-    for part in (one for word in words or [] for one in word.split(",")):
+    for part in (pair for word in words or [] for pair in word.split(",")):
         name, equals, text = (each.strip() for each in part.partition("="))
         if not equals or not text:
             raise InputError(f"{option}: {part.strip()!r} is not of the form NAME=VALUE")

@@ -50,9 +50,9 @@ class Plan:
     def lines(self) -> list[str]:
         """In words, a line each, and the table."""
         found = [
-            f"{len(self.rows)} further measurements leave {one['planned']:.2f} of the prior of {one['name']} "
-            f"({one['now']:.2f} now, {one['random']:.2f} after as many at random)"
-            for one in self.wanted
+            f"{len(self.rows)} further measurements leave {constant['planned']:.2f} of the prior of {constant['name']} "
+            f"({constant['now']:.2f} now, {constant['random']:.2f} after as many at random)"
+            for constant in self.wanted
         ]
         found.append(",".join([*[name for name in self.rows[0] if name != "output"], "measure"]))
         for row in self.rows:
@@ -135,7 +135,7 @@ def plan(
     chosen = planning.chosen(joints, noise, places, count)
     random = np.random.default_rng(0)
     others = [random.choice(len(noise), count, replace=False).tolist() for _ in range(_RANDOM)]
-    now, planned = (planning.widths(joints, noise, one, len(names)) for one in ([], chosen))
+    now, planned = (planning.widths(joints, noise, rows, len(names)) for rows in ([], chosen))
     beside = np.median([planning.widths(joints, noise, other, len(names)) for other in others], axis=0)
     rows = []
     for k in chosen:
@@ -143,7 +143,7 @@ def plan(
         rows.append(row | {"output": model.outputs_[output[k]]})
     told = zip(wanted, now[places].tolist(), planned[places].tolist(), beside[places].tolist(), strict=True)
     keys = ("name", "now", "planned", "random")
-    return Plan(rows, [dict(zip(keys, one, strict=True)) for one in told])
+    return Plan(rows, [dict(zip(keys, row, strict=True)) for row in told])
 
 
 def _outputs(model: CorrectedGP, errors: Mapping[str, tuple[float, float]]) -> dict[int, tuple[float, float]]:
