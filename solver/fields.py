@@ -2,6 +2,10 @@
 
 from solver.described import Described, on_datum
 
+#: Attributes of the positions of surface fields, along lines and across points.
+ALONG = {"units": "1", "long_name": "surface position X = (x - c)/h"}
+ACROSS = {"units": "1", "long_name": "surface position r/a from the middle of the contact"}
+
 #: Surface fields over (case factors..., position).
 FIELDS: dict[str, Described] = {
     "contact_pressure": Described("Pa", "contact pressure p = -sigma_yy"),

@@ -21,6 +21,7 @@ from solver.point.inside import Inside
 from solver.point.pressed import Friction, Pressed
 from solver.point.response import contact_coupling
 from solver.point.rim import Rim
+from solver.point.surface import Stretch
 from solver.point.table import PointKind
 
 
@@ -88,6 +89,12 @@ class OnPointFilm(OnPoints):
     def _rim(self, places: Indices) -> Rim | None:
         stack = next(_stack(part) for own, part in self._parts if own is places)
         return None if self._lacks_c12 is not None or stack.electroded else Rim.of(stack.media[0].halfplane)
+
+    def _stretch(self, places: Indices) -> Stretch | None:
+        stack = next(_stack(one) for own, one in self._parts if own is places)
+        if self._lacks_c12 is not None or stack.electroded or stack.top.graded:
+            return None
+        return Stretch.of(stack.media[0].halfplane)
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         self._refuse_electroded("fields")
