@@ -16,11 +16,11 @@ from functools import cached_property
 import numpy as np
 from scipy.special import j0, j1
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.film.electrodes import Electrode, transfers
 from solver.film.reading import RECTANGLE, RING, STRIP, Collected, Reading, joined
 from solver.film.stack import StackError
-from solver.film.windows import Indices
 from solver.point import hankel
 from solver.point.bessel import even_orders
 from solver.point.body import Film
