@@ -38,7 +38,7 @@ def run(sizes: Sizes) -> Findings:
         check("Sneddon, cone and disc", "radius and depth; depth and pressure", 1e-13, sneddon),
         check("Huber, inside", "stresses on the axis below a sphere (Johnson 1985, 3.4)", 1e-11, huber),
         check("Hamilton, sliding sphere", "tension behind the trailing edge (1983)", 1e-12, hamilton),
-        *(check(f"50 digits: {punch['profile']}", "every quantity of a charged half-space", 1e-12, precise, punch, *power)
+        *(check(f"50 digits: {punch['profile']}", "quantities of a charged half-space", 1e-12, precise, punch, *power)
           for punch, *power in _PROFILES),
         check("Film of its base's own material, points", "every quantity of a half-space", 1e-11, own_base),
         check("Hayes, Keer, Herrmann and Mockros", "stiffness of a disc on a bonded layer", 4e-6, hayes),
