@@ -155,7 +155,7 @@ def thin() -> float:
     errors = []
     for found, wide in ((of_force, stiff["contact_radius"].values), (of_charge, charged["contact_radius"].values)):
         errors.append(abs((found[1] * wide[1] - found[0] * wide[0]) / (wide[1] - wide[0]) - 1))
-    return max(errors)
+    return float(max(errors))
 
 
 def alike() -> float:

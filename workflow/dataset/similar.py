@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from approximation.arrays import Array, Indices
 from approximation.sobol import sobol_points
 from solver import solve
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers
@@ -18,7 +18,6 @@ from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.representatives import middles
 
-Array = NDArray[np.float64]
 _GAIN = 0.5  # of the predicted error, from which on a logarithm is worth it
 _LEAST = 1e-8  # what a process leaves of values, over their range, however fast their coefficients fall
 _PLACES = 512  # of the box at which errors are weighed
@@ -129,9 +128,7 @@ def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> di
     return found
 
 
-def _within(
-    grouping: Grouping, learned: xr.Dataset, names: Sequence[str]
-) -> tuple[Array, tuple[NDArray[np.intp], ...]]:
+def _within(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> tuple[Array, tuple[Indices, ...]]:
     """At places of the box: scales of outputs (output, place), and the next level of every axis."""
     unit = 2 * sobol_points(_PLACES, len(grouping.inputs)).T - 1
     points = np.stack([one.from_unit(t) for one, t in zip(grouping.inputs, unit, strict=True)], -1)
