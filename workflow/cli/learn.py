@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from storage.files import output, regular
-from workflow.cli.words import quantity, say, surrogate_file, written_as
+from workflow.cli.words import pairs, quantity, say, surrogate_file, written_as
 from workflow.study.reading import InputError, number, one_line
 
 if TYPE_CHECKING:
@@ -41,11 +41,12 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
         help="'voltage_gain=3%%', 'depth_offset=0.1um': what readings may be off by, all alike; one standard deviation",
     )
     command.add_argument(
-        "--plan", type=int, metavar="N", help="say which N further measurements tell most of the constants"
+        "--plan", type=int, metavar="N", help="say which N further measurements tell most of constants or answers"
     )
     command.add_argument(
-        "--for", dest="wanted", action="append", metavar="NAME,...", help="constants that --plan is for"
+        "--for", dest="wanted", action="append", metavar="NAME,...", help="constants and quantities that --plan is for"
     )
+    command.add_argument("--at", metavar="FACTOR=VALUE,...", help="where a quantity that --for names is wanted")
     command.add_argument(
         "--errors", action="append", metavar="QUANTITY=1%,...", help="what --plan may measure, and its error"
     )
@@ -84,16 +85,17 @@ def learn(options: argparse.Namespace) -> None:
     rows = read_measured(options.measured, study, model)
     asked = uncertainty.uncertain(study, _uncertain(options.uncertain))
     instruments = _instruments(options.instrument, study)
-    if options.plan is None and any((options.wanted, options.errors, options.within)):
-        raise InputError("--for, --errors and --within say what --plan N is to do; --plan is not given")
+    if options.plan is None and any((options.wanted, options.at, options.errors, options.within)):
+        raise InputError("--for, --at, --errors and --within say what --plan N is to do; --plan is not given")
     known = [constant.name for constant in asked] + [instrument.name for instrument in instruments]
     wanted, errors, box = _names(options.wanted), _errors(options.errors), _box(options.within)
+    at = pairs(options.at, {name: axis.units for name, axis in model.box.items()}) if options.at else {}
     if options.plan is not None:
-        plan.check(model, options.plan, wanted, known, errors, box)
+        plan.check(model, options.plan, wanted, known, errors, box, at)
     try:
         corrected, taught = measured.learn(study, model, rows, asked, say, instruments)
         further = (
-            plan.plan(corrected, options.plan, wanted or known, errors, box, instruments)
+            plan.plan(corrected, options.plan, wanted or known, errors, box, at, instruments)
             if options.plan is not None
             else None
         )

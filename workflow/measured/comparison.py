@@ -34,6 +34,7 @@ def _row(label: str, row: Measurement) -> Row:
     verdict = judged(row, model, rivals)
     return {
         "name": label,
+        "short": row.short or label.replace("_", " "),
         **row.model_dump(include={"of", "value", "error", "error_is", "unit", "note", "source", "read", "decides"}),
         "model": _values(row, row.model, model, verdict.deviations),
         "rivals": _values(row, row.rivals, rivals, verdict.rivals),

@@ -16,7 +16,7 @@ from solver import Material
 from solver.body import Kind, kind_of
 from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
-from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, FIELDS
+from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
 from workflow.language import titles
 from workflow.language.constants import BORNE, DEVICE, Meeting
 from workflow.language.factors import FACTORS
@@ -129,10 +129,11 @@ class Contents(Strict):
     def stores_fields(self) -> bool:
         """Whether the data set holds surface fields, and the page draws them.
 
-        A cross approximation has no factorial to show them over, contacts with air beside them have none, and those of
-        points are left to the solver.
+        A cross approximation has no factorial to show them over, contacts with air beside them are without, and those
+        of points that slide take the solver milliseconds a case, to which they are left.
         """
-        return not self.crossed and self.kind.fields == FIELDS
+        slides = self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
+        return not self.crossed and not self.kind.air and not slides
 
     @property
     def meeting(self) -> Meeting:

@@ -202,10 +202,8 @@ def check_fields(study: Contents) -> None:
     for where, given in drawn.items():
         if AIR in np.atleast_1d(given.get("surroundings", "")):
             raise ValueError(f"{where}: surroundings: {AIR!r} has no fields, which effects draw; must be insulated")
-    if effects and study.kind.contact == "point":
-        for name in ("film", "interior"):
-            if getattr(effects, name):
-                raise ValueError(f"effects: {name}: is not drawn of a point; a film stands in the baseline")
+    if effects and effects.film and study.kind.contact == "point":
+        raise ValueError("effects: film: is not drawn of a point; a film stands in the baseline")
     without = f"cases with surroundings: {AIR!r} have none" if study.kind.air else "point contacts have none"
     if study.surrogate.fields and (study.kind.air or study.kind.contact == "point"):
         raise ValueError(f"surrogate: fields: {without}; must be 0")

@@ -27,7 +27,7 @@ def figure(rows: Sequence[dict[str, Any]]) -> Figure:
     ax.xaxis.set_major_locator(FixedLocator(_TICKS))
     ax.xaxis.set_minor_locator(NullLocator())
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
-    ax.set_yticks(range(len(rows)), [row["name"].replace("_", " ") for row in rows])
+    ax.set_yticks(range(len(rows)), [row["short"] for row in rows])
     ax.set_ylim(len(rows) - 0.4, -0.6)
     ax.set_xlabel("value over the measured one")
     return made
