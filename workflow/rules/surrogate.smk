@@ -61,7 +61,7 @@ rule further:
         "results/{study}/asked/{round}_{slab}.nc",
     priority: 2
     params:
-        study=sections(*PHYSICS, "dataset"),
+        study=sections(BOX, "dataset.slabs"),
         code=provenance.code("workflow/scripts/further.py"),
     log:
         "logs/{study}/further/{round}_{slab}.log",

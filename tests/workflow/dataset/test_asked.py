@@ -15,7 +15,6 @@ from workflow.learning import training
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
-ENDS = ("lower", "upper")
 STUDY = """\
 title: A half-plane that asks
 fixed: {composite: fibrous, charge: 0.0, radius: 0.05}
@@ -69,14 +68,10 @@ def test_a_design_is_surer_by_cases_near_it(study: Study, known: tuple[xr.Datase
     after = fitted(study, known, *further)
     # exact cases on which the design rests, of which none was asked for
     cases = factorial.exact(study, {name: xr.DataArray(f[::10], dims="case") for name, f in design.factors.items()})
-    points = {name: cases[name] for name in study.factors}
-    errors, widths = (
-        np.array([[measured(model, name) for name in study.outputs] for model in (before, after)])
-        for measured in (
-            lambda model, name: float(np.sqrt(((model.predict(points)[name] - cases[name]) ** 2).mean())),
-            lambda model, name: float(np.ptp([model.interval(points)[f"{name}_{end}"] for end in ENDS], axis=0).mean()),
-        )
-    )
+    exact = np.stack([cases[name].values for name in study.outputs], axis=-1)
+    X = np.stack([cases[name].values for name in study.factors], axis=-1)
+    errors = [np.sqrt(((model.predict_array(X) - exact) ** 2).mean(axis=0)) for model in (before, after)]
+    widths = [np.ptp(model.interval_array(X), axis=0).mean(axis=0) for model in (before, after)]
     assert (errors[1] < 0.7 * errors[0]).all()
     assert (widths[1] < widths[0]).all()
 
@@ -134,4 +129,3 @@ def test_bad_budgets_are_refused_in_one_line(tmp_path: Path, old: str, new: str,
         load(path)
     assert "\n" not in str(caught.value)
     assert expected in str(caught.value)
-
