@@ -128,7 +128,7 @@ class _Assembled:
         of, system, grid = self.of, self.of.system, self.of.grid
         starts, count = system.starts(self.basis), 2 * grid.count
         direct = [self._direct(number) for number in range(self.half_lengths.size)]
-        gradients = np.stack([one[0] for one in direct])
+        gradients = np.stack([part[0] for part in direct])
         for place, f in enumerate(self._fields):
             part = slice(place * count, (place + 1) * count)
             own = slice(starts[f], starts[f] + self.basis.terms + 1)

@@ -20,10 +20,11 @@ MOST_LEARNED = 20_000_000
 _MOST_CURVES, _MOST_POINTS, _MOST_GRID = 200, 200_000, 250_000
 #: Groups of checks in verification/, in the order of the page.
 CHECK_GROUPS = (
-    "limits", "balance", "integral_equations", "finite_elements", "films", "film_elements", "film_air", "digits",
+    "limits", "balance", "integral_equations", "finite_elements", "films", "film_elements", "film_air", "points",
+    "digits",
 )  # fmt: skip
 #: Those with convergence curves.
-CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements", "film_air")
+CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements", "film_air", "points")
 
 
 class Axis(Strict):
@@ -59,7 +60,7 @@ class Group(Strict):
 
 
 class Positions(Strict):
-    """Surface positions of the stored fields, X = (x - c)/h."""
+    """Surface positions of the stored fields, X = (x - c)/h, or r/a of points."""
 
     inside: int = Field(40, ge=1, le=10_000, description="Chebyshev-Gauss positions under the punch, |X| < 1")
     outside: int = Field(24, ge=0, le=10_000, description="positions beside it, dense near the edges; even")
@@ -86,7 +87,12 @@ class DataSet(Strict):
         None, ge=1, le=4096, description="files, and jobs, that the factorial is split into; null: one a core"
     )
     precision: Literal["float32", "float64"] = Field("float64", description="stored precision of the surface fields")
-    budget: int = Field(500_000, ge=1, le=MOST_CASES, description="most cases where the pipeline chooses the levels")
+    budget: int = Field(
+        500_000,
+        ge=1,
+        le=MOST_CASES,
+        description="most cases where the pipeline chooses the levels, or a cross approximation the places",
+    )
     peaks: bool | list[QuantityName] = Field(
         False, description="also the largest stresses of the body, all or those that are named: milliseconds a case"
     )
@@ -95,14 +101,27 @@ class DataSet(Strict):
 class Surrogate(Strict):
     """The Gaussian process on the factorial."""
 
-    method: Literal["factorial", "cross"] = Field(
+    method: Literal["factorial", "cross", "auto"] = Field(
         "factorial",
-        description="cases: all of the factorial; or of films those places in it that a cross approximation asks for",
+        description="cases: all of the factorial, or those places in it that a cross approximation asks for; auto: the "
+        "latter where the factorial has more cases than dataset: budget",
     )
     kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
     outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
     level: Number | None = Field(
         None, gt=0, le=0.999, description="share of the cases that intervals hold where none is said; null: 0.95"
+    )
+    budget: int | None = Field(
+        None,
+        ge=20,
+        le=100_000,
+        description="further exact cases, asked for where designs are, or else where intervals are widest; null: none",
+    )
+    until: Number | None = Field(
+        None,
+        gt=0,
+        description="of that budget no more cases once 95 % intervals at all designs are within this share of the "
+        "goal's value and of the limits; null: all of them",
     )
     curves: bool = Field(
         True, description="learn largest stresses by the curves that they follow from, which have no kinks as they have"
@@ -112,6 +131,12 @@ class Surrogate(Strict):
         description="over groups, quantities whose logarithm is learned; null: those whose coefficients fall faster so",
     )
     fields: int = Field(0, ge=0, le=200, description="angles at which the fields under a cylinder are learned; 0: none")
+
+    @model_validator(mode="after")
+    def _asked(self) -> Self:
+        if self.until is not None and self.budget is None:
+            raise ValueError("until: needs a budget of cases that may be asked for")
+        return self
 
 
 class Validation(Strict):

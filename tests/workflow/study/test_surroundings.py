@@ -149,7 +149,11 @@ def test_a_ball_in_air_has_groups_and_figures_of_its_own(tmp_path: Path) -> None
         study(BALL.replace("  radius / thickness: {levels: 2}\n", ""), tmp_path)
 
 
-BOX = {"radius": {"low": 0.02, "high": 0.05}, "thickness": {"low": 1e-4, "high": 2e-4}, "load": {"low": 1e4, "high": 2e4}}
+BOX = {
+    "radius": {"low": 0.02, "high": 0.05},
+    "thickness": {"low": 1e-4, "high": 2e-4},
+    "load": {"low": 1e4, "high": 2e4},
+}
 DEVICE = {"electrode_length": "10 mm", "amplifier": {"input_capacitance": "10 pF", "charge_noise": "1 fC"}}
 
 

@@ -11,6 +11,7 @@ from solver.names import ALL_QUANTITIES
 from surrogate import GaussianProcess
 from surrogate.search.optimise import Optimum, Problem
 from surrogate.search.pareto import Front
+from workflow.dataset.asked import Place
 from workflow.design.asking import budget, program
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.question import Question, ask
@@ -89,6 +90,24 @@ def answer(
     )
 
 
+def doubted(study: Study, name: str, model: GaussianProcess) -> Place:
+    """The best design of a target on the surrogate: its cases, and how far its goal and limits may be off."""
+    found = _found(study, name, study.design[name], model, lambda words: None)
+    best = max(found, key=lambda candidate: _rank(candidate.best))
+    told = assessment.predict(best.design, best.question.searched)
+    sizes = [
+        term.scale if term.limited else best.size(value)
+        for term, value in zip(best.question.terms, told.values.tolist(), strict=True)
+    ]
+    factors = best.design.factors(best.question.judged[False])
+    columns = np.broadcast_arrays(*(factors[factor] for factor in study.factors))
+    return Place(
+        name,
+        float(np.max(told.reaches / np.array(sizes))),
+        {factor: np.ravel(column) for factor, column in zip(study.factors, columns, strict=True)},
+    )
+
+
 def _refusal(best: Candidate) -> str:
     """Why the solver refuses the design in some corner; empty where it answers all.
 
@@ -158,9 +177,9 @@ def _search(asked: list[Candidate], tell: Callable[[str], None]) -> list[Candida
     fronts = [own for own in traced if own is not None]
     scales = front.normalisation(fronts) if fronts else None
     found = []
-    for number, (one, own) in enumerate(zip(asked, traced, strict=True), 1):
+    for number, (question, own) in enumerate(zip(asked, traced, strict=True), 1):
         tell(f"searching, choice {number} of {len(asked)}" if len(asked) > 1 else "searching")
-        found.append(_climbed(replace(one, front=own, normalisation=scales)))
+        found.append(_climbed(replace(question, front=own, normalisation=scales)))
     return found
 
 
