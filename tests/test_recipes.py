@@ -121,7 +121,7 @@ RECIPES: dict[str, Steps] = {
             "": "Gaps.\n",
         },
         "workflow/report/sections.py": {
-            '                    Figure("intervals"': 'Figure("gaps", _VALIDATION, "gaps.figure", "gaps", _factorial),\n',
+            '                    Figure("intervals"': 'Figure("gaps", _VALIDATION, "gaps.figure", "gaps", _slabs),\n',
         },
     },
 }
