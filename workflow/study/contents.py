@@ -394,6 +394,9 @@ class Contents(Strict):
                 content.pop(name, None)
         if self.surrogate.method == "factorial" and "surrogate" in content:  # the same
             content["surrogate"].pop("method")
+        for name in ("budget", "until"):  # nor these
+            if content.get("surrogate", {}).get(name, 0) is None:
+                content["surrogate"].pop(name)
         text = json.dumps(content, sort_keys=True)
         if {"phases", BOX} & set(sections):
             text += json.dumps(self._plain_materials(), sort_keys=True)

@@ -172,7 +172,7 @@ def rerun(before: Study, after: Study) -> set[str]:
     return changed
 
 
-SOLVED = {"slab", "batch", "cases", "calibration"}
+SOLVED = {"slab", "batch", "cases", "calibration", "further"}
 LEARNED = {"surrogate", "validation", "levels"}
 TARGETS = {"target sensor", "target actuator", "figure_design sensor", "figure_design actuator"}
 PAGE = {"report", "solved"}
