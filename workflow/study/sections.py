@@ -20,10 +20,11 @@ MOST_LEARNED = 20_000_000
 _MOST_CURVES, _MOST_POINTS, _MOST_GRID = 200, 200_000, 250_000
 #: Groups of checks in verification/, in the order of the page.
 CHECK_GROUPS = (
-    "limits", "balance", "integral_equations", "finite_elements", "films", "film_elements", "film_air", "digits",
+    "limits", "balance", "integral_equations", "finite_elements", "films", "film_elements", "film_air", "points",
+    "digits",
 )  # fmt: skip
 #: Those with convergence curves.
-CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements", "film_air")
+CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements", "film_air", "points")
 
 
 class Axis(Strict):
