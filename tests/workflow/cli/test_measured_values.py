@@ -37,7 +37,16 @@ def told(capsys: pytest.CaptureFixture[str], text: str) -> list[float]:
 
 
 @pytest.mark.parametrize(
-    "text", ["-519+-1%", "-519 V +- 1 %", "-0.519kV+-1%", "-0.519 kV+-5.19V", "-519+-5.19", "-519e3mV+-5190 mV"]
+    "text",
+    [
+        "-519+-1%",
+        "-519 V +- 1 %",
+        "-0.519kV+-1%",
+        "-0.519 kV+-5.19V",
+        "-519+-5.19",
+        "-519e3mV+-5190 mV",
+        "-0.519+-0.00519 kV",
+    ],
 )
 def test_one_measurement_in_all_its_forms(text: str, capsys: pytest.CaptureFixture[str]) -> None:
     mean, low, high = told(capsys, text)

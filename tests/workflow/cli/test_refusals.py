@@ -29,7 +29,7 @@ def test_cores_are_a_number_from_one_on_or_all(given: str, capsys: pytest.Captur
 def test_netcdf_is_not_written_under_the_name_of_another_format(
     command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    out = tmp_path / "x.csv"
+    out = tmp_path / "x.xlsx"
     with pytest.raises(SystemExit) as ended:
         main.main([*command, str(ROOT / "examples/cases.csv"), "-o", str(out)])
     assert ended.value.code == 2
@@ -46,7 +46,7 @@ def test_the_help_of_query_shows_single_percent_signs(capsys: pytest.CaptureFixt
 def test_a_composite_is_no_misspelt_material(capsys: pytest.CaptureFixture[str]) -> None:
     assert main.main(["material", "AlScN"]) == 2
     told = capsys.readouterr().err
-    assert "is a composite" in told
+    assert "is a composition, not one material: a case says composite=AlScN and scandium_fraction" in told
     assert "scandium_fraction" in told
     assert "did you mean" not in told
 

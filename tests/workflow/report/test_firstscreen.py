@@ -159,7 +159,7 @@ def test_the_first_limit_to_break_is_that_of_the_least_margin(ran: Project) -> N
 def test_a_source_that_was_not_read_is_unverified(ran: Project) -> None:
     found = netcdf.read(ran.folder / "results/small/design/sensor.nc")
     goal, first, other = found.terms
-    for source, mark in (("a table, recalled", " (unverified: not read at its source)"), ("a table, read", "")):
+    for source, mark in (("a table, recalled", " (unverified: not read at its source)"), ("a table, read in 2026", "")):
         own = replace(first, bound="tensile strength of PZT", source=source)
         assert verdict(replace(found, terms=(goal, own, other))).sources == f"Tensile strength of PZT: {source}{mark}."
 
