@@ -20,6 +20,7 @@ from solver.point.inside import Inside
 from solver.point.pressed import Friction, Pressed
 from solver.point.response import contact_coupling
 from solver.point.rim import Rim
+from solver.point.surface import Stretch
 from solver.point.table import PointKind
 
 
@@ -85,8 +86,14 @@ class OnPointFilm(OnPoints):
         return self._bodies.lacks_c12
 
     def _rim(self, places: Indices) -> Rim | None:
-        stack = next(_stack(one) for own, one in self._parts if own is places)
+        stack = next(_stack(part) for own, part in self._parts if own is places)
         return None if self._lacks_c12 is not None or stack.electroded else Rim.of(stack.media[0].halfplane)
+
+    def _stretch(self, places: Indices) -> Stretch | None:
+        stack = next(_stack(one) for own, one in self._parts if own is places)
+        if self._lacks_c12 is not None or stack.electroded or stack.top.graded:
+            return None
+        return Stretch.of(stack.media[0].halfplane)
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         self._refuse_electroded("fields")

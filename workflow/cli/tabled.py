@@ -11,14 +11,23 @@ import xarray as xr
 
 from solver import Material, solve, solve_interior
 from solver.body import kind_of
-from solver.names import ALL_QUANTITIES, CHOICES, ELECTRODE_QUANTITIES, OF_AN_ELECTRODE, POINT_SLIDING, STRIP_QUANTITIES
+from solver.names import (
+    ALL_QUANTITIES,
+    CHOICES,
+    DISC_QUANTITIES,
+    ELECTRODE_QUANTITIES,
+    OF_AN_ELECTRODE,
+    POINT_SLIDING,
+    STRIP_QUANTITIES,
+)
 from storage.files import output
-from workflow.cli import answerfile
+from storage.netcdf import write_whole
 from workflow.cli.casetable import Table, read_cases
-from workflow.cli.solving import solved
+from workflow.cli.solving import as_csv, solved
 from workflow.cli.words import numbers, say, written_as
-from workflow.study.reading import InputError, read_material
+from workflow.study.reading import read_material
 
+_NAMED = 8  # quantities that a message names
 Commands: TypeAlias = "argparse._SubParsersAction[Any]"
 
 
@@ -55,8 +64,6 @@ def _add_cases(command: argparse.ArgumentParser, **endings: str) -> None:
 
 def _solve(options: argparse.Namespace) -> None:
     positions = None if options.positions is None else numbers("--positions", options.positions)
-    if positions and options.output.suffix == ".csv":
-        raise InputError("--positions: a CSV has one number a case and quantity; fields need -o OUT.nc")
     points = len(positions or [0.0])
     table, out = _solved(
         options, lambda factors, own: solve(factors, positions, materials=own, peaks=options.peaks), points
@@ -64,17 +71,23 @@ def _solve(options: argparse.Namespace) -> None:
     names = [str(name) for name in out.coords]
     around = out["surroundings"].values.flat if "surroundings" in names else [CHOICES["surroundings"][0]]
     pressed = out["profile"].values.flat if "profile" in names else [CHOICES["profile"][0]]
-    kinds = [kind_of(names, *one) for one in product(dict.fromkeys(pressed), dict.fromkeys(around))]
+    kinds = [kind_of(names, *pair) for pair in product(dict.fromkeys(pressed), dict.fromkeys(around))]
     asked = list(dict.fromkeys(name for kind in kinds for name in kind.quantities))
     missing = [name for name in asked if name not in out and name not in _unasked(table)]
     if missing:
-        print(f"left out, as some case has no such quantity: {', '.join(missing)}", file=sys.stderr)
-    _wrote(options, table, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
+        print(f"left out, as no case has such a quantity: {', '.join(missing)}", file=sys.stderr)
+    partial = [name for name in asked if name in out and bool(out[name].isnull().any())]
+    if partial:
+        more = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""
+        print(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{more}", file=sys.stderr)
+    _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
 
 
 def _unasked(table: Table) -> set[str]:
     """Quantities that nobody misses: of electrodes and of sliding points, where no case has such a factor."""
-    electrodes = () if {*OF_AN_ELECTRODE} & {*table.columns} else (*ELECTRODE_QUANTITIES, *STRIP_QUANTITIES)
+    electrodes = (
+        () if {*OF_AN_ELECTRODE} & {*table.columns} else (*ELECTRODE_QUANTITIES, *STRIP_QUANTITIES, *DISC_QUANTITIES)
+    )
     return {*electrodes, *(() if "friction" in table.columns else POINT_SLIDING)}
 
 
@@ -82,10 +95,8 @@ def _interior(options: argparse.Namespace) -> None:
     x, y = numbers("--x", options.x), numbers("--y", options.y)
     fields = [name.strip() for name in options.fields.split(",")] if options.fields else None
     points = len(x) * len(y)
-    table, out = _solved(
-        options, lambda factors, own: solve_interior(factors, x, y, fields=fields, materials=own), points
-    )
-    _wrote(options, table, out, f"{len(out.data_vars)} fields on {len(x)} x {len(y)} points")
+    _, out = _solved(options, lambda factors, own: solve_interior(factors, x, y, fields=fields, materials=own), points)
+    _wrote(options, out, f"{len(out.data_vars)} fields on {len(x)} x {len(y)} points")
 
 
 def _solved(
@@ -98,6 +109,6 @@ def _solved(
     return table, solved(table, lambda factors: answer(factors, own), points)
 
 
-def _wrote(options: argparse.Namespace, table: Table, out: xr.Dataset, what: str) -> None:
-    answerfile.write(options.output, table, out)
+def _wrote(options: argparse.Namespace, out: xr.Dataset, what: str) -> None:
+    (as_csv if options.output.suffix == ".csv" else write_whole)(out, options.output)
     say(f"wrote {options.output}: {out.sizes['case']} cases, {what}")

@@ -59,7 +59,7 @@ class Group(Strict):
 
 
 class Positions(Strict):
-    """Surface positions of the stored fields, X = (x - c)/h."""
+    """Surface positions of the stored fields, X = (x - c)/h, or r/a of points."""
 
     inside: int = Field(40, ge=1, le=10_000, description="Chebyshev-Gauss positions under the punch, |X| < 1")
     outside: int = Field(24, ge=0, le=10_000, description="positions beside it, dense near the edges; even")

@@ -9,7 +9,7 @@ import pytest
 from snakemake.cli import parse_config
 
 from workflow.cli import main
-from workflow.design.told import table
+from workflow.language.cells import plain
 from workflow.language.spelling import nearest
 from workflow.run.provenance import ROOT
 from workflow.study import layered, location
@@ -91,7 +91,7 @@ def test_a_folder_in_which_no_netcdf_file_can_be_is_refused(
 
 
 def test_no_cell_of_the_designs_is_a_formula() -> None:
-    assert [table.plain(one) for one in ("=1+1", "+x", "-x", "@x", "a,b", -1.0)] == [
+    assert [plain(one) for one in ("=1+1", "+x", "-x", "@x", "a,b", -1.0)] == [
         "'=1+1",
         "'+x",
         "'-x",

@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 import solver
-from workflow.cli import answerfile
 from workflow.cli.main import main
+from workflow.cli.solving import as_csv
 
 BALLS = """\
 material,profile,radius [mm],force,thickness,base
@@ -37,15 +38,6 @@ def test_a_csv_has_the_columns_of_the_cases_and_a_number_a_case(
             np.testing.assert_allclose(frame[column][row], alone[name].item(), rtol=1e-12)  # rounding, in a batch
 
 
-def test_fields_are_no_columns(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    cases = tmp_path / "cases.csv"
-    cases.write_text(BALLS, encoding="utf-8")
-    assert main(["solve", str(cases), "-o", str(tmp_path / "out.csv"), "--positions=0"]) == 2
-    assert "--positions: a CSV has one number a case" in capsys.readouterr().err
-    assert sorted(tmp_path.iterdir()) == [cases]
-
-
 def test_a_name_that_a_spreadsheet_would_calculate_stays_a_name(tmp_path: Path) -> None:
-    table = answerfile.Table("cases.csv", {"material": np.array(["=1+1"], dtype=object)}, np.array([2]))
-    answerfile.write(tmp_path / "out.csv", table, solver.solve({"material": ["steel"], "radius": 0.1, "load": 1e4}))
-    assert (tmp_path / "out.csv").read_text(encoding="utf-8").splitlines()[1].startswith("'=1+1")
+    as_csv(xr.Dataset(coords={"material": ("case", np.array(["=1+1"], dtype=object))}), tmp_path / "out.csv")
+    assert (tmp_path / "out.csv").read_text(encoding="utf-8") == "material\n'=1+1\n"

@@ -88,11 +88,11 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     one = firstscreen.answered(study, "sensor", target, found, exact.contact(study, found), {})
     assert one.reachable
     assert one.title == "Largest voltage per load"
-    assert one.stops == "Tension behind the contact of 50 MPa stops it."
+    assert said(one.stops) == "Tension behind the contact of 50 MPa stops it."
     assert re.fullmatch(
         r"1 % off in .*, tension behind the contact is the first to break: [\d.]+ % beyond\.", said(one.breaks)
     )
-    assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane; R = .*", one.build)
+    assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane; R = .*", said(one.build))
     band = re.fullmatch(
         r"Voltage per load \(ground 1 m away\) ([\d.]+) mV·m/N ± ([\d.]+) %, at worst over friction 0\.1 to 0\.4",
         said(one.does),
