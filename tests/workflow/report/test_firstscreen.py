@@ -112,7 +112,7 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     ]
     other = replace(found, terms=(goal, *found.terms[1:]), variables=tuple(variables))
     changed = firstscreen.answered(study, "sensor", target, other, exact.contact(study, other), {})
-    assert changed.build.endswith("; R = 50 mm")
+    assert said(changed.build).endswith("; R = 50 mm")
     number = [float(re.findall(r"[\d.]+", text.does)[1]) for text in (one, changed)]
     assert number[1] == pytest.approx(2 * number[0], rel=0.01)
     assert changed.why != one.why
