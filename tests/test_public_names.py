@@ -27,4 +27,6 @@ def test_a_module_of_another_under_a_room_s_name_is_named(tmp_path: Path) -> Non
     (tmp_path / "solver.py").write_text("", encoding="utf-8")
     told = run([sys.executable, "-c", "import meecontact"], check=False, cwd=tmp_path, capture_output=True, text=True)
     last = told.stderr.splitlines()[-1]
-    assert last.startswith(f"ImportError: meecontact: the module 'solver' that Python finds is {tmp_path / 'solver.py'}")
+    assert last.startswith(
+        f"ImportError: meecontact: the module 'solver' that Python finds is {tmp_path / 'solver.py'}"
+    )

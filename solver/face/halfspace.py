@@ -5,12 +5,12 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, column, distinct_rows
 from solver.face.materials import material_of
 from solver.face.point import OnPoints
 from solver.face.punches import punch_of
 from solver.film.powerlaw import material_from
-from solver.film.windows import Indices
 from solver.halfplane.precision import warn_of_rounding
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS

@@ -5,15 +5,15 @@ from typing import Any
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.face.cases import Cases
 from solver.face.refusal import CaseError, FactorError
-from solver.film.windows import Indices
+from solver.fields import INTERIOR, POINT_NEED_C12, POINT_SINGULAR
 from solver.halfplane.interior import LINEAR, principal_tension, von_mises
 from solver.halfplane.potentials import POTENTIALS
 from solver.halfplane.pressing import ContactError
 from solver.material.constants import MaterialError
-from solver.names import INTERIOR, POINT_NEED_C12, POINT_SINGULAR
 from solver.point.inside import Inside
 from solver.point.peaks import peaks
 from solver.point.pressed import Pressed
@@ -84,7 +84,7 @@ class OnPoints:
 
     @np.errstate(all="ignore")
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """Fields of ``solver.names.POINT_FIELDS`` at r/a that every case has, as those of a line; (..., position)."""
+        """Fields of ``solver.fields.POINT_FIELDS`` at r/a that every case has, as those of a line; (..., position)."""
         found = self.put_together(lambda pressed, own: surface_fields(pressed, positions, self._stretch(own)))
         if np.any(self._friction):
             inside = np.abs(positions) < 1

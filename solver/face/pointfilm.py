@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, distinct_rows
 from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
@@ -13,7 +14,7 @@ from solver.face.punches import punch_of
 from solver.face.refusal import FactorError
 from solver.film.electroded import surface
 from solver.film.stack import Stack
-from solver.film.windows import Indices, Kind
+from solver.film.windows import Kind
 from solver.point.body import Film
 from solver.point.electrodes import electrode_quantities
 from solver.point.inside import Inside
@@ -128,5 +129,5 @@ def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Arr
     if isinstance(body, Film) and "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)
     if isinstance(body, Film) and pressed.reading is not None:
-        out |= electrode_quantities(pressed.charged, body, pressed.reading)
+        out = pressed.reading.driven(out | electrode_quantities(pressed.charged, body, pressed.reading))
     return out

@@ -13,8 +13,9 @@ from solver.face.bodies import body_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.refusal import FactorError
+from solver.fields import ACROSS, ALONG, EVERY_FIELD
 from solver.material.constants import Material
-from solver.names import ACROSS, ALL_PEAKS, ALL_QUANTITIES, ALONG, EVERY_FIELD
+from solver.names import ALL_PEAKS, ALL_QUANTITIES
 
 
 def solve(

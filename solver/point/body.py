@@ -7,9 +7,10 @@ from typing import Protocol, Self
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
 from solver.film.table import LEAST, MOST, RangeError, told
-from solver.film.windows import FIRST, LAST, Indices, number_of
+from solver.film.windows import FIRST, LAST, number_of
 from solver.halfplane.pressing import ContactError
 from solver.point.contact import State
 from solver.point.halfspace import Stiffness, halfspace

@@ -10,11 +10,11 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.film.kernel import strip, wavenumbers
 from solver.film.reflection import LayerWaves, sideways, waves
 from solver.film.stack import Layer, Stack, StackError
-from solver.film.windows import Indices
 from solver.film.within import TURN, below, layer_waves, modal
 from solver.material.constants import Material
 from solver.point import hankel

@@ -10,11 +10,11 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from approximation.arrays import Indices
 from approximation.chebyshev import coefficients
 from solver.arrays import Array
 from solver.film.electroded import difference, surface
 from solver.film.kernel import strip, wavenumbers
-from solver.film.windows import Indices
 from solver.point import hankel
 from solver.point.density import Density
 from solver.point.inside import Inside, Tractions

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.film.windows import Indices
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.surface import HalfPlane
 from solver.point.body import Film
@@ -132,7 +132,7 @@ class Along:
 
 
 def surface_fields(pressed: Pressed, positions: Array, stretch: Stretch | None = None) -> dict[str, Array]:
-    """Fields of ``solver.names.POINT_FIELDS`` that every case has, SI; (case, position) each.
+    """Fields of ``solver.fields.POINT_FIELDS`` that every case has, SI; (case, position) each.
 
     Parameters
     ----------

@@ -15,25 +15,16 @@ import xarray as xr
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from approximation.arrays import Indices
 from solver import FactorError, MaterialError
 from solver.face.attributes import of_output, united
 from solver.face.filmfactors import present
-from solver.names import (
-    ACROSS,
-    ALL_QUANTITIES,
-    ALONG,
-    CHOICES,
-    EVERY_INTERIOR,
-    FACTORS,
-    OF_A_FILM,
-    OF_A_PUNCH,
-)
+from solver.fields import ACROSS, ALONG, EVERY_INTERIOR
+from solver.names import ALL_QUANTITIES, CHOICES, FACTORS, OF_A_FILM, OF_A_PUNCH
 from storage.files import write_text
 from workflow.cli.casetable import Table
 from workflow.language.cells import plain
 from workflow.study.reading import InputError
-
-Indices = NDArray[np.intp]
 
 _DEFAULTS: dict[str, float | str | None] = {name: factor.default for name, factor in FACTORS.items()}
 _DEFAULTS |= {name: choices[0] for name, choices in CHOICES.items() if name not in ("composite", "corner")}

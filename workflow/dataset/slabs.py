@@ -22,7 +22,7 @@ from xarray.core import indexing
 
 from solver import FactorError
 from solver.curves import REGIONS
-from solver.names import ACROSS, ALONG, EVERY_FIELD, FIELDS
+from solver.fields import ACROSS, ALONG, EVERY_FIELD, FIELDS
 from storage.blocks import Region, write_blocks
 from storage.netcdf import MAX_BYTES, read_whole
 from storage.sealed import check_seal

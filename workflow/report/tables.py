@@ -7,7 +7,9 @@ from typing import Any
 
 import xarray as xr
 
-from solver.names import ALL_QUANTITIES, EVERY_FIELD, Contact
+from solver.described import Contact
+from solver.fields import EVERY_FIELD
+from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from surrogate.use.validation import ideal
 from workflow.dataset import factorial

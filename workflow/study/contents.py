@@ -180,11 +180,15 @@ class Contents(Strict):
     def crossed(self) -> list[str]:
         """The axes in which a cross approximation asks for places; none where the whole factorial is solved.
 
-        Those of the most levels come first, where ranks are small.
+        Of films those that need tables of their own, else all. Those of the most levels come first, where ranks are
+        small.
         """
-        if self.surrogate.method == "factorial":
+        method, axes = self.surrogate.method, self.axes
+        if method == "factorial" or (method == "auto" and self.cases <= self.dataset.budget):
             return []
-        return sorted(self.tabled, key=lambda name: -(self.factors[name].levels or 0))
+        return sorted(
+            [name for name in self.tabled if name in axes] or axes, key=lambda name: -(axes[name].levels or 0)
+        )
 
     @property
     def costly(self) -> frozenset[str]:
@@ -206,7 +210,7 @@ class Contents(Strict):
     @property
     def block(self) -> int:
         """Number of cases at a place of the crossed axes."""
-        return self.cases // prod(self.factors[name].levels or 1 for name in self.crossed)
+        return self.cases // prod(self.axes[name].levels or 1 for name in self.crossed)
 
     @property
     def combinations(self) -> list[Kinds]:

@@ -10,9 +10,9 @@ from scipy.special import j0, j1
 
 import solver
 from solver.arrays import Array
+from solver.fields import POINT_FIELDS
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
-from solver.names import POINT_FIELDS
 from solver.point.pressure import halfspace_form
 from solver.point.profile import Shape
 from tests.solver.point.points import BTO, FIBROUS

@@ -12,7 +12,8 @@ import xarray as xr
 import solver
 import surrogate
 from solver import solve
-from solver.names import FIELDS, INTERIOR, QUANTITIES
+from solver.fields import FIELDS, INTERIOR
+from solver.names import QUANTITIES
 from storage.netcdf import read_whole
 from tests.workflow.conftest import SMALL, Project
 from workflow.cli import main

@@ -8,7 +8,8 @@ import pytest
 
 import solver
 from solver.body import HALF_SPACE
-from solver.names import POINT_FIELDS, POINT_QUANTITIES, POINT_SLIDING
+from solver.fields import POINT_FIELDS
+from solver.names import POINT_QUANTITIES, POINT_SLIDING
 from storage.netcdf import read_whole, write_whole
 from workflow.dataset import datacard, effects, factorial, quantities, similar
 from workflow.dataset import slabs as dataset

@@ -9,11 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
-from solver.names import POINT_FIELDS
+from approximation.arrays import Array
+from solver.fields import POINT_FIELDS
 from workflow.dataset.effects import HALF_PLANE
 from workflow.language import numbers, titles
 from workflow.report.figures.contours import below
-from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, Array, field_label, styled
+from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, field_label, styled
 from workflow.report.svg import INK
 from workflow.study import coupling
 
