@@ -33,7 +33,7 @@ from workflow.study.reading import InputError
 from workflow.study.target import Target
 
 _BARE = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
-_SHARED = re.compile(r"[\d.]+(?:[eE][-+]?\d+)?\s*(?P<unit>[^\d\s%-].*)")  # an error's unit
+_SHARED = re.compile(r"[\d.]++(?:[eE][-+]?\d+)?+\s*(?P<unit>[^\d\s%-].*)")  # an error's unit
 _IMPOSSIBLE = 25.0  # five standard deviations
 _UNTOLD = 0.8  # share of its range over which a factor's interval tells nothing: a measurement of nothing leaves 0.95
 
