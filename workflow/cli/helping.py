@@ -22,7 +22,7 @@ EXAMPLES = {
     "learn": "learn examples/measured.csv --on results/film/surrogate.nc",
     "signal": "signal examples/press.csv -o signal.csv \\\n"
     '  --on "profile=sphere,radius=2.5 mm,punch=steel,material=PVDF,thickness=110 um,base=glass" \\\n'
-    '  --device "feedback_capacitance=10 pF,feedback_resistance=1 TOhm"',
+    '  --device "input_capacitance=10 pF,feedback_capacitance=10 pF,feedback_resistance=1 TOhm"',
     "calculator": "calculator -o contact.html",
     "serve": "serve results/quickstart --port 4242",
 }
