@@ -14,6 +14,7 @@ from solver.halfplane.interior import LINEAR, principal_tension, von_mises
 from solver.halfplane.potentials import POTENTIALS
 from solver.halfplane.pressing import ContactError
 from solver.material.constants import MaterialError
+from solver.point.gradedinside import GradedInside
 from solver.point.inside import Inside
 from solver.point.peaks import peaks
 from solver.point.pressed import Pressed
@@ -94,8 +95,12 @@ class OnPoints:
                 values = slid[SURFACE[name]][..., 0, :]
                 found[name] = values if SURFACE[name] in POINT_NEED_C12 else np.where(inside, values, 0.0)
             found["contact_pressure"] = 0.0 - found["contact_pressure"]
+        return self.with_regular(found, positions) if regular else found
+
+    def with_regular(self, found: dict[str, Array], positions: Array) -> dict[str, Array]:
+        """Fields, and those that are singular at the edge times its root; (..., position) each."""
         root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
-        return found | {f"{name}_regular": found[name] * root for name in POINT_SINGULAR if regular and name in found}
+        return found | {f"{name}_regular": found[name] * root for name in POINT_SINGULAR if name in found}
 
     @np.errstate(all="ignore")
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
@@ -129,7 +134,7 @@ class OnPoints:
         """Cases of one body each, lengths apart."""
         return self._parts
 
-    def _inside(self, places: Indices, pressed: Pressed) -> Inside:
+    def _inside(self, places: Indices, pressed: Pressed) -> Inside | GradedInside:
         """The body of cases of one body."""
         raise NotImplementedError
 
