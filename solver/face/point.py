@@ -115,7 +115,7 @@ class OnPoints:
 
         def found(pressed: Pressed, places: Indices) -> dict[str, Array]:
             tractions = Rubbed(pressed.charged).tractions
-            whole = self._inside(places, pressed).fields(tractions, x, y, linear)
+            whole = self._within(places, pressed).fields(tractions, x, y, linear)
             values = {name: whole[:, number] for number, name in enumerate(linear)}
             for name in POTENTIALS.keys() & values.keys():
                 values[name] = values[name] * pressed.length[:, None, None]
@@ -134,7 +134,11 @@ class OnPoints:
         """Cases of one body each, lengths apart."""
         return self._parts
 
-    def _inside(self, places: Indices, pressed: Pressed) -> Inside | GradedInside:
+    def _within(self, places: Indices, pressed: Pressed) -> Inside | GradedInside:
+        """What fields are asked of: the body, or what stands for one that is graded."""
+        return self._inside(places, pressed)
+
+    def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         """The body of cases of one body."""
         raise NotImplementedError
 

@@ -97,10 +97,13 @@ class OnPointFilm(OnPoints):
             return None
         return Stretch.of(stack.media[0].halfplane)
 
-    def _inside(self, places: Indices, pressed: Pressed) -> Inside | GradedInside:
-        self._refuse_electroded("fields")
+    def _within(self, places: Indices, pressed: Pressed) -> Inside | GradedInside:
         stack = _stack(pressed)
-        return GradedInside(stack) if stack.top.graded else Inside(stack)
+        return GradedInside(stack) if stack.top.graded else self._inside(places, pressed)
+
+    def _inside(self, places: Indices, pressed: Pressed) -> Inside:
+        self._refuse_electroded("fields")
+        return Inside(_stack(pressed))
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of a half-space, and of the base; none where a film is graded."""
