@@ -15,6 +15,7 @@ from solver.names import (
     BODY,
     CHOICES,
     CONTACTS,
+    DISC_QUANTITIES,
     ELECTRODE_QUANTITIES,
     ENDS,
     FIELDS,
@@ -131,7 +132,7 @@ FILM = Kind(
     method="; on films, integral equations with the closed form as their singular part",
 )
 
-_OF_A_LINE = {name: one for name, one in QUANTITIES.items() if "_edge_intensity_" not in name}
+_OF_A_LINE = {name: quantity for name, quantity in QUANTITIES.items() if "_edge_intensity_" not in name}
 _IN_AIR = "; with air beside the contact, Newton's iteration on charges beside it"
 HALF_PLANE_IN_AIR = Kind(
     "half-plane with air beside the contact",
@@ -157,7 +158,11 @@ POINT_FILM = Kind(
     "film under a point",
     "point",
     "absolute",
-    POINT_QUANTITIES | POINT_SLIDING | {"nominal_field": FILM_QUANTITIES["nominal_field"]} | ELECTRODE_QUANTITIES,
+    POINT_QUANTITIES
+    | POINT_SLIDING
+    | {"nominal_field": FILM_QUANTITIES["nominal_field"]}
+    | ELECTRODE_QUANTITIES
+    | DISC_QUANTITIES,
     FILM_PEAKS,
     (),
     layered=True,
@@ -166,7 +171,7 @@ POINT_FILM = Kind(
     method="; on films under a point, Galerkin's equations in Legendre functions beside the closed form",
 )
 
-_OF_A_POINT = {name: one for name, one in POINT_QUANTITIES.items() if "_edge_intensity" not in name}
+_OF_A_POINT = {name: quantity for name, quantity in POINT_QUANTITIES.items() if "_edge_intensity" not in name}
 HALF_SPACE_IN_AIR = replace(
     HALF_SPACE,
     name="half-space with air beside the contact",

@@ -142,7 +142,7 @@ FACTORS: dict[str, Factor] = {
     "patch_position": Factor("m", "of the patch's middle from that of the contact", 0.0),
     "patch_pitch": Factor("m", "distance of the middles of neighbouring patches", None, 0.0, low_allowed=False),
     "floating_neighbours": Factor(
-        "1", "number of strips that float on each side of that which is read, bare gaps between", None, 0.0, high=20.0
+        "1", "strips or discs that float on each side of that which is read, bare gaps between", None, 0.0, high=20.0
     ),
     "base_modulus": Factor("Pa", "Young's modulus of a film's base", None, 0.0, low_allowed=False, optional=True),
     "base_poisson": Factor(
@@ -384,6 +384,12 @@ STRIP_QUANTITIES: dict[str, Described] = {
     "patch_voltage_per_load": Described("V m N-1", "voltage per load of a strip that floats as its neighbours do"),
 }
 
+#: Those of discs of it that float, below points alone.
+DISC_QUANTITIES: dict[str, Described] = {
+    "disc_capacitance": Described("F", "of a disc beside discs that float, to all that is at zero volts"),
+    "disc_voltage_per_force": Described("V N-1", "voltage per force of a disc that floats as its neighbours do"),
+}
+
 #: Quantities that a contact has where a gap beside it carries charge, in place of edge intensities.
 GAP_QUANTITIES: dict[str, Described] = {
     "capacitance_at_load": _on_datum("F m-1", "d charge / d voltage at fixed load and magnetic charge"),
@@ -466,7 +472,7 @@ LIMITED: dict[str, tuple[str, ...]] = {
 #: Every quantity of any body.
 ALL_QUANTITIES = {
     **EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **GAP_QUANTITIES, **POINT_QUANTITIES, **POINT_GAP_QUANTITIES,
-    **ELECTRODE_QUANTITIES, **STRIP_QUANTITIES,
+    **ELECTRODE_QUANTITIES, **STRIP_QUANTITIES, **DISC_QUANTITIES,
 }  # fmt: skip
 
 #: Those that are searched for over a body.

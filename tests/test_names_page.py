@@ -13,6 +13,7 @@ from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
 from solver.names import (
     CHOICES,
+    DISC_QUANTITIES,
     ELECTRODE_QUANTITIES,
     EVERY_FILM_QUANTITY,
     EVERY_QUANTITY,
@@ -85,7 +86,7 @@ def test_the_table_of_quantities_with_air_is_the_code_s() -> None:
 
 
 def test_the_table_of_an_electrode_s_quantities_is_the_code_s() -> None:
-    every = ELECTRODE_QUANTITIES | STRIP_QUANTITIES
+    every = ELECTRODE_QUANTITIES | STRIP_QUANTITIES | DISC_QUANTITIES
     assert rows("of an electrode") == {name: [its.units, its.long_name] for name, its in every.items()}
 
 

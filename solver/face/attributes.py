@@ -58,7 +58,7 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
     }
     if "material" not in arrays and BODY not in arrays:
         used = _kinds(arrays, "composite") or [str(defaults["composite"])]
-        found["composite"] = ", ".join(str(one) for one in used)
+        found["composite"] = ", ".join(str(composite) for composite in used)
     if "volume_fraction" in arrays:
         found["phases"] = ", ".join(phase.name if isinstance(phase, Material) else phase for phase in phases)
     words = {name: f" {FACTORS[name].units}" for name in defaults if name in FACTORS and FACTORS[name].units != "1"}

@@ -169,9 +169,9 @@ class Cases:
             dim = given.dims[0]
             places = [np.flatnonzero(kinds == kind) for kind in found]
             solved = [self._selected(str(dim), place)._by_kind(part) for place in places]
-            shared = [key for key in solved[0].data_vars if all(key in one for one in solved)]
+            shared = [key for key in solved[0].data_vars if all(key in part for part in solved)]
             whole = xr.concat(
-                [one[shared] for one in solved],
+                [part[shared] for part in solved],
                 dim, data_vars="all", coords="minimal", compat="override", join="override",
             )  # fmt: skip
             return whole.isel({dim: np.argsort(np.concatenate(places))})

@@ -60,7 +60,9 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
     for name in given:
         if (needed := _NEEDS.get(name)) and needed not in arrays:
             allowed = (
-                FACTORS[needed].allowed if needed in FACTORS else next(one for one, own in _OWN.items() if own == name)
+                FACTORS[needed].allowed
+                if needed in FACTORS
+                else next(choice for choice, own in _OWN.items() if own == name)
             )
             raise FactorError(f"{needed}: missing; {name} needs it; must be {allowed}")
     kinds, plain = kinds_of(arrays), {name: arrays[name].drop_vars(arrays[name].coords) for name in given}
@@ -79,7 +81,8 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
             refuse(arrays, name, plain[name] != np.floor(plain[name]), f"is not a whole number >= {least} [1]")
     if "floating_neighbours" in arrays:  # a strip without end takes no voltage of a finite charge
         points = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "point"])
-        refuse(arrays, "floating_neighbours", points, "below a point contact, whose patches are at zero volts")
+        no_discs = plain["patch"] != "disc" if "patch" in arrays else xr.DataArray(False)
+        refuse(arrays, "floating_neighbours", points & no_discs, "below a point contact, of patches that are no discs")
     if "patch" in arrays:
         lines = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "line"])
         refuse(arrays, "patch", (plain["patch"] != "strip") & lines, "below a contact along a line; must be strip")

@@ -85,7 +85,7 @@ class OnPointFilm(OnPoints):
         return self._bodies.lacks_c12
 
     def _rim(self, places: Indices) -> Rim | None:
-        stack = next(_stack(one) for own, one in self._parts if own is places)
+        stack = next(_stack(part) for own, part in self._parts if own is places)
         return None if self._lacks_c12 is not None or stack.electroded else Rim.of(stack.media[0].halfplane)
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:

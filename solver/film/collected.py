@@ -13,7 +13,7 @@ from solver.arrays import Array, ComplexArray
 from solver.film.contact import FilmContact
 from solver.film.electrodes import Electrode, transfers
 from solver.film.floating import Strips, strips
-from solver.film.reading import Collected, Reading, joined
+from solver.film.reading import BARE, Collected, Reading, joined
 from solver.film.similar import Films
 from solver.film.stack import StackError
 from solver.film.tractions import TractionTable
@@ -38,10 +38,7 @@ def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
         that conducts on a bare surface.
     """
     if reading.floating is not None and films.kind.conducts[0]:
-        raise StackError(
-            "floating_neighbours: below a punch that conducts on a bare surface; "
-            "electric must be insulating, or electrode top"
-        )
+        raise StackError(BARE)
     reading, parts = reading.over(films.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, number, contact in films.parts:
         own, thickness = reading.part(places), films.thickness[places]
@@ -108,14 +105,7 @@ class _Read:
     @cached_property
     def _rows(self) -> tuple[Indices, list[Strips]]:
         """Rows of strips that float, and which of them is that of each case."""
-        reading = self.reading
-        if reading.size is None or reading.pitch is None or reading.floating is None:
-            raise ValueError("no strips float")
-        own, of_case = np.unique(
-            np.stack([reading.size, reading.pitch, reading.floating], -1), axis=0, return_inverse=True
-        )
-        stack, number = self.electrode.stack, self.electrode.number
-        return of_case.ravel(), [strips(stack, number, size, pitch, int(n)) for size, pitch, n in own.tolist()]
+        return self.reading.gapped(lambda *row: strips(self.electrode.stack, self.electrode.number, *row))
 
     def _local(self, distance: Array, size: Array, order: int) -> Array:
         """What strips on top get of the tractions on them; (case,)."""

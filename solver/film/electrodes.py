@@ -202,8 +202,8 @@ def _held(A: Array, C: Array, components: tuple[int, ...]) -> tuple[Array, Array
             A = A - np.outer(share, A[c])
         elif C[c, c] != 0:
             C = C - np.outer(C[:, c], C[c]) / C[c, c]
-        for one in (A, C):
-            one[c], one[:, c] = 0.0, 0.0
+        for matrix in (A, C):
+            matrix[c], matrix[:, c] = 0.0, 0.0
     return A, C
 
 

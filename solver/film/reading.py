@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -12,7 +13,13 @@ from solver.names import CHOICES
 #: Places of the shapes of patches.
 DISC, STRIP, RING, RECTANGLE = (CHOICES["patch"].index(name) for name in ("disc", "strip", "ring", "rectangle"))
 
+#: Why patches do not float below some punches: their voltages would move its charge.
+BARE = (
+    "floating_neighbours: below a punch that conducts on a bare surface; electric must be insulating, or electrode top"
+)
+
 _Outputs = dict[str, Array]
+Gapped = TypeVar("Gapped")
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +41,7 @@ class Reading:
     pitch
         Distance of neighbours [m]; None: no neighbours.
     floating
-        Number of strips that float on each side; None: all of the electrode is at zero volts.
+        Number of strips or discs that float on each side; None: all of the electrode is at zero volts.
     """
 
     collector: Array
@@ -89,7 +96,24 @@ class Reading:
         along = np.maximum(np.abs(self.position), pitch) + self.size / 2
         if self.floating is not None:
             along = along + (self.floating + 1) * pitch
-        return np.asarray(np.hypot(along, np.where(self.shape == RECTANGLE, self.other / 2, 0.0)))
+            across = np.where(self.shape == DISC, self.floating * pitch, 0.0)
+        else:
+            across = np.where(self.shape == RECTANGLE, self.other / 2, 0.0)
+        return np.asarray(np.hypot(along, across))
+
+    def gapped(self, made: Callable[[float, float, int], Gapped]) -> tuple[Indices, list[Gapped]]:
+        """Which of several each case has, and these, made of size, pitch and number of neighbours.
+
+        Raises
+        ------
+        ValueError
+            No neighbours float.
+        """
+        if self.size is None or self.pitch is None or self.floating is None:
+            raise ValueError("no neighbours float")
+        rows = np.stack([self.size, self.pitch, self.floating], -1)
+        own, of_case = np.unique(rows, axis=0, return_inverse=True)
+        return of_case.ravel(), [made(size, pitch, int(count)) for size, pitch, count in own.tolist()]
 
 
 @dataclass(frozen=True, eq=False)

@@ -113,9 +113,9 @@ class Films:
         asked = np.arange(self.load.size)
         for _ in range(LAST - FIRST + 2):
             beside = np.zeros(asked.size, dtype=np.intp)
-            for one in np.unique(number[asked]).tolist():
-                here = number[asked] == one
-                beside[here] = self._beside(asked[here], window(self.kind, one))
+            for place in np.unique(number[asked]).tolist():
+                here = number[asked] == place
+                beside[here] = self._beside(asked[here], window(self.kind, place))
             asked, beside = asked[beside != 0], beside[beside != 0]
             if not asked.size:
                 return number

@@ -2,21 +2,25 @@
 
 With q(k) = 2 pi a sum_n c_n . rows j_2n(ka), in the units of the stack, a disc of radius b in the distance d collects
 b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k. A ring is a disc less
-another, a rectangle four times two triangles with a corner below the contact: see :func:`corners`. On top a part of q
-is v of the tractions at the same place (:mod:`solver.point.local`).
+another, a rectangle four times two triangles with a corner below the contact: see :func:`corners`. A disc beside others
+that float is that of :mod:`solver.point.floating`. On top a part of q is v of the tractions at the same place
+(:mod:`solver.point.local`).
 """
 
 from collections.abc import Callable, Iterator
+from functools import cached_property
 
 import numpy as np
 from scipy.special import j0, j1
 
 from solver.arrays import Array
 from solver.film.electrodes import Electrode, transfers
-from solver.film.reading import RECTANGLE, RING, STRIP, Collected, Reading, joined
+from solver.film.reading import BARE, RECTANGLE, RING, STRIP, Collected, Reading, joined
+from solver.film.stack import StackError
 from solver.film.windows import Indices
 from solver.point.bessel import even_orders
 from solver.point.body import Film
+from solver.point.floating import Discs, discs
 from solver.point.galerkin import halfspace_terms
 from solver.point.local import Covered
 from solver.point.pressed import Contact
@@ -29,13 +33,16 @@ _TINY = 1e-12  # side of a rectangle over the other, from which on it is none
 
 
 def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict[str, Array]:
-    """Those of ``solver.names.ELECTRODE_QUANTITIES`` that are asked for, SI; (case,) each.
+    """Those of ``ELECTRODE_QUANTITIES`` and ``DISC_QUANTITIES`` of ``solver.names`` that are asked for, SI; (case,).
 
     Raises
     ------
     StackError
-        An electrode that is not there, a patch that reaches farther than is resolved.
+        An electrode that is not there, a patch that reaches farther than is resolved; discs that float below a punch
+        that conducts on a bare surface.
     """
+    if reading.floating is not None and film.kind.conducts[0]:
+        raise StackError(BARE)
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, window in film.windows(contact.radius):
 
@@ -105,7 +112,26 @@ class _Read:
             pressure = self._integrated(1, lambda some: self.k / (2 * np.pi) * np.ones((some.size, 1)))
             out["electrode_pressure"] = -pressure / self.thickness**2 * self.scale[2] / self.scale[1]
         collected = Collected(self.reading, self._patch, lambda at: self._slope(at) / self.thickness)
-        return out | collected.quantities(self.force)
+        out |= collected.quantities(self.force)
+        if self.reading.floating is not None:
+            of_case, found = self._discs
+            out["disc_capacitance"] = np.array([one.capacitance for one in found])[of_case] * self.thickness
+            out["disc_voltage_per_force"] = -out["patch_charge_per_force"] / out["disc_capacitance"]
+        return out
+
+    @cached_property
+    def _discs(self) -> tuple[Indices, list[Discs]]:
+        """Discs that float, and which of them are those of each case."""
+        return self.reading.gapped(lambda *row: discs(self.electrode.stack, self.electrode.number, *row))
+
+    def _floating(self, some: Indices, distance: Array, *, slope: bool) -> Array:
+        """What discs beside others that float make of waves, or its derivative by their distance; (case, k)."""
+        of_case, found = self._discs
+        out = np.empty((some.size, self.k.size))
+        for number, one in enumerate(found):
+            own = np.flatnonzero(of_case[some] == number)
+            out[own] = one.wave(self.k, distance[own], slope=slope)
+        return out
 
     def _patch(self, distance: Array) -> Array:
         return self._charge(distance, slope=False)
@@ -123,7 +149,9 @@ class _Read:
             for shape in np.unique(self.reading.shape[some]).tolist():
                 own = np.flatnonzero(self.reading.shape[some] == shape)
                 at, wide, second = (values[some[own]] for values in (distance, size, other))
-                if shape == STRIP:
+                if self.reading.floating is not None:
+                    found[own] = self._floating(some[own], at, slope=slope)
+                elif shape == STRIP:
                     found[own] = self._strip(at, wide, slope=slope)
                 elif shape == RECTANGLE:
                     found[own] = self._rectangle(at, wide, second, slope=slope)

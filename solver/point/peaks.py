@@ -103,7 +103,7 @@ def peaks(pressed: Pressed, inside: Inside, asked: Set[str]) -> dict[str, Array]
 
 def _by_radius(ratio: Array) -> list[Indices]:
     """Cases of one radius, some at a time."""
-    alike = [np.flatnonzero(ratio == one) for one in np.unique(ratio)]
+    alike = [np.flatnonzero(ratio == share) for share in np.unique(ratio)]
     return [same[start : start + _TOGETHER] for same in alike for start in range(0, same.size, _TOGETHER)]
 
 

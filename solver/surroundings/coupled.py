@@ -43,9 +43,8 @@ class AirContact(Posed):
         GapError
             The punch would touch the surface beside the contact, or no solution is found.
         """
-        if self.idle is not None and any(self.held):
-            found = self._sought(State(self, self.idle.unknowns, self.idle.near), self.idle.chord)
-        else:
+        found = self._from_idle
+        if not (found and found.open):
             found = self._sought(self._start)
         if any(self.held) and not (found and found.open):
             found = self._followed or found
@@ -53,6 +52,16 @@ class AirContact(Posed):
             raise GapError("surroundings: no contact with air beside it is found for this load and these charges")
         found.require_gap()
         return found
+
+    @property
+    def _from_idle(self) -> State | None:
+        """What held potentials come to from the same contact with its charges given, the nearest start there is.
+
+        It may have a closed gap all the same: that of a half-plane at zero volts, where no charge is left beside it.
+        """
+        if self.idle is None or not any(self.held):
+            return None
+        return self._sought(State(self, self.idle.unknowns, self.idle.near), self.idle.chord)
 
     @property
     def _start(self) -> State:

@@ -49,7 +49,7 @@ class GroupedGP(Transformed):
     >>> grouping = Grouping(
     ...     (length, gravity, swing), (Group(Input("relative_length", 0.005, 2, "log"), {"length": 1, "gravity": -1}),
     ...     Group(swing, {"swing": 1})), {"period": Scaling({"length": 0.5, "gravity": -0.5})})
-    >>> axes = xr.Dataset(coords={one.name: one.levels(n) for one, n in zip(grouping.axes, (2, 6))})
+    >>> axes = xr.Dataset(coords={axis.name: axis.levels(n) for axis, n in zip(grouping.axes, (2, 6))})
     >>> cases = axes.assign_coords(length=axes.relative_length * 9.81, gravity=9.81)  # any that have these values
     >>> period = 2 * np.pi * np.sqrt(cases.length / cases.gravity) * (1 + cases.swing**2 / 16)
     >>> model = GroupedGP(grouping).fit(cases.assign(period=period))

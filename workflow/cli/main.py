@@ -214,7 +214,7 @@ def _solve(options: argparse.Namespace) -> None:
     names = [str(name) for name in out.coords]
     around = out["surroundings"].values.flat if "surroundings" in names else [CHOICES["surroundings"][0]]
     pressed = out["profile"].values.flat if "profile" in names else [CHOICES["profile"][0]]
-    kinds = [kind_of(names, *one) for one in product(dict.fromkeys(pressed), dict.fromkeys(around))]
+    kinds = [kind_of(names, *pair) for pair in product(dict.fromkeys(pressed), dict.fromkeys(around))]
     asked = list(dict.fromkeys(name for kind in kinds for name in kind.quantities))
     missing = [name for name in asked if name not in out]
     if missing:

@@ -145,7 +145,9 @@ class _Whole:
     def dataset(self) -> xr.Dataset:
         """All of it."""
         coords = {name: variable for name, variable in self._filled.items() if name in self._coords}
-        return xr.Dataset({name: one for name, one in self._filled.items() if name not in coords}, coords, self._attrs)
+        return xr.Dataset(
+            {name: variable for name, variable in self._filled.items() if name not in coords}, coords, self._attrs
+        )
 
     def _room(self, variable: xr.Variable) -> xr.Variable:
         """A variable as long as the table; names as objects, which one long name does not widen."""

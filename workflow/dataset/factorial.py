@@ -39,7 +39,9 @@ def axis_inputs(study: Study) -> list[Input]:
     """The axes of the data set as inputs of a surrogate: the factors, or the groups that take their place."""
     if not study.groups:
         return inputs(study)
-    names = {name: FACTORS[name].long_name if one.lone else one.text for name, one in study.products.items()}
+    names = {
+        name: FACTORS[name].long_name if product.lone else product.text for name, product in study.products.items()
+    }
     return [
         Input(name, axis.low, axis.high, axis.scale, study.products[name].units, names[name])
         for name, axis in study.axes.items()
@@ -202,7 +204,7 @@ def exact(
     if over:
         along = {name: (name, np.asarray(axes[name]), _axis_attrs(study, name)) for name in over}
         solved = solved.assign_coords(along).transpose(*over, ...)
-    return solved.drop_vars([name for name, one in ALL_QUANTITIES.items() if one.sparse and name in solved])
+    return solved.drop_vars([name for name, quantity in ALL_QUANTITIES.items() if quantity.sparse and name in solved])
 
 
 def _axis_attrs(study: Study, name: str) -> dict[str, str]:

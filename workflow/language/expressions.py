@@ -188,11 +188,11 @@ class Call(Expression):
 
     def unit(self) -> units.Unit | None:
         """That of the arguments, its root, or none."""
-        inner = [one for one in (argument.unit() for argument in self.arguments) if one is not None]
-        for one in inner[1:]:
-            if not one.fits(inner[0]):
+        inner = [unit for unit in (argument.unit() for argument in self.arguments) if unit is not None]
+        for other in inner[1:]:
+            if not other.fits(inner[0]):
                 raise ValueError(
-                    f"{self.function}: {str(inner[0])!r} and {str(one)!r} cannot be compared (unit mismatch)"
+                    f"{self.function}: {str(inner[0])!r} and {str(other)!r} cannot be compared (unit mismatch)"
                 )
         if not inner:
             return None

@@ -69,11 +69,11 @@ def shown(
         Derivatives of the true means by the constants, (n, k); with those by the instruments (n, k + m).
     """
     gain, offset, columns = np.ones(len(mean)), np.zeros(len(mean)), []
-    for one, value in zip(instruments, z.tolist(), strict=True):
-        column = one.std * one.measures(model, rows) * (mean if one.gain else 1.0)
+    for instrument, value in zip(instruments, z.tolist(), strict=True):
+        column = instrument.std * instrument.measures(model, rows) * (mean if instrument.gain else 1.0)
         columns.append(column)
-        if one.gain:
-            gain += one.std * value * one.measures(model, rows)
+        if instrument.gain:
+            gain += instrument.std * value * instrument.measures(model, rows)
         else:
             offset += value * column
     return gain * mean + offset, np.column_stack([gain[:, None] * slopes, *columns])

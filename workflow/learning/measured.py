@@ -66,9 +66,9 @@ def learn(
     lower, upper = model.interval_array(rows.points, NOMINAL)
     mean = nominal[rows.row, rows.output]
     _check_size(model, rows, mean)
-    for one in instruments:
-        if not one.measures(model, rows).any():
-            raise InputError(f"--instrument: {one.name}: no row holds a measured {one.quantity}")
+    for device in instruments:
+        if not device.measures(model, rows).any():
+            raise InputError(f"--instrument: {device.name}: no row holds a measured {device.quantity}")
     singles = uncertainty.own(study, constants)
     every, count = [*constants, *singles], len(constants) + len(singles)
     effects = Effects(study, model, every, say, [instrument.name for instrument in instruments])
@@ -76,10 +76,10 @@ def learn(
     spread = np.hypot(own, effects.error[rows.output])
     latest: list[GaussianProcess] = []
     unknown: list[Constant | Instrument] = [*every, *instruments]
-    single = np.array([one in singles for one in unknown], np.bool_)
+    single = np.array([constant in singles for constant in unknown], np.bool_)
 
     def forward(z: Array) -> tuple[Array, Array]:
-        told = ", ".join(f"{one:+.2f}" for one in z[: len(constants)])
+        told = ", ".join(f"{value:+.2f}" for value in z[: len(constants)])
         say(f"constants at {told} prior standard deviations")
         latest[:] = [effects.at(z)]
         found = latest[0].predict_array(rows.points).reshape(len(rows.points), len(model.outputs_), -1)
@@ -91,7 +91,7 @@ def learn(
     except (learning.NotSettledError, MaterialError) as error:
         raise InputError(str(error)) from None
     taught = Taught.of(found, rows, unknown, single, model, mean)
-    names = {one.name: one.prior for one in unknown}
+    names = {constant.name: constant.prior for constant in unknown}
     surrogate = CorrectedGP(
         model, latest[0], names, found.about, found.draws, rows, effects.error, "\n".join(taught.lines)
     )

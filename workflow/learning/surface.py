@@ -50,7 +50,9 @@ def fit(study: Study) -> GaussianProcess:
     if study.groups:
         over = representatives.factors(study, levels)
         data = _regular(study, dict(over), angles).assign_coords({**{name: levels[name] for name in levels}, **over})
-        grouping = similar.grouping(study, inputs, [*factorial.axis_inputs(study), ANGLE], {one: one for one in NAMES})
+        grouping = similar.grouping(
+            study, inputs, [*factorial.axis_inputs(study), ANGLE], {name: name for name in NAMES}
+        )
         model = GroupedGP(grouping, study.surrogate.kernel, compression=allowed).fit(data)
     else:
         data = _regular(study, dict(levels), angles)

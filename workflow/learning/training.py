@@ -117,7 +117,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     out = out.assign(evidence.rename(input="axis") if study.groups else evidence)
     out = out.assign_coords(units=("output", [cases[name].attrs["units"] for name in names]))
     table = described(out, "errors of the surrogate on exact cases", SOURCE, MEANINGS)
-    logs = [] if by is None else [name for name, one in by.scalings.items() if one.logarithm]
+    logs = [] if by is None else [name for name, scaling in by.scalings.items() if scaling.logarithm]
     told = {"logarithms": "; ".join(logs)} if logs else {}
     return table.assign_attrs(tolerance=study.validation.tolerance, **told, **refused)
 
@@ -161,7 +161,7 @@ def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases:
     axes = list(study.axes)
     grid = factorial.with_factors(study, quantities) if study.groups else quantities
     nodes = xr.broadcast(*(grid[name] for name in study.factors), xr.DataArray(holes.refused(grid, axes), dims=axes))
-    columns = [one.transpose(*axes).values.ravel() for one in nodes]
+    columns = [column.transpose(*axes).values.ravel() for column in nodes]
     X = np.concatenate([np.stack(columns[:-1], -1), np.stack([cases[name].values for name in study.factors], -1)])
     refused = np.concatenate([columns[-1], holes.refused(cases, ["case"])]).astype(bool)
     texts = [text for data, dims in ((grid, axes), (cases, ["case"])) for text in holes.reasons(data, dims)]

@@ -105,7 +105,7 @@ def answered(
         doubt=doubted(own),
         stops=_unbroken(capital(told.stops)),
         breaks=_unbroken(asides.first_to_break(found)),
-        why=tuple(_unbroken(one) for one in why if one),
+        why=tuple(_unbroken(reason) for reason in why if reason),
         verdict=told,
         drawing=element(
             device.draw(of_case(study, case, contact), built), f"device-{name}", f"{title}, drawn to scale: {built}"
@@ -233,7 +233,9 @@ def _with_band(goal: Term) -> str:
 
 def _over(target: Target) -> str:
     """Over which conditions a goal counts, and how."""
-    spans = dict(target.worst_case) | {name: list(one.support) for name, one in target.uncertain.items()}
+    spans = dict(target.worst_case) | {
+        name: list(distribution.support) for name, distribution in target.uncertain.items()
+    }
     if not spans:
         return ""
     low_to_high = [

@@ -166,13 +166,13 @@ class Contents(Strict):
     @property
     def products(self) -> dict[str, grouped.Product]:
         """What every axis of a study with groups is made of."""
-        own = {one.name: one for one in map(grouped.product, self.groups)}
+        own = {product.name: product for product in map(grouped.product, self.groups)}
         return {name: own[name] for name in self.axes} if own else {}
 
     @property
     def numbers(self) -> dict[str, float]:
         """Numeric factors that are fixed, and those with a default."""
-        usual = {name: one.default for name, one in FACTORS.items() if one.default is not None}
+        usual = {name: factor.default for name, factor in FACTORS.items() if factor.default is not None}
         return usual | {name: value for name, value in self.fixed.items() if not isinstance(value, str)}
 
     @property
@@ -226,7 +226,7 @@ class Contents(Strict):
     def quantities(self) -> list[str]:
         """Quantities of the data set: those that its cases have, the peaks where they are asked for."""
         without = self.absent | (ALL_PEAKS.keys() - self.searched)
-        return [name for name, one in ALL_QUANTITIES.items() if name not in without and not one.sparse]
+        return [name for name, quantity in ALL_QUANTITIES.items() if name not in without and not quantity.sparse]
 
     @property
     def outputs(self) -> list[str]:
@@ -282,7 +282,9 @@ class Contents(Strict):
         """Title of every target: the study's, or what is asked for, with the target's name where several ask that."""
         found = {name: target.title or titles.wanted(target.objectives) for name, target in self.design.items()}
         several = Counter(found.values())
-        return {name: f"{one} ({name.replace('_', ' ')})" if several[one] > 1 else one for name, one in found.items()}
+        return {
+            name: f"{word} ({name.replace('_', ' ')})" if several[word] > 1 else word for name, word in found.items()
+        }
 
     def solved(
         self, entrance: Callable[..., xr.Dataset], factors: Mapping[str, Any], *axes: Any, **options: Any
@@ -374,7 +376,9 @@ class Contents(Strict):
         content = self.model_dump(mode="json", include=set(whole))
         parts = {name: content[name.partition(".")[0]].get(name.partition(".")[2]) for name in sections if "." in name}
         content = {
-            name: one for name, one in content.items() if name in {*sections, *(PHYSICS if BOX in sections else ())}
+            name: section
+            for name, section in content.items()
+            if name in {*sections, *(PHYSICS if BOX in sections else ())}
         }
         content |= parts
         if BOX in sections:

@@ -47,7 +47,7 @@ def fields(study: Contents) -> frozenset[Field]:
     if "AlScN" in given.get("composite", []) or any(layer.composite == "AlScN" for layer in study.body):
         found.add("electric")
     for field, charge in zip(_COUPLING, study.kind.loads.charges, strict=True):
-        if charge in study.factors or any(one not in (0.0, None) for one in given.get(charge, [])):
+        if charge in study.factors or any(value not in (0.0, None) for value in given.get(charge, [])):
             found.add(field)
     return frozenset(found)
 
@@ -66,9 +66,11 @@ def told(study: Contents) -> list[str]:
 def quantities(study: Contents) -> frozenset[str]:
     """The same of all quantities that there are."""
     asked = {parted(name)[0] for name in study.of_interest if study.design} | set(study.surrogate.outputs)
-    asked |= {name for one in study.readout.values() for name in one.measured}
+    asked |= {name for readout in study.readout.values() for name in readout.measured}
     own = fields(study)
-    return frozenset(name for name, one in ALL_QUANTITIES.items() if name in asked or fields_of(one.units) <= own)
+    return frozenset(
+        name for name, quantity in ALL_QUANTITIES.items() if name in asked or fields_of(quantity.units) <= own
+    )
 
 
 def outputs(study: Contents) -> list[str]:

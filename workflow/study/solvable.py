@@ -62,9 +62,9 @@ def check_groups(study: Contents) -> None:
 def _check_lone(products: Sequence[grouped.Product]) -> None:
     """A factor that is a group of its own tells no more in another, where it would be an axis twice."""
     alone = {name for product in products if product.lone for name in product.powers}
-    for one in products:
-        for name in () if one.lone else alone & one.powers.keys():
-            raise ValueError(f"groups: {one.text}: {name!r} is a group of its own; leave it out here")
+    for other in products:
+        for name in () if other.lone else alone & other.powers.keys():
+            raise ValueError(f"groups: {other.text}: {name!r} is a group of its own; leave it out here")
 
 
 def _check_cases(study: Contents) -> None:
@@ -83,8 +83,8 @@ def standing(study: Contents) -> dict[str, Weight]:
     layers = {
         f"{kind} {number}": weight_of(kind)
         for number, layer in enumerate(study.body)
-        for kind, one in layer.numbers.items()
-        if not isinstance(one, str)
+        for kind, value in layer.numbers.items()
+        if not isinstance(value, str)
     }
     own = {name: weight_of(name) for name in fixed if name != "datum"} | layers
     if study.kind.air:  # the gap is as wide as the contact is strongly pressed, and the vacuum's constants stay
@@ -109,7 +109,7 @@ def _on_punch(study: Contents) -> frozenset[str]:
         return frozenset()
     if _tells(study, {"strength": Weight(0.0, 1.0)}):
         return frozenset()
-    hanging = frozenset(name for name, one in ALL_QUANTITIES.items() if one.on_punch)
+    hanging = frozenset(name for name, quantity in ALL_QUANTITIES.items() if quantity.on_punch)
     if asked := [name for name in study.surrogate.outputs if name in hanging]:
         raise ValueError(
             f"groups: {', '.join(asked)} depend on an elastic punch's radius beside the groups: make groups of each "
@@ -185,7 +185,7 @@ def _check_share(study: Contents) -> None:
     count = _SCOUTS_OF_TABLES if study.tabled else _SCOUTS
     shares = 2 * sobol_points(count, len(study.factors)).T - 1
     inputs = [Input(name, axis.low, axis.high, axis.scale) for name, axis in study.factors.items()]
-    places = {one.name: xr.DataArray(one.from_unit(t), dims="place") for one, t in zip(inputs, shares, strict=True)}
+    places = {own.name: xr.DataArray(own.from_unit(t), dims="place") for own, t in zip(inputs, shares, strict=True)}
     least = MOST + _DEVIATIONS * np.sqrt(MOST * (1 - MOST) / count)
     try:
         answered(partial(study.solved, solve), {**study.fixed, **study.categories, **places}, least * count)

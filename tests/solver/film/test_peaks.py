@@ -12,7 +12,7 @@ from solver.film.interior import interior_fields
 from solver.film.net import DEPTH
 from solver.film.peaks import PeakTable
 from solver.film.stack import Layer, Stack, StackError
-from solver.film.table import table
+from solver.film.table import RangeError, table
 from solver.halfplane.profile import Profile
 from solver.names import FILM_PEAKS
 from tests.solver.film.films import FIBROUS, ON_STEEL, cases
@@ -163,5 +163,5 @@ def test_base_is_searched(read: tuple[PeakTable, FilmContact]) -> None:
 def test_contacts_without_a_film_below_the_least_depth_are_refused() -> None:
     of = table(ON_STEEL, least=1.0, most=12.0, nodes=4)
     film = FilmContact(of, Profile.cylinder(np.array(0.05)), cases(1e6), np.zeros((1, 2)), np.array(1.0))
-    with pytest.raises(StackError, match="wider than 10 thicknesses"):
+    with pytest.raises(RangeError, match="wider than 10 thicknesses"):
         PeakTable(of).film(film)

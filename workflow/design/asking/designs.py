@@ -50,7 +50,7 @@ class Designs:
     def factors_of(self, values: Array) -> Factors:
         """Every factor over the corners, of the verdict or of the search, that some values are over."""
         sets = (self.question.judged[False], self.question.searched[False])
-        chosen = next((one for one in sets if one.count == values.shape[-1]), sets[0])
+        chosen = next((scenarios for scenarios in sets if scenarios.count == values.shape[-1]), sets[0])
         return self.factors(chosen)
 
     def values(self, source: Source, chosen: Scenarios, term: Term) -> Array:

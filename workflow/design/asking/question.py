@@ -250,7 +250,7 @@ def _answered(name: str, question: Question, source: Source, variables: dict[str
             f"design: {name}: every design is beyond the edge of the cases that have answers: "
             f"{source.edge.reason(factors)}"
         )
-    return {one: values[inside] for one, values in variables.items()}
+    return {variable: values[inside] for variable, values in variables.items()}
 
 
 def _check_pole(what: str, divisor: Expression, values: Array) -> None:

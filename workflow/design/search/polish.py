@@ -35,7 +35,7 @@ def first_feasible(ranked: list[Candidate]) -> Candidate:
         if polished.best.feasible:
             return replace(polished, passed=tuple(passed), polish="; ".join([polished.polish, *map(_missed, passed)]))
         passed.append(polished)
-        if not candidate.best.feasible or sum(one.cases for one in passed) > budget.most(candidate.question):
+        if not candidate.best.feasible or sum(attempt.cases for attempt in passed) > budget.most(candidate.question):
             break
     return passed[0]
 

@@ -131,7 +131,9 @@ def _terms(
     half = guessed.reaches + tolerances(design)
     inside = np.abs(exact - guessed.values) <= half + 1e-12 * np.abs(exact)
     margins = [term.sign * (term.bound - value) / term.scale for term, value in zip(terms, exact, strict=True)]
-    bounds = [linearity.bound(question.study, one) if isinstance(one, Limit) else ("", "") for one in stated]
+    bounds = [
+        linearity.bound(question.study, statement) if isinstance(statement, Limit) else ("", "") for statement in stated
+    ]
     return tuple(
         JudgedTerm(
             statement=stated[k],
