@@ -63,20 +63,20 @@ class HalfPlaneInAir(FilmInAir):
         return {name: value for name, value in super().quantities().items() if name in HALF_PLANE_IN_AIR.quantities}
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
-        """None yet."""
+        """None: those of a half-plane are searched for in its closed form."""
         return {}
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """Refused."""
-        refuse_fields("curves")
+        """Refused: as the peaks."""
+        refuse("curves", "stresses of half-planes with air beside their contacts")
 
 
-def refuse_fields(name: str) -> NoReturn:
-    """Refuse fields of contacts with air beside them, by the argument that asks for them.
+def refuse(name: str, what: str) -> NoReturn:
+    """Refuse what is not given of contacts with air beside them, by the argument that asks for it.
 
     Raises
     ------
     FactorError
         Always.
     """
-    raise FactorError(f"{name}: fields of contacts with air beside them are not given; ask for quantities alone")
+    raise FactorError(f"{name}: {what} are not given; ask for quantities alone")

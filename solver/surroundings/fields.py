@@ -9,7 +9,7 @@ from solver.arrays import Array
 from solver.film.contact import FilmContact
 from solver.film.inside import in_blocks
 from solver.film.interior import Interior, fields_of
-from solver.film.net import Net
+from solver.film.net import Net, Nets
 from solver.film.peaks import PeakTable
 from solver.film.quantities import curves_of, peaks_of, require_depth
 from solver.film.similar import Films
@@ -80,7 +80,10 @@ def _tables(films: Films, permittivity: Array) -> Iterator[tuple[Indices, PeakTa
         require_depth(films.kind, half)
         table = replace(state.of.contact.table, lower=state.half, upper=state.half)
         extent = Extent(table, *_posed(state), half=half, middle=np.array([state.centre]))
-        yield np.array([place]), AirPeaks(table, Solved(state, _EDGES).tractions), extent
+        nets = Nets(films.kind.stack(), state.half, state.half)
+        widest = max(float(np.max(net.positions(half, net.line))) for net in (nets.interface, nets.film)) + 1.5
+        tractions = replace(Solved(state, _EDGES).tractions, widest=widest * state.half)
+        yield np.array([place]), AirPeaks(table, tractions), extent
 
 
 def _posed(state: State) -> tuple[object, ...]:

@@ -67,17 +67,23 @@ class Window:
             found.append(self.charges.densities(interval, u) * (weights * np.sinh(u) * share))
         return np.concatenate(X), np.concatenate(found, -1)
 
-    def add(self, out: ComplexArray, q: Array) -> None:
-        """Add its spectrum (2, wavenumber) at q."""
-        most = self.most
+    @cached_property
+    def _bands(self) -> list[tuple[float, float, Array, Array]]:
+        """Bands of wavenumbers with the rule of each."""
+        found, most = list[tuple[float, float, Array, Array]](), self.most
         while most > 0:
             least = most / _BAND if most * self.reach > 1 else -1.0
+            found.append((least, most, *self._rule(most)))
+            most = least
+        return found
+
+    def add(self, out: ComplexArray, q: Array) -> None:
+        """Add its spectrum (2, wavenumber) at q."""
+        for least, most, X, (right, left) in self._bands:
             here = np.flatnonzero((q > least) & (q <= most))
             if here.size:
-                X, (right, left) = self._rule(most)
                 phase = q[here, None] * X
                 out[:, here] += (right + left) @ np.cos(phase).T - 1j * ((right - left) @ np.sin(phase).T)
-            most = least
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,9 +106,7 @@ class Spectrum:
         """From the edge outwards."""
         last = float(np.log(np.cosh(self.charges.ends[-1])))
         ends = [-np.inf, *np.arange(np.log(_CUT / self.most), last, _STEP).tolist(), np.inf]
-        return [
-            Window(self.charges, *pair, min(self.most, _CUT * float(np.exp(-pair[0])))) for pair in pairwise(ends)
-        ]
+        return [Window(self.charges, *pair, min(self.most, _CUT * float(np.exp(-pair[0])))) for pair in pairwise(ends)]
 
     def reach(self, q: float) -> float:
         """Largest abs(X) whose charges count from a wavenumber times the half-length on."""

@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solver.arrays import Array, ComplexArray
 from solver.film.assembly import Assembly, mixing
@@ -28,9 +30,12 @@ class AirTractions(Tractions):
     ----------
     beside
         Charges beside the contact.
+    widest
+        Least reach of wavenumbers [m]: one set of them serves all fields that are nearer.
     """
 
     beside: Charges = None  # type: ignore[assignment]
+    widest: float = 0.0
 
     @cached_property
     def _whole(self) -> Tractions:
@@ -56,17 +61,29 @@ class AirTractions(Tractions):
     def _spectrum(self) -> Spectrum:
         return Spectrum(self.beside, float(self._ends[-1] * self._half))
 
+    def part(self, members: slice | NDArray[np.intp]) -> Self:
+        """The one member: what is known of it is kept."""
+        return self
+
     def wavenumbers(self, body: Stack, reach: float, width: float) -> tuple[Array, Array]:
         """As of a contact; charges far away count for long waves alone."""
+        reach = max(reach, self.widest)
         here = reach - self.longest
         far = [here + self._half * self._spectrum.reach(start * self._half) for start in self._ends[:-1]]
         return on_panels(self._ends, np.maximum(reach, far))
 
     def in_fourier_space(self, k: Array) -> ComplexArray:
         """(i sigma_xy, sigma_yy, D_y, B_y) at the surface at wavenumbers k [1/m]; (1, k, 4, 1)."""
-        found = self._whole.in_fourier_space(k)
-        found[0, :, 2:, 0] += self._half * self._spectrum.at(k * self._half).T
-        return found
+        if (key := k.tobytes()) not in self._known:
+            found = self._whole.in_fourier_space(k)
+            found[0, :, 2:, 0] += self._half * self._spectrum.at(k * self._half).T
+            self._known[key] = found
+        return self._known[key]
+
+    @cached_property
+    def _known(self) -> dict[bytes, ComplexArray]:
+        """Spectra that were asked for, by their wavenumbers."""
+        return {}
 
     def on_plane(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
         """Hilbert transforms at points z (1, point) above the surface, as of a contact; (4, 1, point, 1)."""
