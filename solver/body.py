@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 from approximation.arrays import Array
+from solver.described import Contact, Described, Loads
+from solver.fields import FIELDS, POINT_FIELDS
 from solver.names import (
     AIR,
     BODY,
@@ -18,14 +20,12 @@ from solver.names import (
     DISC_QUANTITIES,
     ELECTRODE_QUANTITIES,
     ENDS,
-    FIELDS,
     FILM_PEAKS,
     FILM_QUANTITIES,
     GAP_QUANTITIES,
     OF_A_FILM,
     OF_AN_ELECTRODE,
     PEAKS,
-    POINT_FIELDS,
     POINT_GAP_QUANTITIES,
     POINT_QUANTITIES,
     POINT_SLIDING,
@@ -33,9 +33,6 @@ from solver.names import (
     QUANTITIES,
     STRIP_QUANTITIES,
     TABLED,
-    Contact,
-    Described,
-    Loads,
 )
 
 #: What depths and potentials refer to: a datum, nothing but themselves, or either, as base and interface decide.

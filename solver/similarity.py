@@ -10,7 +10,8 @@ docs/theory-films.md).
 
 from dataclasses import dataclass
 
-from solver.names import ALL_QUANTITIES, EVERY_FIELD, EVERY_INTERIOR
+from solver.fields import EVERY_FIELD, EVERY_INTERIOR
+from solver.names import ALL_QUANTITIES
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import xarray as xr
 from scipy.special import digamma
 
 import solver
+from solver.fields import POINT_FIELDS
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
 from solver.names import (
@@ -22,7 +23,6 @@ from solver.names import (
     LIMITED,
     LIMITS,
     PEAKS,
-    POINT_FIELDS,
     POINT_GAP_QUANTITIES,
     POINT_QUANTITIES,
     POINT_SLIDING,

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 import solver
-from solver.names import FIELDS as SURFACE_FIELDS
+from solver.fields import FIELDS as SURFACE_FIELDS
 from verification.cases import CHARGED, SIH_SONG, Array, constants
 from verification.findings import Check, Findings, Sizes, check, off
 from verification.oracles.fem import FIELDS, constitutive_matrix

@@ -6,22 +6,11 @@ from typing import Any
 import xarray as xr
 
 from solver.body import KINDS, Kind
+from solver.described import Contact, Described
 from solver.face.filmfactors import present
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import (
-    BODY,
-    CHOICES,
-    CONTACTS,
-    FACTORS,
-    OF_A_GAP,
-    OF_A_LINE,
-    OF_A_PUNCH,
-    OF_AN_ELECTRODE,
-    PROFILES,
-    Contact,
-    Described,
-)
+from solver.names import BODY, CHOICES, CONTACTS, FACTORS, OF_A_GAP, OF_A_LINE, OF_A_PUNCH, OF_AN_ELECTRODE, PROFILES
 
 #: How every solution is made (CF: the method of production).
 SOURCES: dict[Contact, str] = {

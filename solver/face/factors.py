@@ -8,24 +8,14 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import is_finite, shown
+from solver.described import Contact
 from solver.face.electrodes import check_electrodes
 from solver.face.filmfactors import check_elasticity, check_films, check_gaps
 from solver.face.refusal import FactorError
 from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import (
-    BODY,
-    CHOICES,
-    COMPOSITES,
-    CONTACTS,
-    FACTORS,
-    MATERIALS,
-    OF_A_FILM,
-    OF_A_LINE,
-    PROFILES,
-    Contact,
-)
+from solver.names import BODY, CHOICES, COMPOSITES, CONTACTS, FACTORS, MATERIALS, OF_A_FILM, OF_A_LINE, PROFILES
 from solver.units import in_si
 
 _STEEPEST = 1.0  # slope of a cone or wedge beyond which a theory of small slopes says nothing

@@ -9,6 +9,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
 from solver.film.contact import FilmContact
 from solver.film.electrodes import Electrode, transfers
@@ -17,7 +18,7 @@ from solver.film.reading import BARE, Collected, Reading, joined
 from solver.film.similar import Films
 from solver.film.stack import StackError
 from solver.film.tractions import TractionTable
-from solver.film.windows import Indices, Kind, window
+from solver.film.windows import Kind, window
 
 _BLOCK = 200_000  # transforms of cases at wavenumbers held at once
 _TABLES = 64  # kept: 0.1 MB each

@@ -6,8 +6,8 @@ from typing import TypeVar
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.film.windows import Indices
 from solver.names import CHOICES
 
 #: Places of the shapes of patches.

@@ -13,11 +13,11 @@ from functools import cached_property
 import numpy as np
 from scipy.special import j0, j1
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.film.electrodes import Electrode, transfers
 from solver.film.reading import BARE, RECTANGLE, RING, STRIP, Collected, Reading, joined
 from solver.film.stack import StackError
-from solver.film.windows import Indices
 from solver.point.bessel import even_orders
 from solver.point.body import Film
 from solver.point.floating import Discs, discs

@@ -16,12 +16,12 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.special import erfc, jv, spherical_jn
 
+from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
 from solver.film.electrodes import Electrode
 from solver.film.floating import stiffness
 from solver.film.kernel import wavenumbers
 from solver.film.stack import Stack, StackError
-from solver.film.windows import Indices
 
 _PHI = 2  # of (x, y, phi, psi)
 _MOST = 2  # discs that float on each side: 25 in all

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from approximation.arrays import Indices
 from approximation.measure import ITSELF, Measure
 from approximation.summit import Top, highest
 from solver.arrays import Array
 from solver.curves import PRINCIPAL, SHEAR, VON_MISES
 from solver.film.net import DEPTH, Net, Nets, singular
 from solver.film.table import RangeError
-from solver.film.windows import Indices
 from solver.names import FILM_PEAKS, PEAKS
 from solver.point.body import Film
 from solver.point.inside import Inside, Tractions

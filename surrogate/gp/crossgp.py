@@ -24,7 +24,8 @@ class CrossGP(GridGP):
     """Gaussian process of the "chebyshev" kernel on a grid, of which a cross approximation asks for few cases.
 
     Some inputs are *crossed*: `ask` names the places, of their levels, that are to be solved next. All levels of the
-    others are solved at every place, which must be cheap. What `fit` makes, and what is saved of it, is a `GridGP`.
+    others, if there are any, are solved at every place, which should be cheap. What `fit` makes, and what is saved of
+    it, is a `GridGP`.
 
     Parameters
     ----------

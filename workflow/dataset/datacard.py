@@ -82,8 +82,8 @@ def markdown(card: Mapping[str, Any]) -> str:
         *_stored(card["groups"]),
         *(
             [
-                f"Not all of this factorial: places in {', '.join(crossed)} that a cross approximation asked for, and "
-                "all levels of the others at each.  "
+                f"Not all of this factorial: places in {', '.join(crossed)} that a cross approximation asked for, with "
+                "all levels of any others.  "
             ]
             if (crossed := card["crossed"])
             else []

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver import solve
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers
 from surrogate import Group, Grouping, Input, Scaling
@@ -17,7 +17,6 @@ from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.representatives import middles
 
-Array = NDArray[np.float64]
 _GAIN = 0.5  # of the predicted error, from which on a logarithm is worth it
 #: Lengths by which a case is measured, the first that it has; a cone has its slope, which no length changes.
 _LENGTHS = ("thickness", "radius", "width", "datum", "slope")

@@ -22,7 +22,7 @@ from xarray.core import indexing
 
 from solver import FactorError
 from solver.curves import REGIONS
-from solver.names import FIELDS
+from solver.fields import ACROSS, ALONG, EVERY_FIELD, FIELDS
 from storage.blocks import Region, write_blocks
 from storage.netcdf import MAX_BYTES, read_whole
 from storage.sealed import check_seal
@@ -143,11 +143,11 @@ def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
     dims = [*whole[next(iter(whole.data_vars))].dims, "position"]
     if not card["positions"]:  # of a study that stores no fields
         return whole
-    axis = xr.Variable("position", card["positions"], {"units": "1", "long_name": "surface position X = (x - c)/h"})
-    whole = whole.assign_coords(position=axis)
+    place = ALONG if FIELDS.keys() <= card["variables"].keys() else ACROSS
+    whole = whole.assign_coords(position=xr.Variable("position", card["positions"], place))
     files = [folder / file["name"] for file in card["files"]]
     for name, described in card["variables"].items():
-        if name in FIELDS:
+        if name in EVERY_FIELD:
             shape = tuple(whole.sizes[dim] for dim in dims)
             stacked = Stacked(name, files, [file["levels"] for file in card["files"]], shape, described["type"])
             whole[name] = xr.Variable(dims, indexing.LazilyIndexedArray(stacked), described["attributes"])

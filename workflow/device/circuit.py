@@ -17,13 +17,10 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.constants import Boltzmann
 
 from solver import Material
 from workflow.language import grammar
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

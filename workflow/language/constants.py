@@ -2,7 +2,8 @@
 
 from typing import Literal
 
-from solver.names import LIMITS, Described
+from solver.described import Described
+from solver.names import LIMITS
 
 _BASE = "base_"
 

@@ -7,14 +7,13 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver import units
 from solver.names import ALL_QUANTITIES
 from workflow.language.constants import CONSTANTS
 from workflow.language.factors import FACTORS
 
-Array = NDArray[np.float64]
 Partials = dict[str, Array]
 
 

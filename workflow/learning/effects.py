@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver import find
 from surrogate import GaussianProcess, GridGP
 from surrogate.levels.counts import UnreachableError
@@ -19,8 +19,6 @@ from workflow.study import categories
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.uncertainty import Constant, concerned, members, moved
-
-Array = NDArray[np.float64]
 
 _STEP = 0.25  # prior standard deviations, of the difference that a derivative is taken from
 _STALE = {True: 1.0, False: 0.1}  # how far constants may move until derivatives are taken anew; films: True

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from surrogate import GaussianProcess
 from surrogate.data.measurements import Measurements
 from workflow.study import categories
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

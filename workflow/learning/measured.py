@@ -3,8 +3,8 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver import MaterialError
 from surrogate import GaussianProcess
 from surrogate.data.measurements import MOST_ROWS, Measurements
@@ -18,8 +18,6 @@ from workflow.study import uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.uncertainty import Constant
-
-Array = NDArray[np.float64]
 
 _WRONG_UNIT = 30.0  # measured over predicted values, as a factor, by which no constant changes a quantity
 _VAGUE = 1e9  # an error of measurement over the largest value: beyond it a row says nothing, and squares overflow

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from approximation.arrays import Indices
+from approximation.arrays import Array, Indices
 from surrogate import GaussianProcess
 from surrogate.data.inputs import unit_coordinates
 from surrogate.data.measurements import Measurements
@@ -17,8 +16,6 @@ from workflow.language.numbers import shown as written
 from workflow.learning.instruments import Instrument, shown
 from workflow.study import categories
 from workflow.study.reading import InputError
-
-Array = NDArray[np.float64]
 
 #: Readings that a plan is chosen from, and how many it may have.
 CANDIDATES, MOST = 400, 100

@@ -2,8 +2,8 @@
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from surrogate import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL
 from surrogate.use.inversion import Inversion
@@ -12,8 +12,6 @@ from workflow.study.categories import output
 from workflow.study.model import Study
 from workflow.study.readout import Readout, error
 from workflow.study.refusals import REASON, REFUSAL
-
-Array = NDArray[np.float64]
 
 _LEVEL = NOMINAL  # of the intervals
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import binom
 
+from approximation.arrays import Array, Flags
 from surrogate import GaussianProcess
 from surrogate.data.measurements import Measurements
 from surrogate.intervals.distribution import NOMINAL, Normal
@@ -14,8 +14,6 @@ from surrogate.use.learning import ROUNDS, Learnt
 from workflow.learning.instruments import Instrument
 from workflow.study.uncertainty import Constant
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 Unknown = Constant | Instrument
 
 #: Posterior over prior standard deviation: above it nothing was learnt, below it a combination is well known.

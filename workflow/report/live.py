@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from solver.names import FACTORS, FIELDS, PROFILES
+from solver.fields import FIELDS
+from solver.names import FACTORS, PROFILES
 from surrogate import GaussianProcess
 from surrogate.use.export import exported
 from workflow.language.titles import title

@@ -7,7 +7,9 @@ from typing import Any
 
 import xarray as xr
 
-from solver.names import ALL_QUANTITIES, Contact
+from solver.described import Contact
+from solver.fields import EVERY_FIELD
+from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from surrogate.use.validation import ideal
 from workflow.dataset import factorial
@@ -74,6 +76,7 @@ def dataset(folder: Path, hangs: frozenset[str], told: Collection[str]) -> dict[
     return {
         "rows": rows,
         "slabs": len(card["files"]),
+        "fields": sum(name in EVERY_FIELD for name in card["variables"]),
         "bytes": card["bytes"],
         "cases": card["cases"],
         "places": places,

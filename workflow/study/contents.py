@@ -16,7 +16,7 @@ from solver import Material
 from solver.body import Kind, kind_of
 from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
-from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, FIELDS
+from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
 from workflow.language import titles
 from workflow.language.constants import BORNE, DEVICE, Meeting
 from workflow.language.factors import FACTORS
@@ -129,10 +129,11 @@ class Contents(Strict):
     def stores_fields(self) -> bool:
         """Whether the data set holds surface fields, and the page draws them.
 
-        A cross approximation has no factorial to show them over, contacts with air beside them have none, and those of
-        points are left to the solver.
+        A cross approximation has no factorial to show them over, contacts with air beside them are without, and those
+        of points that slide take the solver milliseconds a case, to which they are left.
         """
-        return not self.crossed and self.kind.fields == FIELDS
+        slides = self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
+        return not self.crossed and not self.kind.air and not slides
 
     @property
     def meeting(self) -> Meeting:
@@ -179,11 +180,15 @@ class Contents(Strict):
     def crossed(self) -> list[str]:
         """The axes in which a cross approximation asks for places; none where the whole factorial is solved.
 
-        Those of the most levels come first, where ranks are small.
+        Of films those that need tables of their own, else all. Those of the most levels come first, where ranks are
+        small.
         """
-        if self.surrogate.method == "factorial":
+        method, axes = self.surrogate.method, self.axes
+        if method == "factorial" or (method == "auto" and self.cases <= self.dataset.budget):
             return []
-        return sorted(self.tabled, key=lambda name: -(self.factors[name].levels or 0))
+        return sorted(
+            [name for name in self.tabled if name in axes] or axes, key=lambda name: -(axes[name].levels or 0)
+        )
 
     @property
     def costly(self) -> frozenset[str]:
@@ -205,7 +210,7 @@ class Contents(Strict):
     @property
     def block(self) -> int:
         """Number of cases at a place of the crossed axes."""
-        return self.cases // prod(self.factors[name].levels or 1 for name in self.crossed)
+        return self.cases // prod(self.axes[name].levels or 1 for name in self.crossed)
 
     @property
     def combinations(self) -> list[Kinds]:

@@ -9,6 +9,7 @@ import xarray as xr
 
 from solver import Material, find
 from solver.film.stack import RIGID
+from solver.material.laws import made
 from solver.names import ALL_QUANTITIES, CHOICES, MIXTURES
 from workflow.study.categories import output, parted
 from workflow.study.contents import Contents
@@ -44,8 +45,6 @@ def fields(study: Contents) -> frozenset[Field]:
     """The fields of a study's cases: those to which some material in use couples, or of which a punch has a charge."""
     found = {field for material in materials(study) for field in _COUPLING if couples(material, field)}
     given = _given(study)
-    if "AlScN" in given.get("composite", []) or any(layer.composite == "AlScN" for layer in study.body):
-        found.add("electric")
     for field, charge in zip(_COUPLING, study.kind.loads.charges, strict=True):
         if charge in study.factors or any(value not in (0.0, None) for value in given.get(charge, [])):
             found.add(field)
@@ -86,7 +85,7 @@ def kept(data: xr.Dataset, own: Collection[str]) -> xr.Dataset:
 
 
 def materials(study: Contents) -> list[Material]:
-    """Every material that some case of a study is made of, each once."""
+    """Every material that some case of a study is made of, each once; of alloys the one without the added element."""
     given = _given(study)
     names = [*given.get("material", []), *(layer.material for layer in study.body)]
     composites = [*given.get("composite", []), *(layer.composite for layer in study.body)]
@@ -95,7 +94,8 @@ def materials(study: Contents) -> list[Material]:
         composites = [CHOICES["composite"][0]]
     phases = study.phases if any(composite in MIXTURES for composite in composites) else []
     known = dict.fromkeys([*names, *given.get("base", []), *phases])
-    return [find(str(name), study.own_materials) for name in known if name and name != RIGID]
+    alloys = [made(str(name), (), 0.0) for name in dict.fromkeys(composites) if name and name not in MIXTURES]
+    return [*(find(str(name), study.own_materials) for name in known if name and name != RIGID), *alloys]
 
 
 def _given(study: Contents) -> dict[str, list[float | str]]:

@@ -202,10 +202,8 @@ def check_fields(study: Contents) -> None:
     for where, given in drawn.items():
         if AIR in np.atleast_1d(given.get("surroundings", "")):
             raise ValueError(f"{where}: surroundings: {AIR!r} has no fields, which effects draw; must be insulated")
-    if effects and study.kind.contact == "point":
-        for name in ("film", "interior"):
-            if getattr(effects, name):
-                raise ValueError(f"effects: {name}: is not drawn of a point; a film stands in the baseline")
+    if effects and effects.film and study.kind.contact == "point":
+        raise ValueError("effects: film: is not drawn of a point; a film stands in the baseline")
     without = f"cases with surroundings: {AIR!r} have none" if study.kind.air else "point contacts have none"
     if study.surrogate.fields and (study.kind.air or study.kind.contact == "point"):
         raise ValueError(f"surrogate: fields: {without}; must be 0")
@@ -222,7 +220,7 @@ def solve_effects(study: Contents) -> None:
 
 def check_size(study: Contents) -> None:
     """Whether what the study asks for can be computed and stored at all."""
-    if study.surrogate.method == "cross":
+    if study.crossed:
         check_crossed(study)
     elif study.cases > MOST_CASES:
         raise ValueError(f"factors: {study.cases} cases are more than {MOST_CASES}")
@@ -250,16 +248,13 @@ def check_size(study: Contents) -> None:
 
 
 def check_crossed(study: Contents) -> None:
-    """Whether a cross approximation has places to ask for, and a block of cases at each."""
-    if not study.tabled:
-        raise ValueError("surrogate: method: cross is for films with factors that need tables of their own")
-    for name, axis in study.factors.items():
+    """Whether a cross approximation has levels to choose among, and what it learns."""
+    for name, axis in study.axes.items():
         if axis.levels is None:
-            raise ValueError(f"factors: {name}: levels are missing; surrogate: method: cross needs them")
+            where = "groups" if study.groups else "factors"
+            raise ValueError(f"{where}: {name}: levels are missing; surrogate: method: cross needs them")
     if study.surrogate.fields or study.surrogate.kernel != "chebyshev":
         raise ValueError("surrogate: method: cross learns no fields, and its kernel is chebyshev")
-    if study.groups:
-        raise ValueError("groups: surrogate: method: cross stands on the factors themselves, not on groups")
     if study.dataset.peaks:
         raise ValueError("dataset: peaks: surrogate: method: cross learns no largest stresses; must be false")
     if study.block > study.dataset.budget:

@@ -5,14 +5,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from workflow.design.asking.question import Question
 from workflow.design.asking.scenarios import Scenarios
 from workflow.design.asking.sources import Exact, Factors, Predicted, Source
 from workflow.design.asking.terms import Key, Term
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -3,13 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from surrogate import Input
 from surrogate.data.inputs import unit_coordinates
 from surrogate.face.region import Region
-
-Array = NDArray[np.float64]
 
 
 class Edge:

@@ -6,8 +6,8 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from approximation.sobol import sobol_points
 from solver.names import ALL_QUANTITIES
 from surrogate import Input
@@ -24,8 +24,6 @@ from workflow.language.statistics import Worst
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
-
-Array = NDArray[np.float64]
 
 _PILOT = 512  # points that tell a constant, unbounded or undefined term
 _EVALUATED = 1 << 13  # evaluations of a term by the pilot

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from approximation.sobol import sobol_points
 from workflow.design.asking.terms import Term
 from workflow.study.target import Target
-
-Array = NDArray[np.float64]
 
 #: Nodes a factor of a tensor of ranges, by the number of factors, while searching and while judging the outcome.
 SEARCHED = {0: 1, 1: 9, 2: 7, 3: 5}

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from surrogate.search.optimise import improve
 from workflow.design.asking import program
@@ -14,8 +13,6 @@ from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import Tolerated
 from workflow.language.factors import FACTORS
 from workflow.study.target import Target
-
-Array = NDArray[np.float64]
 
 _TIGHTER = 0.5  # share of a tolerance that is left when it is tightened in words
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from approximation.sobol import sobol_points
 from solver.names import ALL_QUANTITIES, CHOICES, PROFILES
 from workflow.dataset import factorial
@@ -24,8 +24,6 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown, written
 from workflow.language.statements import Limit, Objective
 from workflow.study.model import Study
-
-Array = NDArray[np.float64]
 
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
 _SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)

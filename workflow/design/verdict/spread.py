@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver.names import ALL_PEAKS
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.risk import WorstCase
@@ -17,8 +17,6 @@ from workflow.study import uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.uncertainty import Constant
-
-Array = NDArray[np.float64]
 
 _STEP = 0.1  # of difference quotients, in prior standard deviations: what they leave out is 1e-5 of a derivative
 

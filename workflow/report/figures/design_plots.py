@@ -7,7 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from solver.names import FIELDS, POINT_FIELDS
+from approximation.arrays import Array
+from solver.fields import FIELDS, POINT_FIELDS
 from workflow.design.search.contact_fields import SURFACE
 from workflow.design.verdict.answer import Answer
 from workflow.language import titles
@@ -21,7 +22,6 @@ from workflow.report.figures.style import (
     GREY,
     NEAR_EDGE,
     ORANGE,
-    Array,
     by_ratio,
     factor_scale,
     field_label,

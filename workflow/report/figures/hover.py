@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from approximation.arrays import Array
 
 _DIGITS = 4
 _KEPT = 41  # points of one curve
