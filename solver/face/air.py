@@ -5,6 +5,7 @@ from typing import NoReturn
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.body import HALF_PLANE_IN_AIR
 from solver.face.film import OnFilm
@@ -12,7 +13,6 @@ from solver.face.filmbodies import Bodies, HalfPlanes
 from solver.face.halfplane import contact_of
 from solver.face.refusal import FactorError
 from solver.film.similar import Films
-from solver.film.windows import Indices
 from solver.surroundings.fields import curves, fields, inside, peaks
 from solver.surroundings.quantities import quantities
 

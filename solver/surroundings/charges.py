@@ -89,14 +89,14 @@ class Charges:
     def _beyond(self) -> Array:
         """The same of the charge beyond u."""
         within = legint(self._series, lbnd=1, axis=0) * -self._halves
-        whole = legval(-1.0, within)
+        whole = np.asarray(legval(-1.0, within))
         within[0] += np.cumsum(whole[..., ::-1], -1)[..., ::-1] - whole
         return np.asarray(within)
 
     @cached_property
     def _rest(self) -> Array:
         """Charge beyond all intervals; (side, 2)."""
-        return np.asarray(self.unknowns @ self.grid.totals - legval(-1.0, self._beyond)[..., 0])
+        return np.asarray(self.unknowns @ self.grid.totals - np.asarray(legval(-1.0, self._beyond))[..., 0])
 
     # -- on the surface ------------------------------------------------------------------------------------------------
     def at(self, X: Array) -> Array:

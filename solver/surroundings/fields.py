@@ -5,7 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
+from solver.fields import FIELDS
 from solver.film.contact import FilmContact
 from solver.film.inside import in_blocks
 from solver.film.interior import Interior, fields_of
@@ -13,12 +15,9 @@ from solver.film.net import Net, Nets
 from solver.film.peaks import PeakTable
 from solver.film.quantities import curves_of, peaks_of, require_depth
 from solver.film.similar import Films
-from solver.film.windows import Indices
 from solver.halfplane.potentials import POTENTIALS
-from solver.names import FIELDS
 from solver.surroundings.charges import FAR, NEAR
 from solver.surroundings.quantities import states
-from solver.surroundings.state import State
 from solver.surroundings.surface import surface_fields
 from solver.surroundings.tractions import AirTractions, Solved
 
@@ -26,7 +25,7 @@ _EDGES = np.array([1.0, -1.0])
 
 
 def fields(films: Films, permittivity: Array, positions: Array) -> dict[str, Array]:
-    """Surface fields of ``solver.names.FIELDS`` at positions X, finite and never exactly +-1; (case, position) each.
+    """Surface fields of ``solver.fields.FIELDS`` at positions X, finite and never exactly +-1; (case, position) each.
 
     Parameters
     ----------
@@ -44,7 +43,7 @@ def fields(films: Films, permittivity: Array, positions: Array) -> dict[str, Arr
 
 
 def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-    """Fields of ``solver.names.EVERY_INTERIOR`` at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x).
+    """Fields of ``solver.fields.EVERY_INTERIOR`` at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x).
 
     Raises
     ------
@@ -79,24 +78,19 @@ def _tables(films: Films, permittivity: Array) -> Iterator[tuple[Indices, PeakTa
         half = np.array([state.half])
         require_depth(films.kind, half)
         table = replace(state.of.contact.table, lower=state.half, upper=state.half)
-        extent = Extent(table, *_posed(state), half=half, middle=np.array([state.centre]))
+        c = state.of.contact
+        extent = Extent(table, c.profile, c.load, c.charges, c.datum, c.punch_datum, half)
         nets = Nets(films.kind.stack(), state.half, state.half)
         widest = max(float(np.max(net.positions(half, net.line))) for net in (nets.interface, nets.film)) + 1.5
         tractions = replace(Solved(state, _EDGES).tractions, widest=widest * state.half)
         yield np.array([place]), AirPeaks(table, tractions), extent
 
 
-def _posed(state: State) -> tuple[object, ...]:
-    contact = state.of.contact
-    return contact.profile, contact.load, contact.charges, contact.datum, contact.punch_datum
-
-
 @dataclass(frozen=True, eq=False)
 class Extent(FilmContact):
-    """A contact of an extent that is known."""
+    """A contact of a half-length that is known [m]; (case,)."""
 
     half: Array | None = None
-    middle: Array | None = None
 
     @property
     def half_width(self) -> Array:

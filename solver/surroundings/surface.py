@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solver.arrays import Array
+from solver.arrays import Array, ComplexArray
 from solver.film.surface import FilmFields, local_fields, of_local
 from solver.surroundings.state import State
 from solver.surroundings.tractions import Solved
@@ -16,7 +16,8 @@ def surface_fields(state: State, positions: Array) -> FilmFields:
     smooth = solved.assembly.gradients[0] @ solved.drawn + solved.carried(X)
     charges, H = np.zeros((2, 3, X.size))
     charges[1:, beyond], charges[1:, ~beyond] = solved.beside.at(X[beyond]), solved.beside.drawn(X[~beyond])
-    H[1:, beyond] = solved.beside.transforms(X[beyond] + 0j).real  # within the contact it is zero
+    on_it: ComplexArray = np.asarray(X[beyond], dtype=np.complex128)
+    H[1:, beyond] = solved.beside.transforms(on_it).real  # within the contact it is zero
     whole[:3] += charges
     whole[3:] += smooth[1:]
     whole[3:5] += c.compliance[1:] @ H

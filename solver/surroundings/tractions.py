@@ -147,12 +147,12 @@ class Solved:
         found = np.zeros((4, X.size))
         if of._wide is None:
             return found
-        both = Densities(of.grid, of._wide, of.far)
-        for f in self.system.fields:
-            mix = mixing(0.0, np.eye(3)[1 + f])[:, :4]
-            values = both.integrals(self.state.half, np.concatenate([X, -X]), mix)
-            right, left = values[: X.size] @ self.beside.unknowns[0, f], values[X.size :] @ self.beside.unknowns[1, f]
-            found += self.state.half * (right + _MIRRORED * left).T
+        mix = np.concatenate([mixing(0.0, np.eye(3)[1 + f])[:, :4] for f in self.system.fields], 1)
+        both = Densities(of.grid, of._wide, of.far).integrals(self.state.half, np.concatenate([X, -X]), mix)
+        right, left = both.reshape(2, X.size, len(self.system.fields), 4, -1)
+        for place, f in enumerate(self.system.fields):
+            unknowns = self.beside.unknowns[:, f]
+            found += self.state.half * (right[:, place] @ unknowns[0] + _MIRRORED * (left[:, place] @ unknowns[1])).T
         return found
 
     @cached_property

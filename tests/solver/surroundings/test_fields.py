@@ -38,7 +38,8 @@ INSIDE = ("stress_xx", "stress_yy", "stress_xy", "electric_displacement_y", "ele
 
 
 def inside(contact: AirContact, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-    return fields_of(Solved(contact.state, EDGES, FAR).tractions, x, y, names, contact.contact.datum)[0]
+    found: Array = fields_of(Solved(contact.state, EDGES, FAR).tractions, x, y, names, contact.contact.datum)[0]
+    return found
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -86,7 +87,7 @@ def test_kernels_and_waves_meet_at_the_surface_and_the_gap_has_its_law(name: str
 
 @pytest.mark.parametrize("name", CASES)
 def test_tractions_balance_load_and_charges(name: str) -> None:
-    """The contact by a double exponential rule, the charges beside it by panels in arccosh X: densities next to an edge are good to 1e-6."""
+    """The contact by a double exponential rule, what is beside it by panels in arccosh X; an edge is good to 1e-6."""
     stack, own = CASES[name]
     contact = airy(stack, **own)  # type: ignore[arg-type]
     state, nodes = contact.state, rule()
@@ -137,7 +138,7 @@ def test_fields_inside_are_in_equilibrium_and_meet_at_interfaces() -> None:
     tractions = replace(Solved(contact.state, EDGES).tractions, widest=3.0)
     names = ("stress_xx", "stress_xy", "stress_yy", "electric_displacement_x", "electric_displacement_y",
              "magnetic_induction_x", "magnetic_induction_y")  # fmt: skip
-    offsets = np.arange(-3, 4) * step
+    offsets: Array = np.asarray(np.arange(-3, 4) * step, dtype=np.float64)
     stencil = np.array([-1, 9, -45, 0, 45, -9, 1]) / (60 * step)
     for x, depth in ((1.6, 0.4), (-2.5, 1.5 / half)):
         v = fields_of(tractions, x + offsets, -depth + offsets, names, np.ones(1))[0]
