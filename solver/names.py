@@ -33,6 +33,7 @@ FACTORS: dict[str, Factor] = {
     ),
     "grading_exponent": Factor("1", "exponent of a graded film's depth", None, 1.0, optional=True),
     "collector": Factor("1", "number of the electrode that is read, from the top", None, 1.0),
+    "electrode_voltage": Factor("V", "of the whole electrode that is read, all others at zero", None),
     "patch_size": Factor(
         "m",
         "of the patch along x: diameter of a disc or ring, width of a strip or rectangle",
@@ -110,6 +111,7 @@ CHOICES: dict[str, tuple[str, ...]] = {
 OF_AN_ELECTRODE = (
     "electrode",
     "collector",
+    "electrode_voltage",
     "patch",
     "patch_size",
     "patch_hole",
@@ -209,6 +211,9 @@ FILM_QUANTITIES: dict[str, Described] = {
 #: Quantities of the electrode that is read; those of patches where these are given.
 ELECTRODE_QUANTITIES: dict[str, Described] = {
     "electrode_charge_per_force": Described("C N-1", "charge of the whole electrode per force"),
+    "electrode_stroke_per_volt": Described(
+        "m V-1", "depth per voltage of the whole electrode at fixed force and charges, all others at zero"
+    ),
     "electrode_pressure": Described("Pa", "pressure on the electrode below the middle of the contact"),
     "patch_charge_per_force": Described("C N-1", "charge of a patch of the electrode at zero volts per force"),
     "crosstalk": Described("1", "charge of the neighbouring patch over that of the patch below the contact"),

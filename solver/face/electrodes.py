@@ -15,8 +15,8 @@ from solver.film.reading import Reading
 from solver.names import CHOICES, FACTORS, OF_AN_ELECTRODE
 
 _NEEDS = {
-    "patch_size": "collector", "patch": "patch_size", "patch_position": "patch_size", "patch_pitch": "patch_size",
-    "patch_hole": "patch", "patch_length": "patch", "floating_neighbours": "patch_pitch",
+    "electrode_voltage": "collector", "patch_size": "collector", "patch": "patch_size", "patch_position": "patch_size",
+    "patch_pitch": "patch_size", "patch_hole": "patch", "patch_length": "patch", "floating_neighbours": "patch_pitch",
 }  # fmt: skip
 #: What a shape of patches has beside its size.
 _OWN = {"ring": "patch_hole", "rectangle": "patch_length"}
@@ -32,13 +32,17 @@ def reading_of(cases: Cases) -> Reading | None:
         return np.asarray(np.broadcast_to(values, shape).ravel(), dtype=np.float64)
 
     usual = CHOICES["patch"][1 if cases.kind.contact == "line" else 0]
-    of_patches = ("patch_size", "patch_pitch", "floating_neighbours")
-    size, pitch, floating = (flat(cases.values[name]) if name in cases.values else None for name in of_patches)
+    some = ("patch_size", "patch_pitch", "floating_neighbours", "electrode_voltage")
+    size, pitch, floating, voltage = (flat(cases.values[name]) if name in cases.values else None for name in some)
     shapes = np.asarray(cases.values.get("patch", np.array(usual)))
     of_shape = flat(sum(place * (shapes == name) for place, name in enumerate(CHOICES["patch"])))
     other = sum(flat(cases.values.get(own, 0.0) * (shapes == name)) for name, own in _OWN.items())
+    if cases.kind.contact == "line":  # a rectangle has, of the force on its length, what a strip has
+        of_shape, other = np.full_like(of_shape, CHOICES["patch"].index("strip")), np.zeros_like(of_shape)
     position = flat(cases.number("patch_position"))
-    return Reading(flat(cases.number("collector")), of_shape, position, np.asarray(other), size, pitch, floating)
+    return Reading(
+        flat(cases.number("collector")), of_shape, position, np.asarray(other), size, pitch, floating, voltage
+    )
 
 
 def electroded(cases: Cases) -> BoolArray:
@@ -72,10 +76,6 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
         refuse(arrays, name, ~bare & ~kinds.isin(read), "without a film in insulated surroundings")
     if "collector" not in arrays:
         return
-    if "friction" in arrays and "patch_size" in arrays:  # what it adds has no charge in all, but moves that of patches
-        points = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "point"])
-        slides = arrays["friction"].drop_vars(arrays["friction"].coords) != 0
-        refuse(arrays, "friction", slides & points, "of a point contact above a patch that is read; must be 0")
     for name, least in (("collector", 1), ("floating_neighbours", 0)):
         if name in arrays:
             refuse(arrays, name, plain[name] != np.floor(plain[name]), f"is not a whole number >= {least} [1]")
@@ -85,7 +85,8 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
         refuse(arrays, "floating_neighbours", points & no_discs, "below a point contact, of patches that are no discs")
     if "patch" in arrays:
         lines = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "line"])
-        refuse(arrays, "patch", (plain["patch"] != "strip") & lines, "below a contact along a line; must be strip")
+        round_ = plain["patch"].isin(["disc", "ring"])
+        refuse(arrays, "patch", round_ & lines, "below a contact along a line; must be strip or rectangle")
         for shape, own in _OWN.items():
             there = plain["patch"] == shape
             if own not in arrays:

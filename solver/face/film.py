@@ -58,7 +58,9 @@ class OnFilm:
         if reading is None:
             return self._put_together(lambda films, _: quantities(films))
         return self._put_together(
-            lambda films, places: quantities(films) | electrode_quantities(films, reading.part(places))
+            lambda films, places: reading.part(places).driven(
+                quantities(films) | electrode_quantities(films, reading.part(places))
+            )
         )
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:

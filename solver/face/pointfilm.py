@@ -129,5 +129,5 @@ def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Arr
     if isinstance(body, Film) and "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)
     if isinstance(body, Film) and pressed.reading is not None:
-        out |= electrode_quantities(pressed.charged, body, pressed.reading)
+        out = pressed.reading.driven(out | electrode_quantities(pressed.charged, body, pressed.reading))
     return out

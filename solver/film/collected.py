@@ -14,9 +14,8 @@ from solver.arrays import Array, ComplexArray
 from solver.film.contact import FilmContact
 from solver.film.electrodes import Electrode, transfers
 from solver.film.floating import Strips, strips
-from solver.film.reading import BARE, Collected, Reading, joined
+from solver.film.reading import Collected, Reading, joined
 from solver.film.similar import Films
-from solver.film.stack import StackError
 from solver.film.tractions import TractionTable
 from solver.film.windows import Kind, window
 
@@ -38,8 +37,7 @@ def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
         An electrode that is not there, a patch that reaches farther than is resolved; strips that float below a punch
         that conducts on a bare surface.
     """
-    if reading.floating is not None and films.kind.conducts[0]:
-        raise StackError(BARE)
+    reading.refused(conducts=films.kind.conducts[0])
     reading, parts = reading.over(films.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, number, contact in films.parts:
         own, thickness = reading.part(places), films.thickness[places]
@@ -80,6 +78,7 @@ class _Read:
     def quantities(self, thickness: Array) -> dict[str, Array]:
         """By name, SI; (case,) each."""
         out = {"electrode_charge_per_force": self.whole / self.load}
+        out["electrode_stroke_per_volt"] = np.full_like(self.load, self.electrode.stroke)
         if not self.electrode.on_top:
             pressure = -np.sum(self.carried[:, 1].real * self.weights, -1) / np.pi
             out["electrode_pressure"] = pressure * self.scale[2] / self.scale[1]

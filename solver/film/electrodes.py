@@ -171,6 +171,11 @@ class Electrode:
                 charge += above - t[2]
         return charge
 
+    @property
+    def stroke(self) -> float:
+        """Depth per volt of the whole electrode [m V-1]: reciprocal to its charge per force."""
+        return -float(self.whole[0] * self.stack.scale[1] / self.stack.scale[2])
+
 
 @lru_cache(_KEPT)
 def transfers(stack: Stack, number: int, octave: int) -> tuple[Array, Array, Array]:
