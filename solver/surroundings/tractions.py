@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from solver.arrays import Array, ComplexArray
 from solver.film.assembly import Assembly, mixing
-from solver.film.kernel import on_panels, panels, strip
+from solver.film.kernel import kernel, on_panels, panels, strip
 from solver.film.stack import Stack
 from solver.film.system import System
 from solver.film.tractions import Tractions
@@ -114,7 +114,11 @@ class Solved:
     def system(self) -> System:
         """The contact's, its kernels as far as charges lie."""
         of = self.state.of.table.operators
-        return of.system if of._wide is None else replace(of.system, kernel=of._wide)
+        wide, own = of._wide, of.system.kernel
+        if wide is None:  # a half-plane's are zero, as far as they are asked for
+            reach = self.state.half * (1 + float(np.max(np.abs(self.points))))
+            wide = own if reach <= own.reach else kernel(own.stack, reach)
+        return replace(of.system, kernel=wide)
 
     @cached_property
     def assembly(self) -> Assembly:

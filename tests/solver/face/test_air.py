@@ -133,7 +133,7 @@ def test_refused_in_one_line(changed: dict[str, Any], message: str) -> None:
 
 def test_fields_and_peaks_in_no_air_are_those_without() -> None:
     """Of half-planes by the closed form, of films by their tables, whose nets are others: peaks to 1e-6."""
-    positions, x, y = [-2.0, -0.5, 0.3, 1.4], [-1.5, 0.2, 3.0], [-0.1, -0.7]
+    positions, x, y = [-20.0, -2.0, -0.5, 0.3, 1.4], [-1.5, 0.2, 3.0], [-0.1, -0.7]
     none = AIR | {"gap_permittivity": 1e-16}
     for case in (LINE, FILM | {"friction": 0.2, "load": 1e4}):
         exact, found = (solver.solve(case | own, positions, regular=True) for own in ({}, none))
