@@ -24,7 +24,7 @@ from solver.surroundings.densities import enough, far, sampled
 from solver.surroundings.grid import CLOSE, GROWING, LEVEL, Grid, gauss
 
 _REACH = 8e4  # widths of the strip at which kernels are cut: beyond, they are their logarithm
-_SIGNS = np.array([-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0])  # of mirror images: gradients are odd, displacements even
+_SIGNS = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])  # of mirror images: gradients of (y, phi, psi) are odd
 _NOTHING = 1e-13  # of the compliance: kernels of a stack that is a half-plane
 #: Rows: load, balance, displacements, edge stresses and pressures over their weight; then those beside the contact.
 LOAD, BALANCE, DISPLACEMENT, EDGE, PRESSURE = 0, 1, slice(2, 5), slice(5, 7), slice(7, 7 + SAMPLES.size)

@@ -13,7 +13,7 @@ from workflow.report import sections as page_sections
 from workflow.run import crate, lock, provenance, sources
 from workflow.study import coupling, location, partition, planned
 from workflow.study import model as studies
-from workflow.study.contents import BOX, PHYSICS
+from workflow.study.digest import BOX, PHYSICS
 from workflow.study.sections import CHECK_GROUPS
 
 # jobs look for modules where this process does

@@ -58,8 +58,8 @@ def _asks_for_more(study: Contents) -> str:
     has = kind_of({*study.factors, *study.fixed, *([BODY] if study.body else [])}, _names(study, "profile")[0], AIR)
     try:
         wanted = [name for target in study.design.values() for name in target.names()]
-        if "positions" in study.dataset.model_fields_set and not has.fields:
-            return "dataset: positions ask for fields, which contacts in air do not have"
+        if "positions" in study.dataset.model_fields_set or study.dataset.peaks:
+            return "dataset: positions or peaks ask for fields, which take 50 ms a case in air, or seconds"
         check_fields(study)
         check_groups(study)
     except ValueError as error:

@@ -96,6 +96,13 @@ def test_strips_sum_to_the_electrode(punch: dict[str, Any]) -> None:
     assert charge(endless, "patch_charge_per_force") == pytest.approx(charge(endless), rel=1e-10)
 
 
+def test_a_rectangle_below_a_roller_has_of_the_force_on_its_length_what_a_strip_has() -> None:
+    case = ROLLER | {"body": ACTIVE, "collector": 2, "patch_size": 2e-4, "patch_position": 5e-5}
+    found = solver.solve(case | {"patch": "rectangle", "patch_length": [1e-3, 1.0]})
+    strip = float(solver.solve(case)["patch_charge_per_force"])
+    np.testing.assert_allclose(charge(found, "patch_charge_per_force"), strip, rtol=1e-14)
+
+
 def test_strips_below_a_roller_collect_the_jump_of_the_field_inside() -> None:
     plain = solver.solve(ROLLER | {"body": ACTIVE})
     half = float(plain["contact_trailing"] + plain["contact_leading"]) / 2
@@ -238,6 +245,16 @@ def test_what_a_base_stretches_leads_on_to_the_free_slab_s_d33() -> None:
     assert slopes[1] == pytest.approx(slopes[0], rel=1e-9)
     reached = charges[0] + slopes[0] * float(-2 * along)
     assert abs(reached) == pytest.approx(free, rel=1e-9)
+
+
+def test_aluminium_nitride_on_silicon_nearly_stands_still() -> None:
+    """e33/c33 less what the film's pull along itself, e31 - e33 c13/c33, does to a half-space: 1/(c11 + c12) of it."""
+    film, case = solver.find("AlN"), {"material": "AlN", "thickness": 1e-6, "base": "silicon", "electrode": "top"}
+    found = solver.solve(BALL | case | {"force": 0.1, "collector": 1})["electrode_stroke_per_volt"]
+    pull = float(film.e31 - film.e33 * film.c13 / film.c33)
+    exact = float(film.e33 / film.c33) + pull / float(SILICON.c11 + SILICON.c12)
+    assert float(found) == pytest.approx(exact, rel=1e-10)
+    assert 1e12 * exact == pytest.approx(-0.26, abs=0.005)
 
 
 def test_a_thin_metal_on_top_tends_to_the_electrode_without_stiffness() -> None:

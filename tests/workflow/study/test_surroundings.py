@@ -10,7 +10,8 @@ from solver.names import GAP_QUANTITIES, POINT_GAP_QUANTITIES
 from solver.similarity import QUANTITY_WEIGHTS
 from workflow.language import grammar
 from workflow.study import surroundings
-from workflow.study.contents import Contents, Origin
+from workflow.study.contents import Contents
+from workflow.study.keys import Origin
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
@@ -55,6 +56,13 @@ def test_what_only_some_surroundings_have_is_lacked(both: Study) -> None:
     assert both.narrowed({"surroundings": "insulated"}).kind.air is False
 
 
+def test_fields_of_lines_in_air_are_stored_where_positions_are_given(tmp_path: Path) -> None:
+    told = study(AIR + "dataset: {positions: {inside: 4, outside: 2}}\n", tmp_path)
+    assert told.stores_fields
+    ball = BALL + "dataset: {positions: {inside: 4, outside: 2}}\n"
+    assert not study(ball, tmp_path).stores_fields
+
+
 def test_no_fields_are_stored_where_any_case_is_in_air(alone: Study, both: Study) -> None:
     assert not alone.stores_fields
     assert not both.stores_fields
@@ -67,17 +75,15 @@ def test_no_fields_are_stored_where_any_case_is_in_air(alone: Study, both: Study
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        ("surrogate: {fields: 8}\n", "surrogate: fields: cases with surroundings: 'air' have none; must be 0"),
+        (
+            "surrogate: {fields: 8}\n",
+            "surrogate: fields: those of contacts with air beside them are not learned; must be 0",
+        ),
         ("dataset: {peaks: true}\n", "dataset: peaks: cases with surroundings: 'air' have none; must be false"),
         (
-            "effects:\n  baseline: {material: PZT-4, radius: 0.05, load: 1e4, surroundings: air}\n"
-            "  vary: {friction: [0.0, 0.1]}\n",
+            "effects:\n  baseline: {material: PZT-4, profile: sphere, radius: 0.05, force: 1.0, surroundings: air}\n"
+            "  vary: {force: [1.0, 2.0]}\n",
             "effects: baseline: surroundings: 'air' has no fields, which effects draw; must be insulated",
-        ),
-        (
-            "effects:\n  baseline: {material: PZT-4, radius: 0.05, load: 1e4}\n"
-            "  vary: {surroundings: [insulated, air]}\n",
-            "effects: vary: surroundings: 'air' has no fields, which effects draw; must be insulated",
         ),
     ],
 )
@@ -187,7 +193,7 @@ def test_a_device_is_in_air_unless_it_says_otherwise() -> None:
         ({"fixed": {"profile": "flat", "width": 1e-4, "slope": 0.0}}, "no narrow gap with an end"),
         ({"categories": {"profile": ["cylinder", "sphere"]}}, "more than one kind"),
         ({"fixed": {"grading_exponent": 2}}, "its film is graded"),
-        ({"dataset": {"peaks": True}}, "must be false"),
+        ({"dataset": {"peaks": True}}, "ask for fields"),
         ({"dataset": {"positions": {"inside": 12, "outside": 6}}}, "ask for fields"),
         ({"factors": BOX, "groups": {"load * radius / thickness^2": {"levels": 3}}}, "make radius / thickness a group"),
         ({"surrogate": {"outputs": ["capacitance"]}}, "capacitance_at_load"),
