@@ -223,7 +223,7 @@ def test_every_section_says_what_its_numbers_say() -> None:
     assert sentences.readout(
         [{"cases": 50, "rows": [{"name": "load", "coverage": 0.96, "width": 0.01, "left": 0.1}]}]
     ) == ("Load is read to 1 %, and its 95 % interval held it in 96 % of 50 cases.")
-    study = load("config/parametric.yaml")
+    study = load("config/point.yaml")
     assert study.effects is not None
     assert all(name.replace("_", " ") in sentences.effects(study) for name in study.effects.vary)
 
