@@ -59,7 +59,7 @@ class Project:
     ) -> subprocess.CompletedProcess[str]:
         """Run a command of the virtual environment inside the copy; a fork of a warm process, unless it is cold."""
         packages = self.modules or self.folder
-        if command[0] in nursery.PROGRAMS and not cold and not self.modules:
+        if command[0] in nursery.PROGRAMS and not cold:
             done = nursery.run(command, self.folder, packages, said)
         else:
             done = subprocess.run(
