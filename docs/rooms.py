@@ -18,6 +18,7 @@ from docs.picture import Arrows, shortened
 FOLDER = Path(__file__).parent
 PAGE = FOLDER / "architecture.md"
 _LIST = re.compile(r"(?<=<!-- written by docs/rooms.py -->\n).*?(?=<!-- end -->)", re.DOTALL)
+_TABLE = re.compile(r"(?<=<!-- rooms by docs/rooms.py -->\n).*?(?=<!-- end of the rooms -->)", re.DOTALL)
 _WIDTH, _HEIGHT, _GAP_X, _GAP_Y, _EDGE, _HEAD = 98, 30, 12, 32, 12, 26
 
 Point = tuple[float, float]
@@ -149,8 +150,20 @@ def _way(start: Point, end: Point, out: Frame, into: Frame) -> str:
 
 
 def listed(page: str) -> str:
-    """The page of the architecture with the list of all modules as they are now."""
+    """The page of the architecture with its table of rooms and its list of all modules as they are now."""
+    page = _TABLE.sub(lambda _: "".join(_rows()), page)
     return _LIST.sub(lambda _: "".join(_lines(FOLDER.parent / column) for column in COLUMNS_DOWN), page)
+
+
+def _rows() -> list[str]:
+    """The table of all rooms, each with the first line of its docstring."""
+    inner = {
+        room: sorted(path.parent for path in (FOLDER.parent / room).glob("*/__init__.py")) for room in COLUMNS_DOWN
+    }
+    rooms = [within for room, own in inner.items() if room not in _WHOLE for within in own]
+    rooms += [FOLDER.parent / room for room in COLUMNS_DOWN if room in _WHOLE]
+    rows = [f"| `{room.relative_to(FOLDER.parent)}` | {_said(room / '__init__.py')} |\n" for room in rooms]
+    return ["| room | what it is: what to look for there |\n|---|---|\n", *rows]
 
 
 def _lines(folder: Path, depth: int = 3) -> str:

@@ -6,7 +6,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from approximation.arrays import Array as Array
+
 BoolArray = NDArray[np.bool_]
 ComplexArray = NDArray[np.complex128]
 #: Real or complex arrays: positions on the surface, or complex coordinates of the interior.

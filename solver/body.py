@@ -10,21 +10,22 @@ from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 from approximation.arrays import Array
+from solver.described import Contact, Described, Loads
+from solver.fields import FIELDS, POINT_FIELDS
 from solver.names import (
     AIR,
     BODY,
     CHOICES,
     CONTACTS,
+    DISC_QUANTITIES,
     ELECTRODE_QUANTITIES,
     ENDS,
-    FIELDS,
     FILM_PEAKS,
     FILM_QUANTITIES,
     GAP_QUANTITIES,
     OF_A_FILM,
     OF_AN_ELECTRODE,
     PEAKS,
-    POINT_FIELDS,
     POINT_GAP_QUANTITIES,
     POINT_QUANTITIES,
     POINT_SLIDING,
@@ -32,9 +33,6 @@ from solver.names import (
     QUANTITIES,
     STRIP_QUANTITIES,
     TABLED,
-    Contact,
-    Described,
-    Loads,
 )
 
 #: What depths and potentials refer to: a datum, nothing but themselves, or either, as base and interface decide.
@@ -131,7 +129,7 @@ FILM = Kind(
     method="; on films, integral equations with the closed form as their singular part",
 )
 
-_OF_A_LINE = {name: one for name, one in QUANTITIES.items() if "_edge_intensity_" not in name}
+_OF_A_LINE = {name: quantity for name, quantity in QUANTITIES.items() if "_edge_intensity_" not in name}
 _IN_AIR = "; with air beside the contact, Newton's iteration on charges beside it"
 HALF_PLANE_IN_AIR = Kind(
     "half-plane with air beside the contact",
@@ -159,7 +157,11 @@ POINT_FILM = Kind(
     "film under a point",
     "point",
     "absolute",
-    POINT_QUANTITIES | POINT_SLIDING | {"nominal_field": FILM_QUANTITIES["nominal_field"]} | ELECTRODE_QUANTITIES,
+    POINT_QUANTITIES
+    | POINT_SLIDING
+    | {"nominal_field": FILM_QUANTITIES["nominal_field"]}
+    | ELECTRODE_QUANTITIES
+    | DISC_QUANTITIES,
     FILM_PEAKS,
     (),
     layered=True,
@@ -168,7 +170,7 @@ POINT_FILM = Kind(
     method="; on films under a point, Galerkin's equations in Legendre functions beside the closed form",
 )
 
-_OF_A_POINT = {name: one for name, one in POINT_QUANTITIES.items() if "_edge_intensity" not in name}
+_OF_A_POINT = {name: quantity for name, quantity in POINT_QUANTITIES.items() if "_edge_intensity" not in name}
 HALF_SPACE_IN_AIR = replace(
     HALF_SPACE,
     name="half-space with air beside the contact",

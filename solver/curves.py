@@ -12,7 +12,7 @@ import numpy as np
 from approximation.arrays import Array
 from approximation.measure import Measure
 from approximation.panels import Panels, line
-from solver.names import Described
+from solver.described import Described
 
 
 @dataclass(frozen=True)

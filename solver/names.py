@@ -1,103 +1,6 @@
-"""Names, units and meanings of factors, surface fields and quantities: one table each, used everywhere."""
+"""Names, units and meanings of factors and quantities: one table each, used everywhere."""
 
-from dataclasses import dataclass
-from typing import Literal
-
-#: How a punch touches a body: along a line, per metre of which loads are given, or at a point.
-Contact = Literal["line", "point"]
-
-
-@dataclass(frozen=True)
-class Factor:
-    """A numeric input of a case: unit, meaning, default (None: must be given) and bounds.
-
-    A case may be without an optional one: it is then NaN, or absent.
-    """
-
-    units: str
-    long_name: str
-    default: float | None = None
-    low: float = float("-inf")
-    low_allowed: bool = True
-    high: float = float("inf")
-    high_allowed: bool = True
-    optional: bool = False
-
-    @property
-    def allowed(self) -> str:
-        """What is allowed, in words."""
-        text = "a finite number"
-        if self.low > float("-inf"):
-            text += f" {'>=' if self.low_allowed else '>'} {self.low:g}"
-        if self.high < float("inf"):
-            text += f" and {'<=' if self.high_allowed else '<'} {self.high:g}"
-        return f"{text} [{self.units}]"
-
-    def allows(self, value: float) -> bool:
-        """Whether a finite number is within the bounds."""
-        above = value >= self.low if self.low_allowed else value > self.low
-        return above and (value <= self.high if self.high_allowed else value < self.high)
-
-
-@dataclass(frozen=True)
-class Described:
-    """Unit and meaning of an output, and what one must know to use it.
-
-    ``on_datum``: it depends on the datum of a half-plane; ``on_punch``: along a line also on that of an elastic punch.
-    ``sparse``: it is NaN in a case that has none.
-    ``formula``: how it follows from smoother ones, in the language of designs.
-    """
-
-    units: str
-    long_name: str
-    comment: str = ""
-    on_datum: bool = False
-    on_punch: bool = False
-    sparse: bool = False
-    formula: str = ""
-
-    @property
-    def attrs(self) -> dict[str, str]:
-        """CF attributes."""
-        comment = {"comment": self.comment} if self.comment else {}
-        return {"units": self.units, "long_name": self.long_name, **comment}
-
-
-@dataclass(frozen=True)
-class Loads:
-    """The factors that press and charge a punch: its normal force, and its electric and magnetic charge."""
-
-    force: str
-    charges: tuple[str, str]
-
-
-@dataclass(frozen=True)
-class Outline:
-    """What a profile of the punch must be given, what it may be given, and the kind of contact that it makes."""
-
-    needs: tuple[str, ...]
-    may: tuple[str, ...] = ()
-    contact: Contact = "line"
-
-    @property
-    def takes(self) -> tuple[str, ...]:
-        """Every factor that it has."""
-        return (*self.needs, *self.may)
-
-
-def _on_datum(units: str, long_name: str, *, on_punch: bool = False) -> Described:
-    return Described(units, long_name, _DATUM, on_datum=True, on_punch=on_punch)
-
-
-_DATUM = (
-    "depends on the datum, an arbitrary length: displacements and potentials of a half-plane are logarithmic, and 0 on "
-    "its surface at this distance from the contact"
-)
-_OUTSIDE = (
-    "of the free surface beside the contact; just inside, under a punch that conducts, sigma_xx is unbounded as the "
-    "inverse square root of the distance from the edge"
-)
-
+from solver.described import Contact, Described, Factor, Loads, Outline, on_datum
 
 #: Numeric factors of a case.
 FACTORS: dict[str, Factor] = {
@@ -130,6 +33,7 @@ FACTORS: dict[str, Factor] = {
     ),
     "grading_exponent": Factor("1", "exponent of a graded film's depth", None, 1.0, optional=True),
     "collector": Factor("1", "number of the electrode that is read, from the top", None, 1.0),
+    "electrode_voltage": Factor("V", "of the whole electrode that is read, all others at zero", None),
     "patch_size": Factor(
         "m",
         "of the patch along x: diameter of a disc or ring, width of a strip or rectangle",
@@ -142,7 +46,7 @@ FACTORS: dict[str, Factor] = {
     "patch_position": Factor("m", "of the patch's middle from that of the contact", 0.0),
     "patch_pitch": Factor("m", "distance of the middles of neighbouring patches", None, 0.0, low_allowed=False),
     "floating_neighbours": Factor(
-        "1", "number of strips that float on each side of that which is read, bare gaps between", None, 0.0, high=20.0
+        "1", "strips or discs that float on each side of that which is read, bare gaps between", None, 0.0, high=20.0
     ),
     "base_modulus": Factor("Pa", "Young's modulus of a film's base", None, 0.0, low_allowed=False, optional=True),
     "base_poisson": Factor(
@@ -171,13 +75,28 @@ FACTORS: dict[str, Factor] = {
 #: The factor that says what each composite is made of; the laws are those of ``solver/material/laws.py``.
 COMPOSITES = {"fibrous": "volume_fraction", "laminate": "volume_fraction", "AlScN": "scandium_fraction"}
 
+#: How a composite that is no mixture is written by the share that its factor is, and the rest.
+FORMULAS = {"AlScN": "Al({rest})Sc({share})N"}
+
 #: Those that are made of the two phases.
 MIXTURES = tuple(name for name, factor in COMPOSITES.items() if factor == "volume_fraction")
+
+#: The factors of a profile, and the contact that it makes: a profile says which kind of contact a case is.
+PROFILES: dict[str, Outline] = {
+    "cylinder": Outline(("radius",)),
+    "flat": Outline(("width",), ("slope", "moment")),
+    "wedge": Outline(("slope",), ("corner",)),
+    "half_cylinder": Outline(("radius",), ("corner",)),
+    "sphere": Outline(("radius",), contact="point"),
+    "cone": Outline(("slope",), contact="point"),
+    "disc": Outline(("width",), contact="point"),
+    "power": Outline(("exponent", "coefficient"), contact="point"),
+}
 
 #: Factors that take one of a few names; the first is the default.
 CHOICES: dict[str, tuple[str, ...]] = {
     "composite": tuple(COMPOSITES),
-    "profile": ("cylinder", "flat", "wedge", "half_cylinder", "sphere", "cone", "disc", "power"),
+    "profile": tuple(PROFILES),
     "corner": ("leading", "trailing"),
     "electric": ("conducting", "insulating"),
     "magnetic": ("conducting", "insulating"),
@@ -192,6 +111,7 @@ CHOICES: dict[str, tuple[str, ...]] = {
 OF_AN_ELECTRODE = (
     "electrode",
     "collector",
+    "electrode_voltage",
     "patch",
     "patch_size",
     "patch_hole",
@@ -219,18 +139,6 @@ OF_A_FILM = (
 #: The factor that gives a whole stack of layers (:class:`solver.Stack`), in place of a material and a film's factors.
 BODY = "body"
 
-#: The factors of a profile, and the contact that it makes: a profile says which kind of contact a case is.
-PROFILES: dict[str, Outline] = {
-    "cylinder": Outline(("radius",)),
-    "flat": Outline(("width",), ("slope", "moment")),
-    "wedge": Outline(("slope",), ("corner",)),
-    "half_cylinder": Outline(("radius",), ("corner",)),
-    "sphere": Outline(("radius",), contact="point"),
-    "cone": Outline(("slope",), contact="point"),
-    "disc": Outline(("width",), contact="point"),
-    "power": Outline(("exponent", "coefficient"), contact="point"),
-}
-
 #: What presses and charges the punch of each kind of contact.
 CONTACTS: dict[Contact, Loads] = {
     "line": Loads("load", ("charge", "magnetic_charge")),
@@ -246,77 +154,10 @@ ENDS: dict[Contact, tuple[str, str]] = {
 #: Factors that a point contact has no use for: its depth and potentials are absolute, and it does not move.
 OF_A_LINE = ("datum", "speed", "corner", "moment")
 
-#: Surface fields over (case factors..., position).
-FIELDS: dict[str, Described] = {
-    "contact_pressure": Described("Pa", "contact pressure p = -sigma_yy"),
-    "shear_traction": Described("Pa", "surface shear stress sigma_xy"),
-    "electric_displacement_y": Described("C m-2", "normal electric displacement D_y"),
-    "magnetic_induction_y": Described("T", "normal magnetic induction B_y"),
-    "stress_xx": Described("Pa", "in-plane surface stress sigma_xx"),
-    "electric_displacement_x": Described("C m-2", "tangential electric displacement D_x"),
-    "magnetic_induction_x": Described("T", "tangential magnetic induction B_x"),
-}
-
-#: Fields with a square-root singularity at the edges, also given times sqrt|1 - X^2| as ``<name>_regular``.
-SINGULAR = tuple(FIELDS)[2:]
-
-#: Surface fields of point contacts over (case factors..., position), positions r/a; stresses need c12.
-POINT_FIELDS: dict[str, Described] = {
-    "contact_pressure": FIELDS["contact_pressure"],
-    "electric_displacement": Described("C m-2", "normal electric displacement D_y at a point contact"),
-    "magnetic_induction": Described("T", "normal magnetic induction B_y at a point contact"),
-    "radial_stress": Described("Pa", "radial surface stress sigma_rr"),
-    "hoop_stress": Described("Pa", "hoop stress of the surface sigma_tt"),
-}
-
-#: Those with a square-root singularity at the edge.
-POINT_SINGULAR = tuple(POINT_FIELDS)[1:]
-
-#: What is given of them then.
-REGULAR: dict[str, Described] = {
-    f"{name}_regular": Described(field.units, f"{field.long_name}, times sqrt|1 - X^2|")
-    for name, field in (FIELDS | POINT_FIELDS).items()
-    if name in SINGULAR + POINT_SINGULAR
-}
-
-#: Every surface field there is.
-EVERY_FIELD = FIELDS | POINT_FIELDS | REGULAR
-
-#: Fields inside the body over (case factors..., y, x), as :func:`solver.solve_interior` gives them unasked.
-INTERIOR: dict[str, Described] = {
-    "stress_xx": Described("Pa", "stress sigma_xx"),
-    "stress_yy": Described("Pa", "stress sigma_yy"),
-    "stress_xy": Described("Pa", "shear stress sigma_xy"),
-    "stress_zz": Described("Pa", "out-of-plane stress sigma_zz"),
-    "von_mises": Described("Pa", "von Mises stress"),
-    "electric_displacement_x": Described("C m-2", "electric displacement D_x"),
-    "electric_displacement_y": Described("C m-2", "electric displacement D_y"),
-    "magnetic_induction_x": Described("T", "magnetic induction B_x"),
-    "magnetic_induction_y": Described("T", "magnetic induction B_y"),
-    "electric_field_x": Described("V m-1", "electric field E_x"),
-    "electric_field_y": Described("V m-1", "electric field E_y"),
-    "magnetic_field_x": Described("A m-1", "magnetic field H_x"),
-    "magnetic_field_y": Described("A m-1", "magnetic field H_y"),
-}
-
-#: Fields inside the body that are given when asked for by name.
-INTERIOR_ON_REQUEST: dict[str, Described] = {
-    "electric_potential": _on_datum("V", "electric potential relative to the datum"),
-    "magnetic_potential": _on_datum("A", "magnetic potential relative to the datum"),
-    "principal_tension": Described("Pa", "largest principal stress"),
-    "strain_xx": Described("1", "strain epsilon_xx"),
-    "strain_yy": Described("1", "strain epsilon_yy"),
-    "strain_xy": Described("1", "tensor shear strain epsilon_xy"),
-}
-
-#: Every field inside the body there is.
-EVERY_INTERIOR = {**INTERIOR, **INTERIOR_ON_REQUEST}
-
-#: Fields inside the body that need c12.
-NEED_C12 = ("stress_zz", "von_mises", "principal_tension")
-
-#: The same of point contacts, whose surface turns with the direction.
-POINT_NEED_C12 = ("stress_xx", *NEED_C12)
+_OUTSIDE = (
+    "of the free surface beside the contact; just inside, under a punch that conducts, sigma_xx is unbounded as the "
+    "inverse square root of the distance from the edge"
+)
 
 #: Quantities, one number per case.
 QUANTITIES: dict[str, Described] = {
@@ -324,25 +165,25 @@ QUANTITIES: dict[str, Described] = {
     "contact_leading": Described("m", "leading extent b of the contact"),
     "pressure_exponent": Described("1", "pressure exponent alpha"),
     "peak_pressure": Described("Pa", "largest contact pressure"),
-    "depth": _on_datum("m", "indentation depth relative to the datum", on_punch=True),
-    "voltage": _on_datum("V", "electric potential of the punch relative to the datum"),
-    "magnetic_potential": _on_datum("A", "magnetic potential of the punch relative to the datum"),
+    "depth": on_datum("m", "indentation depth relative to the datum", on_punch=True),
+    "voltage": on_datum("V", "electric potential of the punch relative to the datum"),
+    "magnetic_potential": on_datum("A", "magnetic potential of the punch relative to the datum"),
     "electric_edge_intensity_trailing": Described("C m-3/2", "edge intensity of D_y at the trailing edge"),
     "electric_edge_intensity_leading": Described("C m-3/2", "edge intensity of D_y at the leading edge"),
     "magnetic_edge_intensity_trailing": Described("T m1/2", "edge intensity of B_y at the trailing edge"),
     "magnetic_edge_intensity_leading": Described("T m1/2", "edge intensity of B_y at the leading edge"),
     "trailing_tension": Described("Pa", "sigma_xx just outside the trailing edge", _OUTSIDE),
     "leading_compression": Described("Pa", "sigma_xx just outside the leading edge", _OUTSIDE),
-    "voltage_sensitivity": _on_datum("V m N-1", "d voltage / d load without charges"),
-    "magnetic_sensitivity": _on_datum("A m N-1", "d magnetic potential / d load without charges"),
-    "charge_sensitivity": _on_datum("C N-1", "electric charge per load that makes the voltage 0, J = 0"),
-    "flux_sensitivity": _on_datum("Wb N-1", "magnetic charge per load that makes the magnetic potential 0, T = 0"),
+    "voltage_sensitivity": on_datum("V m N-1", "d voltage / d load without charges"),
+    "magnetic_sensitivity": on_datum("A m N-1", "d magnetic potential / d load without charges"),
+    "charge_sensitivity": on_datum("C N-1", "electric charge per load that makes the voltage 0, J = 0"),
+    "flux_sensitivity": on_datum("Wb N-1", "magnetic charge per load that makes the magnetic potential 0, T = 0"),
     "stroke_per_volt": Described("m V-1", "depth per voltage at fixed load and magnetic charge"),
     "stroke_per_ampere": Described("m A-1", "depth per magnetic potential at fixed load and electric charge"),
-    "blocked_load_per_volt": _on_datum(
+    "blocked_load_per_volt": on_datum(
         "N m-1 V-1", "load per voltage at fixed depth and magnetic charge", on_punch=True
     ),
-    "blocked_load_per_ampere": _on_datum(
+    "blocked_load_per_ampere": on_datum(
         "N m-1 A-1", "load per magnetic potential at fixed depth and electric charge", on_punch=True
     ),
 }
@@ -370,6 +211,9 @@ FILM_QUANTITIES: dict[str, Described] = {
 #: Quantities of the electrode that is read; those of patches where these are given.
 ELECTRODE_QUANTITIES: dict[str, Described] = {
     "electrode_charge_per_force": Described("C N-1", "charge of the whole electrode per force"),
+    "electrode_stroke_per_volt": Described(
+        "m V-1", "depth per voltage of the whole electrode at fixed force and charges, all others at zero"
+    ),
     "electrode_pressure": Described("Pa", "pressure on the electrode below the middle of the contact"),
     "patch_charge_per_force": Described("C N-1", "charge of a patch of the electrode at zero volts per force"),
     "crosstalk": Described("1", "charge of the neighbouring patch over that of the patch below the contact"),
@@ -384,9 +228,15 @@ STRIP_QUANTITIES: dict[str, Described] = {
     "patch_voltage_per_load": Described("V m N-1", "voltage per load of a strip that floats as its neighbours do"),
 }
 
+#: Those of discs of it that float, below points alone.
+DISC_QUANTITIES: dict[str, Described] = {
+    "disc_capacitance": Described("F", "of a disc beside discs that float, to all that is at zero volts"),
+    "disc_voltage_per_force": Described("V N-1", "voltage per force of a disc that floats as its neighbours do"),
+}
+
 #: Quantities that a contact has where a gap beside it carries charge, in place of edge intensities.
 GAP_QUANTITIES: dict[str, Described] = {
-    "capacitance_at_load": _on_datum("F m-1", "d charge / d voltage at fixed load and magnetic charge"),
+    "capacitance_at_load": on_datum("F m-1", "d charge / d voltage at fixed load and magnetic charge"),
     "peak_displacement": Described("C m-2", "largest abs(D_y) on the contact and beside it"),
     "gap_field": Described("V m-1", "largest electric field in the gap beside the contact"),
 }
@@ -466,7 +316,7 @@ LIMITED: dict[str, tuple[str, ...]] = {
 #: Every quantity of any body.
 ALL_QUANTITIES = {
     **EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **GAP_QUANTITIES, **POINT_QUANTITIES, **POINT_GAP_QUANTITIES,
-    **ELECTRODE_QUANTITIES, **STRIP_QUANTITIES,
+    **ELECTRODE_QUANTITIES, **STRIP_QUANTITIES, **DISC_QUANTITIES,
 }  # fmt: skip
 
 #: Those that are searched for over a body.

@@ -10,7 +10,8 @@ docs/theory-films.md).
 
 from dataclasses import dataclass
 
-from solver.names import ALL_QUANTITIES, EVERY_FIELD, EVERY_INTERIOR
+from solver.fields import EVERY_FIELD, EVERY_INTERIOR
+from solver.names import ALL_QUANTITIES
 
 
 @dataclass(frozen=True)
@@ -43,16 +44,19 @@ FACTOR_WEIGHTS: dict[str, Weight] = {
     "patch_length": _LENGTH,
     "patch_position": _LENGTH,
     "patch_pitch": _LENGTH,
+    "electrode_voltage": _FORCE,
 }
 
 _CHANGING: dict[Weight, tuple[str, ...]] = {
     _LENGTH: ("contact_trailing", "contact_leading", "contact_offset", "peak_von_mises_depth",
         "contact_radius", "blocked_force_per_volt", "blocked_force_per_ampere", "contact_capacitance",
-        "contact_capacitance_at_force", "contact_permeance", "contact_stiffness", "contact_stiffness_open",
+        "contact_capacitance_at_force", "contact_permeance", "disc_capacitance",
+         "contact_stiffness", "contact_stiffness_open",
     ),
     _FORCE: ("depth", "voltage", "magnetic_potential"),
     _INTENSITY: tuple(name for name in ALL_QUANTITIES if "_edge_intensity" in name),
-    Weight(-1.0): ("voltage_per_force", "magnetic_potential_per_force", "patch_charge_gradient"),
+    Weight(-1.0): ("voltage_per_force", "magnetic_potential_per_force", "disc_voltage_per_force",
+        "patch_charge_gradient"),
     _STRESS: (
         "peak_pressure", "trailing_tension", "leading_compression", "nominal_field", "peak_von_mises",
         "peak_principal_tension", "interface_shear", "interface_tension", "film_peak_von_mises", "peak_displacement",

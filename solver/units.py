@@ -61,12 +61,14 @@ class Unit:
         for symbol, power in other.symbols:
             powers[symbol] = powers.get(symbol, Fraction(0)) + power
         exponents = tuple(a + b for a, b in zip(self.exponents, other.exponents, strict=True))
-        return Unit(self.scale * other.scale, exponents, tuple((one, power) for one, power in powers.items() if power))
+        return Unit(
+            self.scale * other.scale, exponents, tuple((symbol, power) for symbol, power in powers.items() if power)
+        )
 
     def power(self, exponent: Fraction) -> "Unit":
         """The unit raised to a rational exponent."""
-        symbols = tuple((one, exponent * power) for one, power in self.symbols if exponent)
-        return Unit(self.scale ** float(exponent), tuple(exponent * one for one in self.exponents), symbols)
+        symbols = tuple((symbol, exponent * power) for symbol, power in self.symbols if exponent)
+        return Unit(self.scale ** float(exponent), tuple(exponent * power for power in self.exponents), symbols)
 
     def fits(self, other: "Unit") -> bool:
         """Whether both measure the same kind of quantity."""

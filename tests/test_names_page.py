@@ -9,10 +9,12 @@ import xarray as xr
 from scipy.special import digamma
 
 import solver
+from solver.fields import POINT_FIELDS
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
 from solver.names import (
     CHOICES,
+    DISC_QUANTITIES,
     ELECTRODE_QUANTITIES,
     EVERY_FILM_QUANTITY,
     EVERY_QUANTITY,
@@ -21,7 +23,6 @@ from solver.names import (
     LIMITED,
     LIMITS,
     PEAKS,
-    POINT_FIELDS,
     POINT_GAP_QUANTITIES,
     POINT_QUANTITIES,
     POINT_SLIDING,
@@ -85,7 +86,7 @@ def test_the_table_of_quantities_with_air_is_the_code_s() -> None:
 
 
 def test_the_table_of_an_electrode_s_quantities_is_the_code_s() -> None:
-    every = ELECTRODE_QUANTITIES | STRIP_QUANTITIES
+    every = ELECTRODE_QUANTITIES | STRIP_QUANTITIES | DISC_QUANTITIES
     assert rows("of an electrode") == {name: [its.units, its.long_name] for name, its in every.items()}
 
 

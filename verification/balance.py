@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 import solver
-from solver.names import FIELDS as SURFACE_FIELDS
+from solver.fields import FIELDS as SURFACE_FIELDS
 from verification.cases import CHARGED, SIH_SONG, Array, constants
 from verification.findings import Check, Findings, Sizes, check, off
 from verification.oracles.fem import FIELDS, constitutive_matrix
@@ -134,7 +134,7 @@ def constitutive(case: Case) -> float:
     state = [found.strain_xx, found.strain_yy, 2 * found.strain_xy]
     state += [-found[name] for pair in POTENTIAL_FIELDS for name in pair]
     material = constants(solver.find(case["material"]))
-    fluxes = np.einsum("ij,jkl->ikl", constitutive_matrix(material), np.stack([one.values for one in state]))
+    fluxes = np.einsum("ij,jkl->ikl", constitutive_matrix(material), np.stack([part.values for part in state]))
     return max(_off(found[name], flux) for name, flux in zip(FIELDS, fluxes, strict=True))
 
 

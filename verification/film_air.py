@@ -40,7 +40,7 @@ def run(sizes: Sizes) -> Findings:
             check(f"{what}: {name}", text, tolerance * slack, compared[-1].error, what)
             for what, (text, tolerance) in COMPARED.items()
         ]
-        errors = [one.error("voltage") for one in compared]
+        errors = [contact.error("voltage") for contact in compared]
         curves.append(Curve("film_air", name, "order of the polynomials", list(map(float, orders)), errors))
     return Findings(
         "Air beside the contact by finite elements",

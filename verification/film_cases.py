@@ -93,7 +93,7 @@ class Solved:
     def contact(self) -> FilmContact:
         """The contact by a table of its own about the half-length."""
         *upper, lowest = self.layers
-        layers = *(Layer(*one) for one in upper), Layer(*lowest, *self.interface)
+        layers = *(Layer(*layer) for layer in upper), Layer(*lowest, *self.interface)
         profile, load = Profile.cylinder(np.array(self.case["radius"])), np.array([self.case["load"]])
         stack = Stack(layers, self.base or RIGID)
         wide = table(stack, self.case.get("friction", 0.0), self.conducts, least=0.05, most=12.0, nodes=24)

@@ -65,7 +65,7 @@ class Compared:
         if what == "load":
             return self.load
         found, expected = getattr(self, what)
-        return max(_off(found[name], one) for name, one in expected.items())
+        return max(_off(found[name], value) for name, value in expected.items())
 
     @property
     def load(self) -> float:
@@ -146,7 +146,7 @@ class Compared:
     def _potentials(self) -> list[tuple[int, str, str]]:
         """Number, name and edge intensity of the potentials that the punch makes uniform."""
         every = zip((ELECTRIC, MAGNETIC), RESPONSES[1:], INTENSITIES, strict=True)
-        return [one for one, conducts in zip(every, self.solved.conducts, strict=True) if conducts]
+        return [potential for potential, conducts in zip(every, self.solved.conducts, strict=True) if conducts]
 
 
 def _by_unit(fields: Answers) -> Answers:

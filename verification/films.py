@@ -110,7 +110,7 @@ def incompressible() -> float:
 
 def _thin(case: Case, scaled: list[float]) -> tuple[Array, xr.Dataset]:
     """h/h1 of a film on a rigid base without friction at values of P R/h1^2 [Pa], and the solutions."""
-    loads = [one * THIN**2 / 0.05 for one in scaled]
+    loads = [share * THIN**2 / 0.05 for share in scaled]
     found = solver.solve({"radius": 0.05, "base": "rigid", "thickness": THIN, "load": loads, **case})
     return _half(found) / THIN, found
 

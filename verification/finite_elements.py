@@ -116,7 +116,7 @@ class Loaded:
         found = [self._gap(x, u[1]).mean() + away[1], u[2].mean() - away[2], u[3].mean() - away[3]]
         exact = solver.solve(CASE | {"datum": self.datum})
         pairs = zip(found, (exact.depth, exact.voltage, exact.magnetic_potential), strict=True)
-        return max(off(one, two) for one, two in pairs)
+        return max(off(value, truth) for value, truth in pairs)
 
 
 def _contact(cells: list[int]) -> tuple[list[Check], list[Curve]]:

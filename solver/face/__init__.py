@@ -1,1 +1,1 @@
-"""The labelled face: named factors in, an ``xarray.Dataset`` with units out."""
+"""The labelled face: named factors in, arrays with names and units out (``solve``, ``solve_interior``)."""

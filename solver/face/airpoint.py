@@ -4,13 +4,13 @@ from collections.abc import Sequence, Set
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.face.air import refuse_fields
 from solver.face.halfspace import OnHalfSpace
 from solver.face.point import OnPoints
 from solver.face.pointfilm import OnPointFilm, with_nominal_field
 from solver.face.refusal import CaseError
-from solver.film.windows import Indices
 from solver.point.pressed import Pressed
 from solver.point.sliding import warn_of_order
 from solver.surroundings.pointquantities import quantities

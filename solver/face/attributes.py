@@ -6,22 +6,11 @@ from typing import Any
 import xarray as xr
 
 from solver.body import KINDS, Kind
+from solver.described import Contact, Described
 from solver.face.filmfactors import present
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import (
-    BODY,
-    CHOICES,
-    CONTACTS,
-    FACTORS,
-    OF_A_GAP,
-    OF_A_LINE,
-    OF_A_PUNCH,
-    OF_AN_ELECTRODE,
-    PROFILES,
-    Contact,
-    Described,
-)
+from solver.names import BODY, CHOICES, CONTACTS, FACTORS, OF_A_GAP, OF_A_LINE, OF_A_PUNCH, OF_AN_ELECTRODE, PROFILES
 
 #: How every solution is made (CF: the method of production).
 SOURCES: dict[Contact, str] = {
@@ -58,7 +47,7 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
     }
     if "material" not in arrays and BODY not in arrays:
         used = _kinds(arrays, "composite") or [str(defaults["composite"])]
-        found["composite"] = ", ".join(str(one) for one in used)
+        found["composite"] = ", ".join(str(composite) for composite in used)
     if "volume_fraction" in arrays:
         found["phases"] = ", ".join(phase.name if isinstance(phase, Material) else phase for phase in phases)
     words = {name: f" {FACTORS[name].units}" for name in defaults if name in FACTORS and FACTORS[name].units != "1"}

@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray, stack
 from solver.body import Kind
+from solver.described import Described, Outline
 from solver.face.attributes import attributes, of_output
 from solver.face.filmfactors import kinds_of, present
 from solver.face.refusal import CaseError, FactorError
 from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import CHOICES, FACTORS, PROFILES, Described, Outline
+from solver.names import CHOICES, FACTORS, PROFILES
 
 _OF_A_KIND = ("profile", "corner")  # one of each at a time; what varies is solved part by part
 
@@ -85,14 +86,12 @@ class Cases:
         kind, corner = (self._one(name) for name in _OF_A_KIND)
         if isinstance(kind, Profile):
             return kind
-        if kind == "cylinder":
-            return Profile.cylinder(self.number("radius"))
-        if kind == "flat":
-            moment = self.number("moment") if "moment" in self.values else None
-            return Profile.flat(self.number("width"), self.number("slope"), moment)
-        if kind == "wedge":
-            return Profile.wedge(self.number("slope"), corner)
-        return Profile.half_cylinder(self.number("radius"), corner)
+        outline = PROFILES[kind]
+        given = {name: self.number(name) for name in outline.needs}
+        given |= {name: self.number(name) for name in outline.may if name in self.values and name in FACTORS}
+        named = {"corner": corner} if "corner" in outline.may else {}
+        made: Profile = getattr(Profile, kind)(**given, **named)
+        return made
 
     @property
     def outline(self) -> Outline:
@@ -169,9 +168,9 @@ class Cases:
             dim = given.dims[0]
             places = [np.flatnonzero(kinds == kind) for kind in found]
             solved = [self._selected(str(dim), place)._by_kind(part) for place in places]
-            shared = [key for key in solved[0].data_vars if all(key in one for one in solved)]
+            shared = [key for key in solved[0].data_vars if all(key in part for part in solved)]
             whole = xr.concat(
-                [one[shared] for one in solved],
+                [part[shared] for part in solved],
                 dim, data_vars="all", coords="minimal", compat="override", join="override",
             )  # fmt: skip
             return whole.isel({dim: np.argsort(np.concatenate(places))})

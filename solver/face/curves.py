@@ -71,7 +71,7 @@ def solve_curves(
                 continue
             attrs = {"units": "1", "long_name": f"number of a point of the panels over the {name}"}
             axis = {f"{name}_point": xr.Variable(f"{name}_point", np.arange(REGIONS[name].panels.size), attrs)}
-            found |= cases.labelled({one: values[one] for one in table}, table, _OF, axis)
+            found |= cases.labelled({key: values[key] for key in table}, table, _OF, axis)
             coordinates |= axis
         return xr.Dataset(found, coordinates)
 

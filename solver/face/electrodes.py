@@ -15,8 +15,8 @@ from solver.film.reading import Reading
 from solver.names import CHOICES, FACTORS, OF_AN_ELECTRODE
 
 _NEEDS = {
-    "patch_size": "collector", "patch": "patch_size", "patch_position": "patch_size", "patch_pitch": "patch_size",
-    "patch_hole": "patch", "patch_length": "patch", "floating_neighbours": "patch_pitch",
+    "electrode_voltage": "collector", "patch_size": "collector", "patch": "patch_size", "patch_position": "patch_size",
+    "patch_pitch": "patch_size", "patch_hole": "patch", "patch_length": "patch", "floating_neighbours": "patch_pitch",
 }  # fmt: skip
 #: What a shape of patches has beside its size.
 _OWN = {"ring": "patch_hole", "rectangle": "patch_length"}
@@ -32,13 +32,15 @@ def reading_of(cases: Cases) -> Reading | None:
         return np.asarray(np.broadcast_to(values, shape).ravel(), dtype=np.float64)
 
     usual = CHOICES["patch"][1 if cases.kind.contact == "line" else 0]
-    of_patches = ("patch_size", "patch_pitch", "floating_neighbours")
-    size, pitch, floating = (flat(cases.values[name]) if name in cases.values else None for name in of_patches)
+    some = ("patch_size", "patch_pitch", "floating_neighbours", "electrode_voltage")
+    size, pitch, floating, voltage = (flat(cases.values[name]) if name in cases.values else None for name in some)
     shapes = np.asarray(cases.values.get("patch", np.array(usual)))
     of_shape = flat(sum(place * (shapes == name) for place, name in enumerate(CHOICES["patch"])))
     other = sum(flat(cases.values.get(own, 0.0) * (shapes == name)) for name, own in _OWN.items())
     position = flat(cases.number("patch_position"))
-    return Reading(flat(cases.number("collector")), of_shape, position, np.asarray(other), size, pitch, floating)
+    return Reading(
+        flat(cases.number("collector")), of_shape, position, np.asarray(other), size, pitch, floating, voltage
+    )
 
 
 def electroded(cases: Cases) -> BoolArray:
@@ -60,7 +62,9 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
     for name in given:
         if (needed := _NEEDS.get(name)) and needed not in arrays:
             allowed = (
-                FACTORS[needed].allowed if needed in FACTORS else next(one for one, own in _OWN.items() if own == name)
+                FACTORS[needed].allowed
+                if needed in FACTORS
+                else next(choice for choice, own in _OWN.items() if own == name)
             )
             raise FactorError(f"{needed}: missing; {name} needs it; must be {allowed}")
     kinds, plain = kinds_of(arrays), {name: arrays[name].drop_vars(arrays[name].coords) for name in given}
@@ -70,16 +74,13 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
         refuse(arrays, name, ~bare & ~kinds.isin(read), "without a film in insulated surroundings")
     if "collector" not in arrays:
         return
-    if "friction" in arrays and "patch_size" in arrays:  # what it adds has no charge in all, but moves that of patches
-        points = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "point"])
-        slides = arrays["friction"].drop_vars(arrays["friction"].coords) != 0
-        refuse(arrays, "friction", slides & points, "of a point contact above a patch that is read; must be 0")
     for name, least in (("collector", 1), ("floating_neighbours", 0)):
         if name in arrays:
             refuse(arrays, name, plain[name] != np.floor(plain[name]), f"is not a whole number >= {least} [1]")
     if "floating_neighbours" in arrays:  # a strip without end takes no voltage of a finite charge
         points = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "point"])
-        refuse(arrays, "floating_neighbours", points, "below a point contact, whose patches are at zero volts")
+        no_discs = plain["patch"] != "disc" if "patch" in arrays else xr.DataArray(False)
+        refuse(arrays, "floating_neighbours", points & no_discs, "below a point contact, of patches that are no discs")
     if "patch" in arrays:
         lines = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "line"])
         refuse(arrays, "patch", (plain["patch"] != "strip") & lines, "below a contact along a line; must be strip")

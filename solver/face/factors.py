@@ -8,24 +8,14 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import is_finite, shown
+from solver.described import Contact
 from solver.face.electrodes import check_electrodes
 from solver.face.filmfactors import check_elasticity, check_films, check_gaps
 from solver.face.refusal import FactorError
 from solver.film.stack import Stack
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
-from solver.names import (
-    BODY,
-    CHOICES,
-    COMPOSITES,
-    CONTACTS,
-    FACTORS,
-    MATERIALS,
-    OF_A_FILM,
-    OF_A_LINE,
-    PROFILES,
-    Contact,
-)
+from solver.names import BODY, CHOICES, COMPOSITES, CONTACTS, FACTORS, MATERIALS, OF_A_FILM, OF_A_LINE, PROFILES
 from solver.units import in_si
 
 _STEEPEST = 1.0  # slope of a cone or wedge beyond which a theory of small slopes says nothing
@@ -174,34 +164,34 @@ def _array(name: str, value: object) -> xr.DataArray:
 def _type(value: object) -> type | None:
     """Object where numpy would turn the numbers of a mixed list into text."""
     listed = value if isinstance(value, list | tuple) else ()
-    return object if any(isinstance(one, str | Material | Profile | Stack) for one in listed) else None
+    return object if any(isinstance(item, str | Material | Profile | Stack) for item in listed) else None
 
 
 def _in_si(name: str, array: xr.DataArray) -> xr.DataArray:
     """Texts such as "20 um" as numbers in SI; what else there is, as it is."""
-    if array.dtype.kind in "iuf" or not any(isinstance(one, str) for one in array.values.flat):
+    if array.dtype.kind in "iuf" or not any(isinstance(text, str) for text in array.values.flat):
         return array
     factor, found = FACTORS[name], np.empty(array.shape, dtype=object)
-    for place, one in np.ndenumerate(array.values):
+    for place, given in np.ndenumerate(array.values):
         try:
-            found[place] = in_si(str(one), factor.units) if isinstance(one, str) else one
+            found[place] = in_si(str(given), factor.units) if isinstance(given, str) else given
         except ValueError as error:
             wrong = (
                 str(error)
                 if "mismatch" in str(error)
-                else f"{shown(one)} is not {factor.allowed}, bare or with its unit"
+                else f"{shown(given)} is not {factor.allowed}, bare or with its unit"
             )
             raise FactorError(f"{name}: {wrong}") from None
-    numbers = all(is_finite(one) for one in found.flat)
+    numbers = all(is_finite(value) for value in found.flat)
     return array.copy(data=found.astype(np.float64) if numbers else found)
 
 
 def _number(name: str, array: xr.DataArray) -> xr.DataArray:
     factor = FACTORS[name]
     if array.dtype.kind not in "iuf":
-        for one in array.values.flat:  # integers beyond 64 bits come as objects, text does not pass as a number
-            if not is_finite(one):
-                raise FactorError(f"{name}: {shown(one)} is not {factor.allowed}")
+        for value in array.values.flat:  # integers beyond 64 bits come as objects, text does not pass as a number
+            if not is_finite(value):
+                raise FactorError(f"{name}: {shown(value)} is not {factor.allowed}")
     array = array.astype(np.float64)
     values = array.values
     above = values >= factor.low if factor.low_allowed else values > factor.low

@@ -6,22 +6,24 @@ from typing import Any
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, distinct_rows
 from solver.face.cases import Cases
 from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import CaseError, FactorError
+from solver.fields import FIELDS, INTERIOR, NEED_C12, SINGULAR
 from solver.film.along import fields
 from solver.film.collected import electrode_quantities
 from solver.film.inside import inside
 from solver.film.quantities import curves, peaks, quantities
 from solver.film.similar import Films
-from solver.film.windows import Indices, Kind, critical
+from solver.film.windows import Kind, critical
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.material.constants import MaterialError
-from solver.names import FIELDS, FILM_PEAKS, INTERIOR, NEED_C12, SINGULAR
+from solver.names import FILM_PEAKS
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +58,9 @@ class OnFilm:
         if reading is None:
             return self._put_together(lambda films, _: quantities(films))
         return self._put_together(
-            lambda films, places: quantities(films) | electrode_quantities(films, reading.part(places))
+            lambda films, places: reading.part(places).driven(
+                quantities(films) | electrode_quantities(films, reading.part(places))
+            )
         )
 
     def peaks(self, asked: Set[str]) -> dict[str, Array]:

@@ -10,6 +10,7 @@ from solver.face.cases import Cases
 from solver.face.materials import material_of
 from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import CaseError, FactorError
+from solver.fields import FIELDS, INTERIOR, NEED_C12, SINGULAR
 from solver.halfplane.contact import Contact
 from solver.halfplane.curves import body_curves
 from solver.halfplane.fields import surface_fields
@@ -23,7 +24,7 @@ from solver.halfplane.sliding import Sliding
 from solver.halfplane.speed import limiting_speed
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material, MaterialError
-from solver.names import FIELDS, INTERIOR, NEED_C12, PEAKS, SINGULAR
+from solver.names import PEAKS
 
 _OF_STRESSES = {"von_mises": von_mises, "principal_tension": principal_tension}
 _STRESSES = LINEAR[:4]
@@ -93,7 +94,7 @@ class OnHalfPlane:
 
     @np.errstate(all="ignore")
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """The fields asked for, by default all of ``solver.names.INTERIOR`` that the material has; (..., y, x)."""
+        """The fields asked for, by default all of ``solver.fields.INTERIOR`` that the material has; (..., y, x)."""
         names = asked or [name for name in INTERIOR if name not in NEED_C12 or self._has_c12]
         self._require_c12([name for name in names if name in NEED_C12])
         of_stresses = [name for name in names if name in _OF_STRESSES]

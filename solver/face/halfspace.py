@@ -5,22 +5,23 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, column, distinct_rows
 from solver.face.materials import material_of
 from solver.face.point import OnPoints
 from solver.face.punches import punch_of
 from solver.film.powerlaw import material_from
-from solver.film.windows import Indices
 from solver.halfplane.precision import warn_of_rounding
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
-from solver.point.body import HalfSpace, Stretch
+from solver.point.body import HalfSpace
 from solver.point.halfspace import conducted
 from solver.point.inside import Inside, whole
 from solver.point.pressed import Friction, Pressed
 from solver.point.profile import Shape
 from solver.point.response import contact_coupling
 from solver.point.rim import Rim
+from solver.point.surface import Stretch
 
 
 class OnHalfSpace(OnPoints):
@@ -82,8 +83,9 @@ class OnHalfSpace(OnPoints):
         N, k, units = self._compliances
         conducts = np.broadcast_to(self.cases.conducts, (*self.shape, 2)).reshape(-1, 2)
         friction = Friction(self._friction[own], k[own]) if "friction" in self.cases.values else None
-        body = HalfSpace(N[own], shape, self._stretch(own))
-        return Pressed(body, units[own], coefficient, *self._loads(own), conducts[own], friction=friction)
+        return Pressed(
+            HalfSpace(N[own], shape), units[own], coefficient, *self._loads(own), conducts[own], friction=friction
+        )
 
     @property
     def _lacks_c12(self) -> str | None:
@@ -102,7 +104,6 @@ class OnHalfSpace(OnPoints):
         return Rim(*(getattr(self._rims, field.name)[places] for field in fields(Rim)))
 
     def _stretch(self, own: Indices) -> Stretch | None:
-        """What the surfaces of some cases do along themselves; nothing is known without c12."""
         if self._lacks_c12 is not None:
             return None
         share = np.broadcast_to(self._half.in_plane_share, (*self.shape, 3)).reshape(-1, 3)

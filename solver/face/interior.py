@@ -13,8 +13,8 @@ from solver.face.bodies import body_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.refusal import FactorError
+from solver.fields import EVERY_INTERIOR
 from solver.material.constants import Material
-from solver.names import EVERY_INTERIOR
 
 _ALONG_X = {"units": "1", "long_name": "position (x - c)/h along the surface"}
 _ALONG_Y = {"units": "1", "long_name": "height y/h over the surface"}
@@ -40,8 +40,8 @@ def solve_interior(
         value. On the surface the fields are those of the body. Under a film the fields are those of its base; a rigid
         base has none: NaN. A point on an interface belongs to the film.
     fields
-        Names of ``solver.names.INTERIOR`` and ``INTERIOR_ON_REQUEST``; by default all of the former, without those that
-        need c12 if a material has none.
+        Names of ``solver.fields.INTERIOR`` and ``INTERIOR_ON_REQUEST``; by default all of the former, without what
+        needs c12 if a material has none.
 
     Returns
     -------

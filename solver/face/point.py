@@ -5,15 +5,15 @@ from typing import Any
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.face.cases import Cases
 from solver.face.refusal import CaseError, FactorError
-from solver.film.windows import Indices
+from solver.fields import INTERIOR, POINT_NEED_C12, POINT_SINGULAR
 from solver.halfplane.interior import LINEAR, principal_tension, von_mises
 from solver.halfplane.potentials import POTENTIALS
 from solver.halfplane.pressing import ContactError
 from solver.material.constants import MaterialError
-from solver.names import INTERIOR, POINT_NEED_C12, POINT_SINGULAR
 from solver.point.inside import Inside
 from solver.point.peaks import peaks
 from solver.point.pressed import Pressed
@@ -21,7 +21,7 @@ from solver.point.profile import DISC, Shape
 from solver.point.quantities import quantities, sliding_quantities
 from solver.point.rim import Rim
 from solver.point.sliding import Rubbed, warn_of_order
-from solver.point.surface import surface_fields
+from solver.point.surface import Stretch, surface_fields
 
 #: Surface fields as fields inside, which have what friction adds.
 SURFACE = {
@@ -65,6 +65,10 @@ class OnPoints:
         """The surface beside the contacts; None where a c12 is missing."""
         raise NotImplementedError
 
+    def _stretch(self, places: Indices) -> Stretch | None:
+        """What the surfaces do along themselves; None where a c12 is missing."""
+        raise NotImplementedError
+
     @np.errstate(all="ignore")
     def peaks(self, asked: Set[str]) -> dict[str, Array]:
         """Those of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and every case has; (...)."""
@@ -80,8 +84,8 @@ class OnPoints:
 
     @np.errstate(all="ignore")
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """Fields of ``solver.names.POINT_FIELDS`` at r/a that every case has, as those of a line; (..., position)."""
-        found = self.put_together(lambda pressed, _: surface_fields(pressed, positions))
+        """Fields of ``solver.fields.POINT_FIELDS`` at r/a that every case has, as those of a line; (..., position)."""
+        found = self.put_together(lambda pressed, own: surface_fields(pressed, positions, self._stretch(own)))
         if np.any(self._friction):
             inside = np.abs(positions) < 1
             names = [name for name in SURFACE if self._lacks_c12 is None or SURFACE[name] not in POINT_NEED_C12]

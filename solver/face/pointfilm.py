@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, distinct_rows
 from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
@@ -13,13 +14,14 @@ from solver.face.punches import punch_of
 from solver.face.refusal import FactorError
 from solver.film.electroded import surface
 from solver.film.stack import Stack
-from solver.film.windows import Indices, Kind
+from solver.film.windows import Kind
 from solver.point.body import Film
 from solver.point.electrodes import electrode_quantities
 from solver.point.inside import Inside
 from solver.point.pressed import Friction, Pressed
 from solver.point.response import contact_coupling
 from solver.point.rim import Rim
+from solver.point.surface import Stretch
 from solver.point.table import PointKind
 
 
@@ -85,8 +87,14 @@ class OnPointFilm(OnPoints):
         return self._bodies.lacks_c12
 
     def _rim(self, places: Indices) -> Rim | None:
-        stack = next(_stack(one) for own, one in self._parts if own is places)
+        stack = next(_stack(part) for own, part in self._parts if own is places)
         return None if self._lacks_c12 is not None or stack.electroded else Rim.of(stack.media[0].halfplane)
+
+    def _stretch(self, places: Indices) -> Stretch | None:
+        stack = next(_stack(one) for own, one in self._parts if own is places)
+        if self._lacks_c12 is not None or stack.electroded or stack.top.graded:
+            return None
+        return Stretch.of(stack.media[0].halfplane)
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         self._refuse_electroded("fields")
@@ -121,5 +129,5 @@ def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Arr
     if isinstance(body, Film) and "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)
     if isinstance(body, Film) and pressed.reading is not None:
-        out |= electrode_quantities(pressed.charged, body, pressed.reading)
+        out = pressed.reading.driven(out | electrode_quantities(pressed.charged, body, pressed.reading))
     return out

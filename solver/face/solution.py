@@ -13,11 +13,9 @@ from solver.face.bodies import body_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.refusal import FactorError
+from solver.fields import ACROSS, ALONG, EVERY_FIELD
 from solver.material.constants import Material
-from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FIELD
-
-_ALONG = {"units": "1", "long_name": "surface position X = (x - c)/h"}
-_ACROSS = {"units": "1", "long_name": "surface position r/a from the middle of the contact"}
+from solver.names import ALL_PEAKS, ALL_QUANTITIES
 
 
 def solve(
@@ -95,7 +93,7 @@ def solve(
         found = cases.labelled(values, ALL_QUANTITIES, "factors (contact as wide as the datum, or overflow)")
         if X is not None:
             coordinates |= (
-                axis := {"position": xr.Variable("position", X, _ALONG if cases.kind.contact == "line" else _ACROSS)}
+                axis := {"position": xr.Variable("position", X, ALONG if cases.kind.contact == "line" else ACROSS)}
             )
             fields = body.surface(X, regular=regular)
             found |= cases.labelled(fields, EVERY_FIELD, "factors and positions (overflow)", axis)

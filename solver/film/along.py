@@ -5,10 +5,10 @@ from functools import lru_cache
 import numpy as np
 
 from solver.arrays import Array
+from solver.fields import FIELDS
 from solver.film.similar import Films
 from solver.film.surface import SurfaceTable
 from solver.film.windows import Kind, window
-from solver.names import FIELDS
 
 _POSITIONS = 512  # at a time
 _VALUES = 1 << 17  # positions times cases at a time
@@ -21,7 +21,7 @@ def _surface_window(kind: Kind, number: int, positions: tuple[float, ...]) -> Su
 
 
 def fields(films: Films, positions: Array) -> dict[str, Array]:
-    """Surface fields of ``solver.names.FIELDS`` at positions X, finite and never exactly +-1; (case, position) each."""
+    """Fields of ``solver.fields.FIELDS`` at positions X, finite and never exactly +-1; (case, position) each."""
     count = films.load.size
     out = {name: np.empty((count, positions.size)) for name in FIELDS}
     block = _VALUES // min(positions.size, _POSITIONS)

@@ -9,15 +9,15 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
 from solver.film.contact import FilmContact
 from solver.film.electrodes import Electrode, transfers
 from solver.film.floating import Strips, strips
 from solver.film.reading import Collected, Reading, joined
 from solver.film.similar import Films
-from solver.film.stack import StackError
 from solver.film.tractions import TractionTable
-from solver.film.windows import Indices, Kind, window
+from solver.film.windows import Kind, window
 
 _BLOCK = 200_000  # transforms of cases at wavenumbers held at once
 _TABLES = 64  # kept: 0.1 MB each
@@ -37,11 +37,7 @@ def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
         An electrode that is not there, a patch that reaches farther than is resolved; strips that float below a punch
         that conducts on a bare surface.
     """
-    if reading.floating is not None and films.kind.conducts[0]:
-        raise StackError(
-            "floating_neighbours: below a punch that conducts on a bare surface; "
-            "electric must be insulating, or electrode top"
-        )
+    reading.refused(conducts=films.kind.conducts[0])
     reading, parts = reading.over(films.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, number, contact in films.parts:
         own, thickness = reading.part(places), films.thickness[places]
@@ -82,6 +78,7 @@ class _Read:
     def quantities(self, thickness: Array) -> dict[str, Array]:
         """By name, SI; (case,) each."""
         out = {"electrode_charge_per_force": self.whole / self.load}
+        out["electrode_stroke_per_volt"] = np.full_like(self.load, self.electrode.stroke)
         if not self.electrode.on_top:
             pressure = -np.sum(self.carried[:, 1].real * self.weights, -1) / np.pi
             out["electrode_pressure"] = pressure * self.scale[2] / self.scale[1]
@@ -108,14 +105,7 @@ class _Read:
     @cached_property
     def _rows(self) -> tuple[Indices, list[Strips]]:
         """Rows of strips that float, and which of them is that of each case."""
-        reading = self.reading
-        if reading.size is None or reading.pitch is None or reading.floating is None:
-            raise ValueError("no strips float")
-        own, of_case = np.unique(
-            np.stack([reading.size, reading.pitch, reading.floating], -1), axis=0, return_inverse=True
-        )
-        stack, number = self.electrode.stack, self.electrode.number
-        return of_case.ravel(), [strips(stack, number, size, pitch, int(n)) for size, pitch, n in own.tolist()]
+        return self.reading.gapped(lambda *row: strips(self.electrode.stack, self.electrode.number, *row))
 
     def _local(self, distance: Array, size: Array, order: int) -> Array:
         """What strips on top get of the tractions on them; (case,)."""

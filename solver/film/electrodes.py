@@ -171,6 +171,11 @@ class Electrode:
                 charge += above - t[2]
         return charge
 
+    @property
+    def stroke(self) -> float:
+        """Depth per volt of the whole electrode [m V-1]: reciprocal to its charge per force."""
+        return -float(self.whole[0] * self.stack.scale[1] / self.stack.scale[2])
+
 
 @lru_cache(_KEPT)
 def transfers(stack: Stack, number: int, octave: int) -> tuple[Array, Array, Array]:
@@ -202,8 +207,8 @@ def _held(A: Array, C: Array, components: tuple[int, ...]) -> tuple[Array, Array
             A = A - np.outer(share, A[c])
         elif C[c, c] != 0:
             C = C - np.outer(C[:, c], C[c]) / C[c, c]
-        for one in (A, C):
-            one[c], one[:, c] = 0.0, 0.0
+        for matrix in (A, C):
+            matrix[c], matrix[:, c] = 0.0, 0.0
     return A, C
 
 

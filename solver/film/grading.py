@@ -132,8 +132,8 @@ class GradedMedium:
         found: list[Array] = []
         while len(found) < _TAILS:
             right = -self._upward(found[-1] if found else medium.compliance)
-            for one, other in zip(found, found[::-1], strict=True):
-                right = right - one @ Q @ other
+            for early, other in zip(found, found[::-1], strict=True):
+                right = right - early @ Q @ other
             found.append(solved(right))
         surface = (-1.0) ** np.arange(_DEPTHS)  # T_n(-1)
         return np.array([np.tensordot(surface, coefficients(Y), 1) for Y in found])

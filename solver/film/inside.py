@@ -22,7 +22,7 @@ def _window(kind: Kind, number: int) -> TractionTable:
 
 
 def inside(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-    """Fields of ``solver.names.EVERY_INTERIOR`` at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x).
+    """Fields of ``solver.fields.EVERY_INTERIOR`` at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x).
 
     Raises
     ------

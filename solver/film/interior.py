@@ -274,7 +274,7 @@ def interior_fields(contact: FilmContact, X: Array, Y: Array, names: tuple[str, 
     X, Y
         (x - c)/h and y/h <= 0; (x,) and (y,). A rigid base has no fields: NaN.
     names
-        Names of ``solver.names.EVERY_INTERIOR``.
+        Names of ``solver.fields.EVERY_INTERIOR``.
 
     Raises
     ------

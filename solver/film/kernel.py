@@ -166,7 +166,7 @@ def _resolved(
     least = _TAIL if graded is None else _GRADED_TAIL
     series = np.empty((ends.size - 1, _DEGREE + 1, 19))
     octave = np.floor(np.log2(ends[1:] / width)) if by_distance else np.zeros(ends.size - 1)
-    for some in (octave == one for one in np.unique(octave)):
+    for some in (octave == height for height in np.unique(octave)):
         series[some] = _series(stack, width, ends[:-1][some], ends[1:][some], graded)
     for _ in range(_HALVINGS):
         large = _undecayed(series, least)

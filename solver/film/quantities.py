@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.film.contact import FilmContact
 from solver.film.crest import peak_pressure
@@ -14,7 +15,7 @@ from solver.film.peaks import PeakTable
 from solver.film.similar import Films
 from solver.film.stack import StackError
 from solver.film.table import RangeError
-from solver.film.windows import Indices, Kind, peak_window
+from solver.film.windows import Kind, peak_window
 
 _STEPS = 20
 _CLOSE = 1e-9  # of a charge: the next step is of its square

@@ -2,17 +2,23 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.film.windows import Indices
+from solver.film.stack import StackError
 from solver.names import CHOICES
 
 #: Places of the shapes of patches.
 DISC, STRIP, RING, RECTANGLE = (CHOICES["patch"].index(name) for name in ("disc", "strip", "ring", "rectangle"))
 
+#: Below which punches nothing has a voltage: it would move their charge.
+BARE = "below a punch that conducts on a bare surface; electric must be insulating, or electrode top"
+
 _Outputs = dict[str, Array]
+Gapped = TypeVar("Gapped")
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +40,9 @@ class Reading:
     pitch
         Distance of neighbours [m]; None: no neighbours.
     floating
-        Number of strips that float on each side; None: all of the electrode is at zero volts.
+        Number of strips or discs that float on each side; None: all of the electrode is at zero volts.
+    voltage
+        Of the electrode without patches [V]; None: zero.
     """
 
     collector: Array
@@ -44,23 +52,38 @@ class Reading:
     size: Array | None = None
     pitch: Array | None = None
     floating: Array | None = None
+    voltage: Array | None = None
 
     def part(self, places: Indices) -> "Reading":
         """Some of the cases."""
-        size, pitch, floating = (
-            None if given is None else given[places] for given in (self.size, self.pitch, self.floating)
+        size, pitch, floating, voltage = (
+            None if given is None else given[places] for given in (self.size, self.pitch, self.floating, self.voltage)
         )
         collector, shape, position, other = (
             values[places] for values in (self.collector, self.shape, self.position, self.other)
         )
-        return Reading(collector, shape, position, other, size, pitch, floating)
+        return Reading(collector, shape, position, other, size, pitch, floating, voltage)
 
     def over(self, length: Array) -> "Reading":
         """With lengths over others [m]."""
         size, pitch = (None if given is None else given / length for given in (self.size, self.pitch))
         return Reading(
-            self.collector, self.shape, self.position / length, self.other / length, size, pitch, self.floating
-        )
+            self.collector, self.shape, self.position / length, self.other / length, size, pitch, self.floating,
+            self.voltage,
+        )  # fmt: skip
+
+    def refused(self, *, conducts: bool) -> None:
+        """Raise StackError for voltages below a punch that conducts on a bare surface."""
+        asked = {"floating_neighbours": self.floating, "electrode_voltage": self.voltage}
+        given = [name for name, values in asked.items() if values is not None]
+        if given and conducts:
+            raise StackError(f"{given[0]}: {BARE}")
+
+    def driven(self, quantities: dict[str, Array]) -> dict[str, Array]:
+        """Quantities with the depth under the voltage of the electrode, which moves the whole surface."""
+        if self.voltage is None:
+            return quantities
+        return quantities | {"depth": quantities["depth"] + self.voltage * quantities["electrode_stroke_per_volt"]}
 
     def together(self, answer: Callable[[Indices, int, int], dict[str, Array]], extent: Array) -> _Outputs:
         """Outputs of cases whose electrode is the same and whose distances are of like size, those that all have.
@@ -89,7 +112,24 @@ class Reading:
         along = np.maximum(np.abs(self.position), pitch) + self.size / 2
         if self.floating is not None:
             along = along + (self.floating + 1) * pitch
-        return np.asarray(np.hypot(along, np.where(self.shape == RECTANGLE, self.other / 2, 0.0)))
+            across = np.where(self.shape == DISC, self.floating * pitch, 0.0)
+        else:
+            across = np.where(self.shape == RECTANGLE, self.other / 2, 0.0)
+        return np.asarray(np.hypot(along, across))
+
+    def gapped(self, made: Callable[[float, float, int], Gapped]) -> tuple[Indices, list[Gapped]]:
+        """Which of several each case has, and these, made of size, pitch and number of neighbours.
+
+        Raises
+        ------
+        ValueError
+            No neighbours float.
+        """
+        if self.size is None or self.pitch is None or self.floating is None:
+            raise ValueError("no neighbours float")
+        rows = np.stack([self.size, self.pitch, self.floating], -1)
+        own, of_case = np.unique(rows, axis=0, return_inverse=True)
+        return of_case.ravel(), [made(size, pitch, int(count)) for size, pitch, count in own.tolist()]
 
 
 @dataclass(frozen=True, eq=False)

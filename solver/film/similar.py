@@ -12,13 +12,14 @@ from typing import Self
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
 from solver.film.causes import Loading
 from solver.film.contact import FilmContact
 from solver.film.electroded import met
 from solver.film.press import LengthsError, load_at_nodes
 from solver.film.table import LEAST, MOST, RangeError, Table, told
-from solver.film.windows import FIRST, LAST, Indices, Kind, number_of, rough_window, window
+from solver.film.windows import FIRST, LAST, Kind, number_of, rough_window, window
 from solver.halfplane.contact import Contact
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
@@ -113,9 +114,9 @@ class Films:
         asked = np.arange(self.load.size)
         for _ in range(LAST - FIRST + 2):
             beside = np.zeros(asked.size, dtype=np.intp)
-            for one in np.unique(number[asked]).tolist():
-                here = number[asked] == one
-                beside[here] = self._beside(asked[here], window(self.kind, one))
+            for place in np.unique(number[asked]).tolist():
+                here = number[asked] == place
+                beside[here] = self._beside(asked[here], window(self.kind, place))
             asked, beside = asked[beside != 0], beside[beside != 0]
             if not asked.size:
                 return number

@@ -6,8 +6,8 @@ from functools import lru_cache
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.film.grading import Graded
 from solver.film.net import DEPTH
@@ -28,8 +28,6 @@ _ACCURACY = 1.25  # factor on the number of terms: 1e-9 of tractions that are ne
 _ROUGH_NODES, _ROUGH_ACCURACY = 8, 0.5  # of their tables: 1e-3 of the load, for a fifth of the time
 _TABLES, _PEAK_TABLES = 256, 32  # kept: 0.4 MB and some MB each
 _STACKS = 256
-
-Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True)

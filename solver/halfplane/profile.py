@@ -66,9 +66,9 @@ class Profile:
         return cls((np.zeros(()), 1 / radius), (True, True))
 
     @classmethod
-    def flat(cls, width: Array, slope: Array, moment: Array | None = None) -> Self:
+    def flat(cls, width: Array, slope: Array | float = 0.0, moment: Array | None = None) -> Self:
         """Flat punch, tilted by a slope or as a moment asks."""
-        return cls((slope,), (False, False), width, moment)
+        return cls((np.asarray(slope),), (False, False), width, moment)
 
     @classmethod
     def wedge(cls, slope: Array, corner: str = "leading") -> Self:

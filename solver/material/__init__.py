@@ -1,1 +1,1 @@
-"""Materials and composites: constants, admissibility, the built-in library."""
+"""Materials and composites: constants, admissibility, laws of composites, the built-in library."""

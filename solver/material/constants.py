@@ -154,8 +154,8 @@ class Material:
             raise MaterialError(f"{label}: {missing[0]}: missing; needed are c11, c13, c33, c44 [Pa]")
         entries: dict[str, Any] = {**mapping, **evidence}
         material = cls(**entries)
-        for one in (material, *material.variants()):
-            one.check()
+        for variant in (material, *material.variants()):
+            variant.check()
         return material
 
     @classmethod
@@ -205,12 +205,12 @@ class Material:
         Examples
         --------
         >>> import solver
-        >>> [one.name for one in solver.find("PZT-5H").variants()]
+        >>> [variant.name for variant in solver.find("PZT-5H").variants()]
         ['PZT-5H (alternative 1)']
         """
         found = []
-        for k, one in enumerate(self.alternatives, 1):
-            changed: dict[str, Any] = {**one.constants, "source": one.source, "alternatives": ()}
+        for k, alternative in enumerate(self.alternatives, 1):
+            changed: dict[str, Any] = {**alternative.constants, "source": alternative.source, "alternatives": ()}
             found.append(replace(self, **changed, name=f"{self.name} (alternative {k})"))
         return found
 
@@ -221,7 +221,7 @@ class Material:
         The alternatives hold as sets: a mixture of their constants need not be admissible.
         """
         several = (self, *self.variants())
-        values = {name: [float(getattr(one, name)) for one in several] for name in UNITS}
+        values = {name: [float(getattr(variant, name)) for variant in several] for name in UNITS}
         return {name: (min(found), max(found)) for name, found in values.items() if min(found) < max(found)}
 
     def plain(self) -> dict[str, Any]:

@@ -7,9 +7,10 @@ from typing import Protocol, Self
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
 from solver.film.table import LEAST, MOST, RangeError, told
-from solver.film.windows import FIRST, LAST, Indices, number_of
+from solver.film.windows import FIRST, LAST, number_of
 from solver.halfplane.pressing import ContactError
 from solver.point.contact import State
 from solver.point.halfspace import Stiffness, halfspace
@@ -79,28 +80,6 @@ class Body(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
-    """What the surface of a half-space does along itself, SI (points, 5).
-
-    Attributes
-    ----------
-    coupling
-        k of the body: div u = -k . t; (case, 3).
-    stiffness
-        c11 - h T3^-1 h; (case,).
-    shear
-        c11 - c12; (case,).
-    share
-        h T3^-1; (case, 3).
-    """
-
-    coupling: Array
-    stiffness: Array
-    shear: Array
-    share: Array
-
-
-@dataclass(frozen=True, eq=False)
 class HalfSpace:
     """A half-space, whose pressure knows nothing of charges.
 
@@ -110,13 +89,10 @@ class HalfSpace:
         N of the contact in the units of the half-space; (case, 3, 3).
     shape
         The punch.
-    stretch
-        Of its surface; None without c12.
     """
 
     compliance: Array
     shape: Shape
-    stretch: Stretch | None = None
 
     def stiffness(self, radius: Array) -> Stiffness:
         """Whatever the radius."""

@@ -9,8 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.film.windows import Indices
 from solver.point.profile import Shape
 
 _HALF = 40  # nodes of the integral that a kink leaves beside the logarithm

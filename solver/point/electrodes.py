@@ -2,40 +2,53 @@
 
 With q(k) = 2 pi a sum_n c_n . rows j_2n(ka), in the units of the stack, a disc of radius b in the distance d collects
 b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k. A ring is a disc less
-another, a rectangle four times two triangles with a corner below the contact: see :func:`corners`. On top a part of q
-is v of the tractions at the same place (:mod:`solver.point.local`).
+another, a rectangle four times two triangles with a corner below the contact: see :func:`corners`. A disc beside others
+that float is that of :mod:`solver.point.floating`. On top a part of q is v of the tractions at the same place
+(:mod:`solver.point.local`).
+
+A ball that slides adds waves J1(kr) cos(angle). These are -1/k times the derivatives of J0(kr) along x: what a patch
+makes of them is -1/k times the derivative by the distance of what it makes of those.
 """
 
 from collections.abc import Callable, Iterator
+from functools import cached_property
 
 import numpy as np
 from scipy.special import j0, j1
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.film.electrodes import Electrode, transfers
 from solver.film.reading import RECTANGLE, RING, STRIP, Collected, Reading, joined
-from solver.film.windows import Indices
+from solver.film.stack import StackError
+from solver.point import hankel
 from solver.point.bessel import even_orders
 from solver.point.body import Film
+from solver.point.floating import Discs, discs
 from solver.point.galerkin import halfspace_terms
+from solver.point.inside import Tractions
 from solver.point.local import Covered
 from solver.point.pressed import Contact
+from solver.point.sliding import Rubbed
 from solver.point.surface import Below
 from solver.point.table import Window
 
+_PHASE = 8.0  # of a wave over a panel of densities
 _BLOCK = 1_000_000  # values of the Bessel functions held at once
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
 _TINY = 1e-12  # side of a rectangle over the other, from which on it is none
 
 
 def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict[str, Array]:
-    """Those of ``solver.names.ELECTRODE_QUANTITIES`` that are asked for, SI; (case,) each.
+    """Those of ``ELECTRODE_QUANTITIES`` and ``DISC_QUANTITIES`` of ``solver.names`` that are asked for, SI; (case,).
 
     Raises
     ------
     StackError
-        An electrode that is not there, a patch that reaches farther than is resolved.
+        An electrode that is not there, a patch that reaches farther than is resolved; discs that float below a punch
+        that conducts on a bare surface.
     """
+    reading.refused(conducts=film.kind.conducts[0])
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, window in film.windows(contact.radius):
 
@@ -48,6 +61,11 @@ def electrode_quantities(contact: Contact, film: Film, reading: Reading) -> dict
         extent = (contact.radius / film.thickness)[places]
         parts.append((places, reading.part(places).together(answer, extent)))
     return joined(parts, contact.radius.size)
+
+
+def _slides(contact: Contact) -> bool:
+    friction = contact.pressed.friction
+    return friction is not None and bool(np.any(friction.coefficient))
 
 
 def corners(x: Array, y: Array) -> Iterator[tuple[Array, Array]]:
@@ -87,6 +105,9 @@ class _Read:
         self.loads = contact.loads[places]
         if self.electrode.on_top and reading.size is None:
             return
+        slides = reading.size is not None and _slides(contact)
+        if slides and self.electrode.on_top:
+            raise StackError("friction: of a point contact on patches of the electrode on top; must be 0")
         self.k, self.weights, self.rows = transfers(stack, number, octave)
         causes, shape = contact.state.causes[places], film.shape
         added = window.tractions(np.log(self.radius), causes)
@@ -96,45 +117,89 @@ class _Read:
         self.terms = np.einsum("ind,cd->cin", halfspace_terms(film.kind.compliance, shape, count), causes)
         self.terms[..., : added.shape[-1]] += added
         self.tractions = Below(contact, places, added)
+        self.rubbed = Rubbed(contact).tractions.part(places) if slides else None
 
     def quantities(self) -> dict[str, Array]:
         """By name, SI; (case,) each."""
         whole = -np.einsum("j,cj->c", self.electrode.whole, self.loads * self.scale[1:]) / self.scale[2]
         out = {"electrode_charge_per_force": whole / self.force}
+        out["electrode_stroke_per_volt"] = np.full_like(self.force, self.electrode.stroke)
         if not self.electrode.on_top:
             pressure = self._integrated(1, lambda some: self.k / (2 * np.pi) * np.ones((some.size, 1)))
             out["electrode_pressure"] = -pressure / self.thickness**2 * self.scale[2] / self.scale[1]
         collected = Collected(self.reading, self._patch, lambda at: self._slope(at) / self.thickness)
-        return out | collected.quantities(self.force)
+        out |= collected.quantities(self.force)
+        if self.reading.floating is not None:
+            of_case, found = self._discs
+            out["disc_capacitance"] = np.array([one.capacitance for one in found])[of_case] * self.thickness
+            out["disc_voltage_per_force"] = -out["patch_charge_per_force"] / out["disc_capacitance"]
+        return out
+
+    @cached_property
+    def _discs(self) -> tuple[Indices, list[Discs]]:
+        """Discs that float, and which of them are those of each case."""
+        return self.reading.gapped(lambda *row: discs(self.electrode.stack, self.electrode.number, *row))
+
+    def _floating(self, some: Indices, distance: Array, *, slope: bool) -> Array:
+        """What discs beside others that float make of waves, or its derivative by their distance; (case, k)."""
+        of_case, found = self._discs
+        out = np.empty((some.size, self.k.size))
+        for number, one in enumerate(found):
+            own = np.flatnonzero(of_case[some] == number)
+            out[own] = one.wave(self.k, distance[own], slope=slope)
+        return out
 
     def _patch(self, distance: Array) -> Array:
-        return self._charge(distance, slope=False)
+        found = self._charge(distance, slope=False)
+        return found if self.rubbed is None else found + self._turned(self.rubbed, distance)
 
     def _slope(self, distance: Array) -> Array:
         return self._charge(distance, slope=True)
 
+    def _turned(self, rubbed: Tractions, distance: Array) -> Array:
+        """What friction adds to charges [C] of patches in distances, odd in these; (case,)."""
+        found = np.zeros_like(distance)
+        at = hankel.nodes(parts=int(np.max(self.radius) * self.k[-1] / _PHASE) + 4, kinked=True)
+        step = max(_BLOCK // (at.b.size * self.k.size), 1)
+        for start in range(0, found.size, step):
+            some = np.arange(start, min(start + step, found.size))
+            turned = rubbed.vectors(at.b, some)[1]
+            if turned is None:
+                continue
+            phase = self.radius[some, None, None] * self.k[:, None] * at.b
+            carried = np.einsum("ckb,cb,k->ck", np.cos(phase), turned[:, 0] * at.weights, self.rows[:, 0, 0])
+            down = np.einsum("ckb,cib->cki", np.sin(phase), turned[:, 1:] * at.weights, optimize=True)
+            carried += np.einsum("cki,ki->ck", down, self.rows[:, 0, 1:])
+            wave = -self._wave(some, distance, slope=True) / self.k
+            found[some] = 2 * np.pi * self.radius[some] ** 2 * np.sum(carried * wave * self.weights, -1)
+        return np.asarray(found * self.thickness**2 / self.scale[2])
+
     def _charge(self, distance: Array, *, slope: bool) -> Array:
-        """Charges [C] of patches in distances, or their derivatives by these."""
-        zero = np.zeros_like(distance)
-        size, other = zero if self.reading.size is None else self.reading.size, self.reading.other
+        """Charges [C] of patches in distances, or their derivatives by these; without friction."""
+        found = self._integrated(0, lambda some: self._wave(some, distance, slope=slope))
+        return found + self._local(distance, self._size, slope=slope) if self.electrode.on_top else found
 
-        def wave(some: Indices) -> Array:
-            found = np.empty((some.size, self.k.size))
-            for shape in np.unique(self.reading.shape[some]).tolist():
-                own = np.flatnonzero(self.reading.shape[some] == shape)
-                at, wide, second = (values[some[own]] for values in (distance, size, other))
-                if shape == STRIP:
-                    found[own] = self._strip(at, wide, slope=slope)
-                elif shape == RECTANGLE:
-                    found[own] = self._rectangle(at, wide, second, slope=slope)
-                else:
-                    found[own] = self._disc(at, wide, slope=slope)
-                    if shape == RING:
-                        found[own] -= self._disc(at, second, slope=slope)
-            return found
+    @property
+    def _size(self) -> Array:
+        return np.zeros_like(self.radius) if self.reading.size is None else self.reading.size
 
-        found = self._integrated(0, wave)
-        return found + self._local(distance, size, slope=slope) if self.electrode.on_top else found
+    def _wave(self, some: Indices, distance: Array, *, slope: bool) -> Array:
+        """What patches of some cases make of waves, or its derivative by their distances (case,); (some, k)."""
+        found = np.empty((some.size, self.k.size))
+        for shape in np.unique(self.reading.shape[some]).tolist():
+            own = np.flatnonzero(self.reading.shape[some] == shape)
+            at, wide, second = (values[some[own]] for values in (distance, self._size, self.reading.other))
+            if self.reading.floating is not None:
+                found[own] = self._floating(some[own], at, slope=slope)
+            elif shape == STRIP:
+                found[own] = self._strip(at, wide, slope=slope)
+            elif shape == RECTANGLE:
+                found[own] = self._rectangle(at, wide, second, slope=slope)
+            else:
+                found[own] = self._disc(at, wide, slope=slope)
+                if shape == RING:
+                    found[own] -= self._disc(at, second, slope=slope)
+        return found
 
     def _local(self, distance: Array, size: Array, *, slope: bool) -> Array:
         """What patches on top get of the tractions on them, or its derivative by the distance."""

@@ -79,8 +79,8 @@ def graded_spread(stack: Stack, reach: float) -> GradedSpread:
     ends = np.array(edges)
     series = np.empty((ends.size - 1, _DEGREE + 1, len(PAIRS)))
     octave = np.floor(np.log2(ends[1:] / width))
-    for one in np.unique(octave):
-        some = np.flatnonzero(octave == one)
+    for height in np.unique(octave):
+        some = np.flatnonzero(octave == height)
         x = np.concatenate([mapped_points(_DEGREE + 1, ends[p], ends[p + 1]) for p in some])
         values = _transformed(response, width, x)
         series[some] = coefficients(values.reshape(some.size, _DEGREE + 1, len(PAIRS)), axis=1)

@@ -83,7 +83,7 @@ class GradedTerms:
     def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
         """A traction less its strength over x at x within limits (case,), of coefficients (case, n)."""
         x = np.stack([mapped_points(_BETWEEN, *pair) for pair in zip(low.tolist(), high.tolist(), strict=True)])
-        values = np.stack([self.forms(own) @ one for own, one in zip(x, series, strict=True)], 1)
+        values = np.stack([self.forms(own) @ row for own, row in zip(x, series, strict=True)], 1)
         polynomials = coefficients(values)
 
         def read(at: Array) -> Array:

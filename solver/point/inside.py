@@ -10,11 +10,11 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.film.kernel import strip, wavenumbers
 from solver.film.reflection import LayerWaves, sideways, waves
 from solver.film.stack import Layer, Stack, StackError
-from solver.film.windows import Indices
 from solver.film.within import TURN, below, layer_waves, modal
 from solver.material.constants import Material
 from solver.point import hankel
@@ -140,13 +140,13 @@ class Inside:
                 )
         return out
 
-    def of_layers(self, tractions: Tractions, x: float, names: tuple[str, ...]) -> Array:
-        """What the layers add to fields on the surface at x/a; (column, field)."""
-        out = np.zeros((tractions.ratio.size, len(names), 1, 1))
-        points = np.array([x]), np.zeros(1), np.zeros(1, dtype=np.intp), np.ones(1, dtype=bool)
+    def of_layers(self, tractions: Tractions, X: Array, names: tuple[str, ...]) -> Array:
+        """What the layers add to fields on the surface at x/a; (column, field, x)."""
+        out = np.zeros((tractions.ratio.size, len(names), 1, X.size))
+        points = X, np.zeros(1), np.zeros(1, dtype=np.intp), np.ones(1, dtype=bool)
         for ratio in np.unique(tractions.ratio):
             self._add_waves(out, tractions, np.flatnonzero(tractions.ratio == ratio), points, names)
-        return out[..., 0, 0]
+        return out[:, :, 0]
 
     @cached_property
     def _ends(self) -> Array:

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from approximation.arrays import Indices
 from approximation.measure import ITSELF, Measure
 from approximation.summit import Top, highest
 from solver.arrays import Array
 from solver.curves import PRINCIPAL, SHEAR, VON_MISES
 from solver.film.net import DEPTH, Net, Nets, singular
 from solver.film.table import RangeError
-from solver.film.windows import Indices
 from solver.names import FILM_PEAKS, PEAKS
 from solver.point.body import Film
 from solver.point.inside import Inside, Tractions
@@ -103,7 +103,7 @@ def peaks(pressed: Pressed, inside: Inside, asked: Set[str]) -> dict[str, Array]
 
 def _by_radius(ratio: Array) -> list[Indices]:
     """Cases of one radius, some at a time."""
-    alike = [np.flatnonzero(ratio == one) for one in np.unique(ratio)]
+    alike = [np.flatnonzero(ratio == share) for share in np.unique(ratio)]
     return [same[start : start + _TOGETHER] for same in alike for start in range(0, same.size, _TOGETHER)]
 
 

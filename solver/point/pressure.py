@@ -77,6 +77,19 @@ def added_forms(x: Array, count: int) -> Array:
     return np.asarray((values - middle) / (np.abs(middle) * x[..., None]))
 
 
+def added_means(x: Array, count: int) -> Array:
+    """int_0^r of ``added_forms`` times s ds over r^2 at r = sqrt(1 - x^2) <= 1; (..., n).
+
+    As int_x^1 P_m(v) dv = (1 - x^2) P_m'(x) / (m (m + 1)).
+    """
+    m = 2 * np.arange(count)
+    whole = np.eye(2 * count - 1)[::2] / np.maximum(m * (m + 1), 1)[:, None]
+    own = np.polynomial.legendre.legval(x, np.polynomial.legendre.legder(whole, axis=1).T) if count > 1 else 0 * x[None]
+    middle = np.polynomial.legendre.legvander(np.zeros(1), 2 * count - 2)[0, ::2]
+    found = np.moveaxis(own, 0, -1) - middle / (1 + x[..., None])
+    return np.asarray(np.where(m > 0, found / np.abs(middle), 0.0))
+
+
 def climbed(values: Callable[[Array], Array], low: Array, high: Array) -> Array:
     """The largest of values that rise and then fall between low and high, by the golden section; (case,)."""
     inner, outer = high - _RATIO * (high - low), low + _RATIO * (high - low)

@@ -5,8 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
-from solver.film.windows import Indices
 from solver.point.profile import Shape
 
 

@@ -7,9 +7,9 @@ part that goes with cos(angle) has one order more, and the shear waves along the
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.film.fourier import Medium
-from solver.film.windows import Indices
 from solver.film.within import TURN
 from solver.halfplane.interior import LINEAR, field_rows
 from solver.halfplane.potentials import POTENTIALS

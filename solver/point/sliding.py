@@ -15,8 +15,8 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.film.windows import Indices
 from solver.halfplane.precision import PrecisionWarning
 from solver.halfplane.pressing import ContactError
 from solver.point import hankel

@@ -13,11 +13,11 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from approximation.arrays import Indices
 from approximation.chebyshev import coefficients, gauss_points
 from approximation.measure import ITSELF
 from approximation.summit import highest
 from solver.arrays import Array
-from solver.film.windows import Indices
 from solver.halfplane.potentials import LINE, LINE_WEIGHTS
 from solver.point.body import Film
 from solver.point.density import Density, second_kind_rates, turned_form_rates

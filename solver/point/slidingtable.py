@@ -10,11 +10,11 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from approximation.arrays import Indices
 from approximation.chebyshev import coefficients
 from solver.arrays import Array
 from solver.film.electroded import difference, surface
 from solver.film.kernel import strip, wavenumbers
-from solver.film.windows import Indices
 from solver.point import hankel
 from solver.point.density import Density
 from solver.point.inside import Inside, Tractions
@@ -108,13 +108,13 @@ class SlidingWindow:
         """
         kind, nodes = self.window.kind, self.window.nodes
         stiffness = kind.stiffness(self.window.read(nodes))
-        inside, rows = Inside(kind.film.stack()), ("stress_xx",)
+        inside, rows, rim = Inside(kind.film.stack()), ("stress_xx",), np.ones(1)
         found = []
         for number, ratio in enumerate(np.exp(nodes).tolist()):
             density = self._causes(number, stiffness.edges[number])
             ratios, sines = np.full(3, ratio), _Slid(self.response, density, self._solved[number])
-            plain = inside.of_layers(Tractions(ratios, density, np.zeros(3)), 1.0, rows)[:, 0]
-            slid = inside.of_layers(Tractions(ratios, density, np.ones(3), sines), 1.0, rows)[:, 0]
+            plain = inside.of_layers(Tractions(ratios, density, np.zeros(3)), rim, rows)[:, 0, 0]
+            slid = inside.of_layers(Tractions(ratios, density, np.ones(3), sines), rim, rows)[:, 0, 0]
             found.append([plain, slid - plain])
         return coefficients(np.array(found))
 

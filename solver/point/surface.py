@@ -1,19 +1,52 @@
 """Fields along the surface of point contacts, on and beside the contact (points, 5).
 
 Tractions are t = strength / x + bounded, x = sqrt(1 - r^2/a^2), below the punch and nothing beside it. On a half-space
-the stretch of the surface is local, div u = -k . t, so that u_r = -(k/r) . int_0^r t s ds, in closed form.
+the stretch of the surface is local, div u = -k . t, so that u_r = -(k/r) . int_0^r t s ds, in closed form. On a film
+the top's half-space does the same under the whole tractions, and what the layers below add is summed over wavenumbers.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.film.windows import Indices
 from solver.halfplane.pressing import ContactError
-from solver.point.body import Film, HalfSpace
+from solver.halfplane.surface import HalfPlane
+from solver.point.body import Film
 from solver.point.pressed import Contact, Pressed
-from solver.point.pressure import added_forms, finite, halfspace_form
+from solver.point.pressure import added_forms, added_means, finite, halfspace_form
+from solver.point.surfacetable import added_stresses
+from solver.point.table import Window
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """What the surface of a half-space does along itself, SI; (case,) each, or of one body.
+
+    Attributes
+    ----------
+    coupling
+        k of the body: div u = -k . t; (..., 3).
+    stiffness
+        c11 - h T3^-1 h.
+    shear
+        c11 - c12.
+    share
+        h T3^-1; (..., 3).
+    """
+
+    coupling: Array
+    stiffness: Array
+    shear: Array
+    share: Array
+
+    @classmethod
+    def of(cls, half: HalfPlane) -> "Stretch":
+        """Of a material with c12."""
+        shear = np.asarray(half.material.c11 - half.material.c12)
+        return cls(half.friction_coupling, half.in_plane_stiffness, shear, half.in_plane_share)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,46 +97,42 @@ class Along:
         strength, x = self.contact.state.strengths[..., None], self._x[below]
         found = np.zeros((*strength.shape[:-1], self.positions.size))
         found[..., below] = strength / x + self._per_form * self._form()[below]
-        if isinstance(body := self.contact.pressed.body, Film):
-            self._add_layers(body, found, below)
+        for places, of, series in self._layers():
+            found[places[:, None, None], np.arange(3)[:, None], below] += series @ of.terms.forms(x).T
         return np.asarray(found * self._units)
 
-    def _add_layers(self, film: Film, found: Array, below: Indices) -> None:
-        """What the layers add, whose strength is counted with the half-space's."""
+    def _layers(self) -> Iterator[tuple[Indices, Window, Array]]:
+        """Cases, their window and what the layers add, whose strength is counted with the half-space's."""
         contact = self.contact
-        for places, of in film.windows(contact.radius):
-            log_ratio = np.log(contact.radius[places] / film.thickness[places])
-            series = of.tractions(log_ratio, contact.state.causes[places])
-            found[places[:, None, None], np.arange(3)[:, None], below] += series @ of.terms.forms(self._x[below]).T
+        if isinstance(film := contact.pressed.body, Film):
+            for places, of in film.windows(contact.radius):
+                log_ratio = np.log(contact.radius[places] / film.thickness[places])
+                yield places, of, of.tractions(log_ratio, contact.state.causes[places])
 
     def means(self) -> Array:
-        """int_0^r t s ds / r^2, half the mean traction within r; (case, 3, position). On half-spaces only."""
+        """int_0^r t s ds / r^2, half the mean traction within r; (case, 3, position). Not below graded layers."""
         e, x = self.contact.pressed.body.shape.exponent, self._x
         within = 1 / (1 + x)
         form = (self.contact.pressed.body.shape.rise * e * within + self._form()) / (e + 1)
         beyond = 1 / np.maximum(np.abs(self.positions), 1.0) ** 2
         own = self.contact.state.strengths[..., None] * within + self._per_form * form
+        for places, _, series in self._layers():
+            own[places] += series @ added_means(x, series.shape[-1]).T
         return np.asarray(own * beyond * self._units)
 
-    def stresses(self, body: HalfSpace) -> dict[str, Array]:
-        """sigma_rr and sigma_tt [Pa] of half-spaces whose c12 is known; (case, position) each."""
-        stretch = body.stretch
-        if stretch is None:
-            return {}
+    def stresses(self, stretch: Stretch) -> dict[str, Array]:
+        """sigma_rr and sigma_tt [Pa] of the half-space of the top; (case, position) each."""
         tractions = self.tractions()
-        dilation = -np.einsum("cj,cjp->cp", stretch.coupling, tractions)
-        hoop = -np.einsum("cj,cjp->cp", stretch.coupling, self.means())
-        across = stretch.stiffness[:, None] - stretch.shear[:, None]
-        pressed = np.einsum("cj,cjp->cp", stretch.share, tractions)
-        both = across * dilation + pressed
-        return {
-            "radial_stress": both + stretch.shear[:, None] * (dilation - hoop),
-            "hoop_stress": both + stretch.shear[:, None] * hoop,
-        }
+        dilation = -np.einsum("...j,...jp->...p", stretch.coupling, tractions)
+        hoop = -np.einsum("...j,...jp->...p", stretch.coupling, self.means())
+        shear = stretch.shear[..., None]
+        pressed = np.einsum("...j,...jp->...p", stretch.share, tractions)
+        both = (stretch.stiffness[..., None] - shear) * dilation + pressed
+        return {"radial_stress": both + shear * (dilation - hoop), "hoop_stress": both + shear * hoop}
 
 
-def surface_fields(pressed: Pressed, positions: Array) -> dict[str, Array]:
-    """Fields of ``solver.names.POINT_FIELDS`` that every case has, SI; (case, position) each.
+def surface_fields(pressed: Pressed, positions: Array, stretch: Stretch | None = None) -> dict[str, Array]:
+    """Fields of ``solver.fields.POINT_FIELDS`` that every case has, SI; (case, position) each.
 
     Parameters
     ----------
@@ -111,6 +140,8 @@ def surface_fields(pressed: Pressed, positions: Array) -> dict[str, Array]:
         The cases.
     positions
         r/a, of either sign, never +-1; (position,).
+    stretch
+        Of the surface of the top; None: no stresses.
 
     Raises
     ------
@@ -125,7 +156,10 @@ def surface_fields(pressed: Pressed, positions: Array) -> dict[str, Array]:
     out = {"contact_pressure": 0.0 - normal, "electric_displacement": electric, "magnetic_induction": magnetic}
     if isinstance(pressed.body, Film) and pressed.body.kind.film.electroded:
         del out["electric_displacement"]  # the electrode's, also beside the punch
-    return out | (along.stresses(pressed.body) if isinstance(pressed.body, HalfSpace) else {})
+    if stretch is None:
+        return out
+    added = added_stresses(along.contact, positions)
+    return out | {name: own + added[:, number] for number, (name, own) in enumerate(along.stresses(stretch).items())}
 
 
 @dataclass(frozen=True, eq=False)

@@ -142,7 +142,7 @@ class _Assembled:
         of, system, grid = self.of, self.of.system, self.of.grid
         starts, count = system.starts(self.basis), 2 * grid.count
         direct = [self._direct(number) for number in range(self.half_lengths.size)]
-        gradients = np.stack([one[0] for one in direct])
+        gradients = np.stack([part[0] for part in direct])
         for place, f in enumerate(self._fields):
             part = slice(place * count, (place + 1) * count)
             own = slice(starts[f], starts[f] + self.basis.terms + 1)
@@ -215,7 +215,7 @@ class _Assembled:
                 edges[:, 3],
                 self._from_edge(moved, slopes[:, self._near]),
             ))  # fmt: skip
-        gradients, mean, edge, outside = (np.concatenate([one[k] for one in found], -1) for k in range(4))
+        gradients, mean, edge, outside = (np.concatenate([part[k] for part in found], -1) for k in range(4))
         return h * gradients, mean, h * edge, outside
 
     def _mean(self, number: int, f: int, smooth: Array) -> Array:

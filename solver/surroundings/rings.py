@@ -14,8 +14,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.film.windows import Indices
 from solver.surroundings.grid import Grid, gauss
 
 _FINE = 24  # of the rules in tau, theta' = theta +- tau^2, which has no root at the target

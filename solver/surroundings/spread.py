@@ -76,8 +76,8 @@ def spread(stack: Stack) -> Spread:
     ends = np.array(edges)
     series = np.empty((ends.size - 1, _DEGREE + 1, 6))
     octave = np.floor(np.log2(ends[1:] / width))
-    for one in np.unique(octave):
-        some = np.flatnonzero(octave == one)
+    for height in np.unique(octave):
+        some = np.flatnonzero(octave == height)
         x = np.concatenate([mapped_points(_DEGREE + 1, ends[p], ends[p + 1]) for p in some])
         series[some] = coefficients(_values(stack, width, x).reshape(some.size, _DEGREE + 1, 6), axis=1)
     return Spread(ends, series)

@@ -155,8 +155,8 @@ def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Seque
 
 def check_levels(inputs: Sequence[Input], levels: Sequence[Array], chebyshev: bool) -> None:
     """Raise ValueError, naming input and level, unless ascending levels suit their inputs."""
-    for one, values in zip(inputs, levels, strict=True):
-        _check_levels(one, values, chebyshev)
+    for own, values in zip(inputs, levels, strict=True):
+        _check_levels(own, values, chebyshev)
 
 
 def _check_levels(one: Input, levels: Array, chebyshev: bool) -> None:

@@ -52,4 +52,4 @@ class Measurements:
     @property
     def outputs(self) -> list[int]:
         """Outputs that are measured anywhere, ascending."""
-        return [int(one) for one in np.unique(self.output)]
+        return [int(number) for number in np.unique(self.output)]

@@ -29,4 +29,4 @@ def check_sizes(stored: xr.Dataset) -> None:
 
 
 def _lengths(stored: xr.Dataset, kind: str) -> dict[str, int]:
-    return {str(name): one for name, one in stored.sizes.items() if re.fullmatch(rf"(?:.*_)?{kind}", str(name))}
+    return {str(name): size for name, size in stored.sizes.items() if re.fullmatch(rf"(?:.*_)?{kind}", str(name))}

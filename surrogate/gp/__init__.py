@@ -1,1 +1,1 @@
-"""Gaussian processes on factorials: kernels, tensor trains and files, and the face of every surrogate."""
+"""Gaussian processes: grids, tensor trains from few cases, scattered cases, finite rank."""

@@ -175,7 +175,7 @@ def degrees(rho: Sequence[float], cases: int, known_at: Sequence[int] | None = N
         beyond = found[-1][0]
         if beyond <= LEAST_COST:
             return None
-        found = [one for one in found if one[0] < beyond * (1 - 1e-12)]
+        found = [pair for pair in found if pair[0] < beyond * (1 - 1e-12)]
     return np.array([index for _, index in found], dtype=np.intp)
 
 

@@ -2,8 +2,8 @@
 
 A sweep goes from the first mode to the last. At a mode, the tensor is sampled at the rows that are kept of the modes
 before it, every index of its own, and a few indices of the modes behind it. What blocks hold makes a few enough: they
-have hundreds of values, all of which the kept rows must interpolate. Rows are chosen by QR with pivoting, so that ranks
-follow from the tolerance. Fresh entries judge the train; where it errs most is where the next sweep looks too.
+have many values, all of which the kept rows must interpolate. Rows are chosen by QR with pivoting, so that ranks follow
+from the tolerance. Fresh entries judge the train; where it errs most is where the next sweep looks too.
 
 Sources: I. V. Oseledets and E. Tyrtyshnikov, Linear Algebra Appl. 432 (2010) 70 (TT-cross); H. Cheng et al., SIAM J.
 Sci. Comput. 26 (2005) 1389 (interpolation from rows chosen by QR).
@@ -20,9 +20,10 @@ from approximation.arrays import Array, Indices
 #: The steps of an approximation: it yields indices (n, d), is sent their blocks (n, b, p), and returns what it found.
 Steps = Generator[Indices, Array, "Crossed"]
 
-# FRESH entries judge every sweep. A sweep asks for BEHIND indices of the modes behind. The rows that it keeps give all
-# others to LEFT of the tolerance in the first sweep; each further sweep multiplies that share by FINER.
-FRESH, BEHIND = 24, 2
+# FRESH entries judge every sweep. A sweep asks for BEHIND indices of the modes behind, for BEHIND_FEW where a block has
+# fewer values than MANY. The rows that it keeps give all others to LEFT of the tolerance in the first sweep; each
+# further sweep multiplies that share by FINER.
+FRESH, BEHIND, BEHIND_FEW, MANY = 24, 2, 4, 100
 LEFT, FINER = 0.1, 0.5
 
 
@@ -95,7 +96,8 @@ class Cross:
         blocks = yield fresh
         offset, scale = blocks.mean(axis=(0, 1)), np.ptp(blocks, axis=(0, 1))
         scale[scale == 0] = 1.0
-        behind = [self._spread(random, k) for k in range(1, len(self.sizes))] + [np.zeros((1, 0), dtype=np.intp)]
+        each = BEHIND if blocks[0].size >= MANY else BEHIND_FEW
+        behind = [self._spread(random, k, each) for k in range(1, len(self.sizes))] + [np.zeros((1, 0), dtype=np.intp)]
         rows: list[Indices | None] = [None] * len(self.sizes)
         left = LEFT * self.tolerance
         while True:
@@ -123,9 +125,9 @@ class Cross:
             asked |= dict.fromkeys(map(tuple, fresh.tolist()))
             blocks = yield fresh
 
-    def _spread(self, random: np.random.Generator, k: int) -> Indices:
+    def _spread(self, random: np.random.Generator, k: int, count: int) -> Indices:
         """A few random indices of the modes from k on, different in each as far as it goes."""
-        each = [np.resize(random.permutation(size), BEHIND) for size in self.sizes[k:]]
+        each = [np.resize(random.permutation(size), count) for size in self.sizes[k:]]
         return np.unique(np.stack(each, axis=1), axis=0)
 
     def _fresh(self, random: np.random.Generator, asked: Mapping[tuple[int, ...], None]) -> Indices:

@@ -24,7 +24,8 @@ class CrossGP(GridGP):
     """Gaussian process of the "chebyshev" kernel on a grid, of which a cross approximation asks for few cases.
 
     Some inputs are *crossed*: `ask` names the places, of their levels, that are to be solved next. All levels of the
-    others are solved at every place, which must be cheap. What `fit` makes, and what is saved of it, is a `GridGP`.
+    others, if there are any, are solved at every place, which should be cheap. What `fit` makes, and what is saved of
+    it, is a `GridGP`.
 
     Parameters
     ----------
@@ -111,7 +112,7 @@ class CrossGP(GridGP):
             return xr.Dataset({"error": error}, {"output": self._names(X)})
         columns = [(self._input(name), index) for name, index in zip(self.crossed, np.asarray(found).T, strict=True)]
         return xr.Dataset(
-            {one.name: (PLACE, one.levels(self.levels[one.name])[index], one.attrs) for one, index in columns}
+            {own.name: (PLACE, own.levels(self.levels[own.name])[index], own.attrs) for own, index in columns}
         )
 
     def fit(self, X: xr.Dataset) -> Self:
@@ -213,7 +214,7 @@ class CrossGP(GridGP):
         for gram, size in zip(grams, sizes, strict=True):
             gram /= (spread**2 * (self._places() / size))[:, None, None]
         back = np.argsort(self.order_)
-        points = [one.to_unit(levels) for one, levels in zip(self.inputs_, self.levels_, strict=True)]
+        points = [own.to_unit(levels) for own, levels in zip(self.inputs_, self.levels_, strict=True)]
         self._choose(points, [grams[k] for k in back])
         whole = TensorTrain((*train.cores[:-1], train.cores[-1] / spread))
         self.train_ = whole.scaled([self.factors_[k].weights for k in self.order_])

@@ -169,7 +169,7 @@ def _kernel_slopes(kernel: str, regressor: GaussianProcessRegressor, t: Array) -
     lengths = theta[1 : 1 + d]
     differences = [(t[i][:, None] - X[i]) / lengths[i] for i in range(d)]
     # every correlation's slope is -(difference / length) g(r) / length
-    shared = theta[0] * _radial(kernel, np.sqrt(sum(one * one for one in differences)))
+    shared = theta[0] * _radial(kernel, np.sqrt(sum(difference * difference for difference in differences)))
     return [-difference * shared / length for difference, length in zip(differences, lengths, strict=True)]
 
 

@@ -262,7 +262,7 @@ class Rest:
             return cases * float(np.log(left(ratio) / ratio)) + determinant
 
         grid = np.linspace(np.log(RATIOS[0]), np.log(RATIOS[1]), 60)
-        best = int(np.argmin([cost(one) for one in grid]))
+        best = int(np.argmin([cost(logarithm) for logarithm in grid]))
         around = (grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)])
         ratio = float(
             np.exp(scipy.optimize.minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 1e-3}).x)

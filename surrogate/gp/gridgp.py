@@ -114,7 +114,7 @@ class GridGP(GaussianProcess):
         self.inputs_, self.levels_ = data.inputs, data.levels
         self.outputs_, self.attrs_ = tuple(data.outputs), data.attrs
         self.cases_, self.calibration_, self.correction_ = self._places(), None, None
-        points = [one.to_unit(levels) for one, levels in zip(data.inputs, data.levels, strict=True)]
+        points = [own.to_unit(levels) for own, levels in zip(data.inputs, data.levels, strict=True)]
         coefficients, grams = self._coefficients(data, points)
         self._choose(points, grams)
         self._compress(coefficients)
@@ -123,7 +123,7 @@ class GridGP(GaussianProcess):
     def _choose(self, points: Sequence[Array], grams: Sequence[Array]) -> None:
         """Choose the factors' kernels and the variance, from the coefficients' Gram matrices, a case at a level."""
         self.factors_ = tuple(self._factor(k, t, grams[k]) for k, t in enumerate(points))
-        self.hyperparameters_ = {one.name: f.parameter for one, f in zip(self.inputs_, self.factors_, strict=True)}
+        self.hyperparameters_ = {own.name: f.parameter for own, f in zip(self.inputs_, self.factors_, strict=True)}
         self.amplitude_, self.variance_ = amplitudes(self.factors_, grams)
 
     def _factorial(self, X: xr.Dataset) -> Factorial:
@@ -223,9 +223,9 @@ class GridGP(GaussianProcess):
         model.levels_ = tuple(stored[f"levels_{k}"].values for k in range(d))
         check_levels(inputs, model.levels_, model.kernel == "chebyshev")
         parameters = stored["hyperparameter"].values.tolist()
-        points = [one.to_unit(levels) for one, levels in zip(inputs, model.levels_, strict=True)]
+        points = [own.to_unit(levels) for own, levels in zip(inputs, model.levels_, strict=True)]
         model.factors_ = tuple(model.make_factor(t, value) for t, value in zip(points, parameters, strict=True))
-        model.hyperparameters_ = {one.name: f.parameter for one, f in zip(inputs, model.factors_, strict=True)}
+        model.hyperparameters_ = {own.name: f.parameter for own, f in zip(inputs, model.factors_, strict=True)}
         model.order_ = tuple(int(k) for k in stored["contraction_order"].values)
         if sorted(model.order_) != list(range(d)):
             raise ValueError(f"contraction_order {model.order_} is no order of {d} inputs")

@@ -69,7 +69,7 @@ def most_likely(t: Array, y: Array, weights: Array | None = None) -> tuple[Decay
     """
     d, share = len(t), np.ones(t.shape[1]) if weights is None else 1 / weights
     start = np.log(np.concatenate([np.full(d, 0.3), np.full(d, 0.3), [1e-3]]))
-    bounds = [tuple(np.log(one)) for one in [FIRST] * d + [RHO] * d + [NOISE]]
+    bounds = [tuple(np.log(ends)) for ends in [FIRST] * d + [RHO] * d + [NOISE]]
     found = scipy.optimize.minimize(
         _cost, start, (t, y, share), method="L-BFGS-B", jac=True, bounds=bounds, options={"maxiter": ITERATIONS}
     )
@@ -85,8 +85,8 @@ def _cost(logs: Array, t: Array, y: Array, share: Array | float = 1.0) -> tuple[
     """
     d, (n, p) = len(t), y.shape
     first, rho, noise = np.exp(logs[:d]), np.exp(logs[d:-1]), float(np.exp(logs[-1]))
-    parts = [sums(x, x, one) for x, one in zip(t, rho, strict=True)]
-    factors = [1 + one * some[0] for one, some in zip(first, parts, strict=True)]
+    parts = [sums(x, x, rate) for x, rate in zip(t, rho, strict=True)]
+    factors = [1 + size * some[0] for size, some in zip(first, parts, strict=True)]
     C = np.ones((n, n))
     for factor in factors:
         C *= factor
@@ -118,7 +118,7 @@ def _cost(logs: Array, t: Array, y: Array, share: Array | float = 1.0) -> tuple[
 def sums(x: Array, y: Array, rho: float) -> tuple[Array, Array]:
     """sum_{m>0} rho^(m-1) T_m(x) T_m(y), (n, m), and its slope by rho."""
     inside = np.clip(x, -1, 1), np.clip(y, -1, 1)
-    a, b = (np.arccos(one) for one in inside)
+    a, b = (np.arccos(cosine) for cosine in inside)
     even = np.multiply.outer(*inside)
     odd = np.multiply.outer(np.sin(a), np.sin(b))
     value, slope = np.zeros_like(even), np.zeros_like(even)

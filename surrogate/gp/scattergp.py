@@ -117,11 +117,11 @@ class ScatterGP(GaussianProcess):
             raise ValueError(f"rank {self.rank} must be at least 1")
         inputs, names = self._roles(X)
         columns = {name: _column(X, name) for name in [*(input_.name for input_ in inputs), *names]}
-        for one in inputs:
-            low, high = columns[one.name].min(), columns[one.name].max()
-            if low < one.low or high > one.high:
-                wrong = low if low < one.low else high
-                raise ValueError(f"input {one.name!r} has the value {wrong:g} outside its range {one.range_text()}")
+        for own in inputs:
+            low, high = columns[own.name].min(), columns[own.name].max()
+            if low < own.low or high > own.high:
+                wrong = low if low < own.low else high
+                raise ValueError(f"input {own.name!r} has the value {wrong:g} outside its range {own.range_text()}")
         self.inputs_, self.outputs_ = tuple(inputs), tuple(names)
         self.attrs_ = {name: text_attrs(X[name]) for name in names}
         self.calibration_ = None
@@ -148,10 +148,10 @@ class ScatterGP(GaussianProcess):
         attrs = {name: getattr(self, name) for name in names}
         if isinstance(self.process_, FiniteRank):
             return self.process_.state().assign_attrs(attrs)
-        thetas = [one.kernel_.theta for one in self.process_.regressors]
+        thetas = [regressor.kernel_.theta for regressor in self.process_.regressors]
         theta = np.zeros((len(thetas), max(map(len, thetas))))  # kernels have unequally many parameters
-        for row, one in zip(theta, thetas, strict=True):
-            row[: len(one)] = one
+        for row, own in zip(theta, thetas, strict=True):
+            row[: len(own)] = own
         weights = np.ones(len(self.points_)) if self.weights_ is None else self.weights_
         return xr.Dataset(
             {

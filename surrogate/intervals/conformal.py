@@ -290,7 +290,7 @@ def _fitted(logarithms: Array, t: Array, groups: Indices) -> tuple[Indices, Arra
     degrees = np.concatenate([degrees, waves])
     A = values(degrees, t).T
     starts = np.pad(trend, ((0, len(waves)), (0, 0))).T
-    found = [quantile_regression(A, one, NOMINAL, start) for one, start in zip(logarithms, starts, strict=True)]
+    found = [quantile_regression(A, values, NOMINAL, start) for values, start in zip(logarithms, starts, strict=True)]
     return degrees, np.array(found).T
 
 

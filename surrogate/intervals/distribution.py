@@ -130,22 +130,22 @@ class Tabulated:
 
     def cdf(self, z: Array) -> Array:
         """Return the probability of no more than z, (p, n)."""
-        return np.stack([np.interp(one, own, PROBABILITIES) for one, own in zip(z, self.quantiles.T, strict=True)])
+        return np.stack([np.interp(row, own, PROBABILITIES) for row, own in zip(z, self.quantiles.T, strict=True)])
 
     def crps(self, z: Array) -> Array:
         """Return the integral of (F(x) - (x >= z))^2 over x at z, (p, n); F is linear between the quantiles."""
         out = np.empty_like(z)
-        for row, one, own in zip(out, z, self.quantiles.T, strict=True):
+        for row, values, own in zip(out, z, self.quantiles.T, strict=True):
             F, wide = PROBABILITIES, np.diff(own)
             # integrals of F^2 up to every quantile, and of (1 - F)^2 from it on
             below = np.append(0, np.cumsum(_square(wide, F[:-1], F[1:])))
             above = np.append(np.cumsum(_square(wide, 1 - F[:-1], 1 - F[1:])[::-1])[::-1], 0)
-            inside = np.clip(one, own[0], own[-1])
+            inside = np.clip(values, own[0], own[-1])
             k = np.clip(np.searchsorted(own, inside, side="right") - 1, 0, len(own) - 2)
             at = np.interp(inside, own, F)
             left = below[k] + _square(inside - own[k], F[k], at)
             right = above[k + 1] + _square(own[k + 1] - inside, 1 - at, 1 - F[k + 1])
-            row[:] = left + right + np.abs(one - inside)
+            row[:] = left + right + np.abs(values - inside)
         return out
 
     def only(self, columns: Sequence[int]) -> Self:

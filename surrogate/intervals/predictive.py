@@ -151,8 +151,8 @@ class Predictive(ABC):
         if asked.ndim != 1:
             raise ValueError(f"q must be a number or a sequence of numbers, got an array of {asked.ndim} dimensions")
         most = (1 + self.distribution.highest_level()) / 2
-        for one in asked[~((1 - most <= asked) & (asked <= most))]:
-            raise ValueError(f"q {one:g} is not between {1 - most:.4g} and {most:.10g}{self._told()}")
+        for probability in asked[~((1 - most <= asked) & (asked <= most))]:
+            raise ValueError(f"q {probability:g} is not between {1 - most:.4g} and {most:.10g}{self._told()}")
         found = self._quantiles(points, asked, extrapolate)
         return found if np.ndim(q) else found.isel(quantile=0)
 

@@ -1,1 +1,1 @@
-"""How many levels a factorial needs along each factor, from the decay of its coefficients."""
+"""How many levels a factorial needs along each factor: pilots, decay of coefficients."""

@@ -134,8 +134,8 @@ def _between(designs: Array, values: Array, count: int) -> Array:
     gaps = np.sqrt(np.abs(np.prod(np.diff(values[:, :2], axis=0), axis=1)))
     shares = gaps / gaps.sum() if gaps.sum() > 0 else gaps
     parts = [
-        one + (other - one) * (np.arange(1, number + 1) / (number + 1))[:, None]
-        for one, other, number in zip(designs[:-1], designs[1:], np.ceil(count * shares).astype(int), strict=True)
+        design + (other - design) * (np.arange(1, number + 1) / (number + 1))[:, None]
+        for design, other, number in zip(designs[:-1], designs[1:], np.ceil(count * shares).astype(int), strict=True)
     ]
     return np.concatenate([designs[:0], *parts])
 

@@ -1,6 +1,6 @@
 """Surrogates over groups: fewer, better axes inside, the user's own inputs outside."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from typing import Any, ClassVar, Self
 
@@ -33,6 +33,8 @@ class GroupedGP(Transformed):
         Inputs, axes and scales; its `scalings` name the outputs.
     kernel, hyperparameters, compression
         As for `GridGP`, of the process over the axes.
+    process : callable, optional
+        Makes that process, not fitted, from the names of the outputs, in place of these three: a `CrossGP`.
 
     Attributes
     ----------
@@ -49,7 +51,7 @@ class GroupedGP(Transformed):
     >>> grouping = Grouping(
     ...     (length, gravity, swing), (Group(Input("relative_length", 0.005, 2, "log"), {"length": 1, "gravity": -1}),
     ...     Group(swing, {"swing": 1})), {"period": Scaling({"length": 0.5, "gravity": -0.5})})
-    >>> axes = xr.Dataset(coords={one.name: one.levels(n) for one, n in zip(grouping.axes, (2, 6))})
+    >>> axes = xr.Dataset(coords={axis.name: axis.levels(n) for axis, n in zip(grouping.axes, (2, 6))})
     >>> cases = axes.assign_coords(length=axes.relative_length * 9.81, gravity=9.81)  # any that have these values
     >>> period = 2 * np.pi * np.sqrt(cases.length / cases.gravity) * (1 + cases.swing**2 / 16)
     >>> model = GroupedGP(grouping).fit(cases.assign(period=period))
@@ -71,21 +73,23 @@ class GroupedGP(Transformed):
         kernel: Kernel = "chebyshev",
         hyperparameters: Mapping[str, float] | None = None,
         compression: float = 1e-12,
+        process: Callable[[Sequence[str]], GridGP] | None = None,
     ) -> None:
         self.grouping = grouping
+        self.process = process
         self.kernel = kernel
         self.hyperparameters = hyperparameters
         self.compression = compression
 
     def fit(self, X: xr.Dataset) -> Self:
-        """Fit to a complete factorial over the axes.
+        """Fit to a complete factorial over the axes, or to what another process takes.
 
         Parameters
         ----------
         X : Dataset
-            Dimensions are the groups' axes with their levels as coordinates; variables are the outputs, and every input
-            is a variable or coordinate over some of the dimensions: the cases that were solved, any with these values
-            of the groups.
+            Dimensions are the groups' axes with their levels as coordinates, or these stand over a dimension of places;
+            variables are the outputs, and every input is a variable or coordinate over some of the dimensions: the
+            cases that were solved, any with these values of the groups.
 
         Raises
         ------
@@ -100,7 +104,8 @@ class GroupedGP(Transformed):
         self._check_axes(X)
         axes = self.grouping.axes
         data = self.grouping.reduced(X, names).assign_coords({axis.name: X[axis.name] for axis in axes})
-        process = GridGP(self.kernel, axes, names, self.hyperparameters, compression=self.compression)
+        plain = GridGP(self.kernel, axes, names, self.hyperparameters, compression=self.compression)
+        process = plain if self.process is None else self.process(names)
         self.reduced_, self.inputs_, self.outputs_ = process.fit(data), self.grouping.inputs, names
         self.cases_ = self.reduced_.cases_
         self._lay_out()
@@ -120,7 +125,7 @@ class GroupedGP(Transformed):
         columns = xr.broadcast(*(X[own.name].reset_coords(drop=True) for own in self.grouping.inputs))
         points = np.stack([column.values.ravel() for column in columns], axis=1)
         for axis, values in zip(self.grouping.axes, self.grouping.products.values(points).T, strict=True):
-            if axis.name not in X.dims:
+            if axis.name not in X.dims and axis.name not in X.coords:
                 raise ValueError(f"axis {axis.name!r} is no dimension of the data set")
             said = X[axis.name].broadcast_like(columns[0]).transpose(*columns[0].dims).values.ravel()
             if np.abs(axis.to_unit(values) - axis.to_unit(said)).max() > 1e-8:

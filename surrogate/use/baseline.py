@@ -47,7 +47,7 @@ def chebyshev_interpolation(
     """
     data = complete_factorial(training, inputs, outputs, chebyshev=True)
     named = named_points(points, data.inputs)
-    t = [one.to_unit(named.X[:, k]) for k, one in enumerate(data.inputs)]
+    t = [own.to_unit(named.X[:, k]) for k, own in enumerate(data.inputs)]
     answer = {}
     for name, values in data.outputs.items():
         found = _evaluate(coefficients(values), t)
@@ -62,9 +62,9 @@ def baseline(
     grouping, named = groups_of(model), named_points(points, model.inputs_)
     if grouping is None:
         return chebyshev_interpolation(training, list(model.inputs_), points, outputs)
-    axes = {one.name: training[one.name] for one in grouping.axes}
+    axes = {axis.name: training[axis.name] for axis in grouping.axes}
     at = xr.DataArray(grouping.products.values(named.X), dims=("point", "axis"))
-    columns = {one.name: at.isel(axis=k) for k, one in enumerate(grouping.axes)}
+    columns = {axis.name: at.isel(axis=k) for k, axis in enumerate(grouping.axes)}
     found = chebyshev_interpolation(
         grouping.reduced(training, outputs).assign_coords(axes), grouping.axes, columns, outputs
     )

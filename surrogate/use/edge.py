@@ -49,7 +49,9 @@ def learn(t: Array, refused: Flags, even: Flags, groups: Indices, which: Indices
     numbers = np.unique(groups, return_inverse=True)[1].ravel()
     fold = random.permutation(np.arange(numbers.max() + 1) % FOLDS)[numbers]
     tried = [_total(len(t), degree) for degree in _DEGREES]
-    tried = [one for one in tried if len(one) <= min(MOST_TERMS, len(known) // _CASES_A_TERM)] or [_total(len(t), 1)]
+    tried = [degrees for degrees in tried if len(degrees) <= min(MOST_TERMS, len(known) // _CASES_A_TERM)] or [
+        _total(len(t), 1)
+    ]
     apart = [_left_out(degrees, t, known, fold) for degrees in tried]
     best = int(np.argmin([_loss(score, known) for score in apart]))
     degrees, score = tried[best], apart[best]

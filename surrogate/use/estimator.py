@@ -212,7 +212,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
             coords=dict(zip(names, levels, strict=True)),
         )
         chebyshev, self.shift_ = self._spread(names, levels)
-        data = data.assign_coords({name: data[name] - one for name, one in zip(names, self.shift_, strict=True)})
+        data = data.assign_coords({name: data[name] - offset for name, offset in zip(names, self.shift_, strict=True)})
         other = "matern52" if self.kernel == "auto" else self.kernel
 
         def made() -> GridGP:
@@ -227,7 +227,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
             return True, none
         if self.inputs is None:
             shift = np.array([_shift(some) for some in levels])
-            moved = {name: some - one for name, some, one in zip(names, levels, shift, strict=True)}
+            moved = {name: some - offset for name, some, offset in zip(names, levels, shift, strict=True)}
             if follows_chebyshev(xr.Dataset(coords=moved), names, None):
                 return True, shift
         return False, none

@@ -173,9 +173,9 @@ def learn(
         random = np.random.default_rng(0)
         states = []
         for k in kept:
-            mean = _draw({q: one.few()[0] for q, one in parts.items()}, chain.states[k], chain.own[k], single).mean
+            mean = _draw({q: part.few()[0] for q, part in parts.items()}, chain.states[k], chain.own[k], single).mean
             states.append(
-                {q: one.completed(chain.states[k][q], one.few()[1], mean, random) for q, one in parts.items()}
+                {q: part.completed(chain.states[k][q], part.few()[1], mean, random) for q, part in parts.items()}
             )
         here = about
         about, draws = _settled(model, about, states, chain.own[kept], single)
@@ -188,7 +188,7 @@ def learn(
         some = parts[q].few()[1]
         wild[rows.of(q)[some]] = np.mean([state[q].wild > 0 for state in chain.states], axis=0)
     plain = [{q: part.usual(state[q]) for q, part in parts.items()} for state in states]
-    predicted, variance = moments([_left_out(rows, one, noise) for one, noise in zip(draws, plain, strict=True)])
+    predicted, variance = moments([_left_out(rows, draw, noise) for draw, noise in zip(draws, plain, strict=True)])
     return Learnt(about, draws, chain, wild, (predicted, np.sqrt(variance)))
 
 
@@ -219,7 +219,7 @@ def _settled(
     """Constants about which their estimate stays, all else at its draws, and the posterior there."""
     for _ in range(_STEPS):
         parts = model.at(about)
-        draws = tuple(_draw(parts, one, share, single) for one, share in zip(states, own, strict=True))
+        draws = tuple(_draw(parts, state, share, single) for state, share in zip(states, own, strict=True))
         mean, covariance = mixture(draws)
         move = np.clip(mean - about, -_STEP, _STEP)
         if np.all(np.abs(move) <= 0.02 + 0.1 * np.sqrt(np.diag(covariance))):
@@ -238,22 +238,22 @@ def _chained(
     rounds: int,
 ) -> Chain:
     """Rounds of a chain over all that is unknown but constants and discrepancies, which are integrated over."""
-    few = {q: one.few()[0] for q, one in parts.items()}
-    state = {q: one.first for q, one in few.items()} if start is None else dict(start)
-    told = {q: one.at(state[q]).information for q, one in few.items()}
+    few = {q: part.few()[0] for q, part in parts.items()}
+    state = {q: part.first for q, part in few.items()} if start is None else dict(start)
+    told = {q: part.at(state[q]).information for q, part in few.items()}
     share = 1.0 if single.any() else 0.0
     states, own, offs = [], [], []
     odds: dict[int, list[float]] = {q: [] for q in few}
     for number in range(_BURNT + rounds):
         prior = np.where(single, share, 1.0)
         chances = {}
-        for q, one in few.items():
+        for q, part in few.items():
             others = [told[name] for name in few if name != q]
             precision = sum((each for each, _ in others), np.zeros((len(prior), len(prior))))
             weighted = sum((each for _, each in others), np.zeros(len(prior)))
             mean, covariance = posterior(precision, weighted, prior)
-            state[q], chances[q] = one.swept(state[q], mean, covariance, random)
-            told[q] = one.at(state[q]).information
+            state[q], chances[q] = part.swept(state[q], mean, covariance, random)
+            told[q] = part.at(state[q]).information
         likely = _shares(list(told.values()), single)
         chance = np.exp(likely - likely.max())
         chance /= chance.sum()
@@ -269,7 +269,7 @@ def _chained(
 
 def _shares(told: Sequence[tuple[Array, Array]], single: Flags) -> Array:
     """Log-probabilities of the shares `OWN`, up to a constant, from what every output says of the constants."""
-    precision, weighted = (np.sum([one[k] for one in told], axis=0) for k in (0, 1))
+    precision, weighted = (np.sum([pair[k] for pair in told], axis=0) for k in (0, 1))
     found: Array = np.log(OWN_CHANCE)
     for k, share in enumerate(OWN):
         prior = np.where(single, share, 1.0)
@@ -280,7 +280,7 @@ def _shares(told: Sequence[tuple[Array, Array]], single: Flags) -> Array:
 
 def _draw(parts: Mapping[int, Residuals], states: Mapping[int, State], share: float, single: Flags) -> Draw:
     """The posterior of the constants where all else is at a draw."""
-    return Draw.of({q: one.at(states[q]) for q, one in parts.items()}, np.where(single, share, 1.0))
+    return Draw.of({q: part.at(states[q]) for q, part in parts.items()}, np.where(single, share, 1.0))
 
 
 def _left_out(rows: Measurements, draw: Draw, usual: Mapping[int, Array]) -> tuple[Array, Array]:
@@ -290,11 +290,11 @@ def _left_out(rows: Measurements, draw: Draw, usual: Mapping[int, Array]) -> tup
     """
     n = len(rows.value)
     pull, single, slopes, less = np.empty(n), np.empty(n), np.empty((n, len(draw.mean))), np.empty(n)
-    for q, one in draw.discrepancies.items():
+    for q, discrepancy in draw.discrepancies.items():
         k = rows.of(q)
-        less[k] = one.noise - usual[q]
-        pull[k] = one.whitened[0] - one.whitened[1] @ draw.mean
-        single[k], slopes[k] = np.diag(cho_solve((one.factor, True), np.eye(len(k)))), one.whitened[1]
+        less[k] = discrepancy.noise - usual[q]
+        pull[k] = discrepancy.whitened[0] - discrepancy.whitened[1] @ draw.mean
+        single[k], slopes[k] = np.diag(cho_solve((discrepancy.factor, True), np.eye(len(k)))), discrepancy.whitened[1]
     predicted, variance = np.empty(n), np.empty(n)
     for row in np.unique(rows.row):
         k = np.flatnonzero(rows.row == row)

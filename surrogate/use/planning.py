@@ -1,18 +1,30 @@
-"""Which further measurements tell most of some constants: D-optimal on a posterior, greedily and by exchange.
+"""Which further measurements tell most of constants or answers: D-optimal on a posterior, greedily and by exchange.
 
 On a linear Gaussian model what a reading will tell does not depend on what it will show, so that a plan needs no
-measurement (V. V. Fedorov, Theory of Optimal Experiments (1972); one constant alone is its c-optimal case).
+measurement (V. V. Fedorov, Theory of Optimal Experiments (1972); one constant alone is its c-optimal case). An answer
+is a reading that nobody can take: its error is infinite.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 from scipy.linalg import solve_triangular
+from scipy.stats import qmc
 
 from approximation.arrays import Array, Indices
 from surrogate.transforms.measured.draws import Draw
 
 _EXCHANGES = 3  # rounds, at most
+
+
+def spread(factors: int, count: int) -> Array:
+    """Return scaled places within a box, (count, factors): the first half towards its ends, the others even.
+
+    What tells most often stands at an end; places of chance are among the others.
+    """
+    t = 2 * qmc.Sobol(factors, rng=0).random(1 << (count - 1).bit_length())[:count] - 1
+    t[: count // 2] = np.clip(1.5 * t[: count // 2], -1, 1)
+    return np.asarray(t)
 
 
 def joint(draw: Draw, points: Array, output: Indices, slopes: Array) -> Array:
@@ -47,16 +59,16 @@ def joint(draw: Draw, points: Array, output: Indices, slopes: Array) -> Array:
 
 
 def chosen(joints: Sequence[Array], noise: Array, wanted: Indices, count: int) -> list[int]:
-    """Return the readings that shrink the volume of some constants' posterior most, each once at most.
+    """Return the readings that shrink the volume of a posterior of constants and answers most, each once at most.
 
     Parameters
     ----------
     joints : sequence of ndarray, shape (k + m, k + m) each
         Of `joint`, at several draws: logarithms of volumes are averaged.
     noise : ndarray, shape (m,)
-        Variances of the errors of readings.
+        Variances of the errors of readings; infinite: an answer, which is not chosen.
     wanted
-        Numbers of the constants.
+        Numbers of what is to be told, among the rows of joints.
     count
         How many readings, at most m.
 
@@ -84,9 +96,9 @@ def chosen(joints: Sequence[Array], noise: Array, wanted: Indices, count: int) -
     return plan
 
 
-def widths(joints: Sequence[Array], noise: Array, plan: Sequence[int], constants: int) -> Array:
-    """Return the posterior deviations of all constants after some readings, (k,); draws do not differ in their mean."""
-    variances = [np.diag(_after(one, noise, plan))[:constants] for one in joints]
+def widths(joints: Sequence[Array], noise: Array, plan: Sequence[int], wanted: Indices) -> Array:
+    """Return the posterior deviations of what is wanted after some readings; draws do not differ in their mean."""
+    variances = [np.diag(_after(one, noise, plan))[wanted] for one in joints]
     return np.asarray(np.sqrt(np.mean(variances, axis=0)))
 
 
@@ -98,7 +110,7 @@ def _best(now: Sequence[Array], noise: Array, wanted: Indices, taken: Sequence[i
         across = one[wanted, k:]
         told = np.einsum("im,im->m", across, np.linalg.solve(one[np.ix_(wanted, wanted)], across))
         gain -= np.log1p(-np.minimum(told / (np.diag(one)[k:] + noise), 1 - 1e-12))
-    gain[list(taken)] = -np.inf
+    gain[list(taken)], gain[~np.isfinite(noise)] = -np.inf, -np.inf
     return int(np.argmax(gain))
 
 

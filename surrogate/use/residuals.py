@@ -159,7 +159,7 @@ class Residuals:
         away = self.residual[others] - self.slopes[others] @ mean - own + by_constants @ mean
         noise = self.spread[others, None] + (self._plain(whole)[others, None] * WILD**2) + variance[:, None]
         likely = np.log(CHANCE) - 0.5 * np.log(noise) - 0.5 * away[:, None] ** 2 / noise
-        wild[others] = [_pick(one, random) for one in likely]
+        wild[others] = [_pick(chances, random) for chances in likely]
         return replace(state, wild=wild)
 
     def _with_amplitude(

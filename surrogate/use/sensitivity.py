@@ -84,7 +84,7 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
         "second_order": (("output", "input", "other_input"), (second / whole).transpose(2, 0, 1)),
         "main_effect": (("output", "input", "position"), effect),
         "main_effect_std": (("output", "input", "position"), spread),
-        "value": (("input", "position"), np.stack([one.from_unit(positions) for one in model.inputs_])),
+        "value": (("input", "position"), np.stack([own.from_unit(positions) for own in model.inputs_])),
     }
     for name, part in (("first_order", first), ("total", np.maximum(total, 0))):
         low, high = _bounds(np.maximum(part, 0), whole, error)
@@ -152,7 +152,7 @@ def expanded(model: GaussianProcess) -> GridGP:
         counts = [max(2, int(np.count_nonzero(tail > allowed))) for tail in tails]
         if np.prod(counts) <= EXPANDED:
             break
-    axes = {one.name: one.levels(count) for one, count in zip(inputs, counts, strict=True)}
+    axes = {own.name: own.levels(count) for own, count in zip(inputs, counts, strict=True)}
     grid = GridGP(inputs=inputs, outputs=model.outputs_, compression=COMPRESSION)
     return grid.fit(model.uncalibrated().predict(axes, return_std=False))
 
@@ -165,7 +165,7 @@ def _tails(model: GaussianProcess) -> list[Array]:
     for k in range(len(inputs)):
         t = np.repeat(at, FEWEST_NODES, axis=0)
         t[:, k] = np.tile(gauss_points(FEWEST_NODES), LINES)
-        X = np.stack([one.from_unit(column) for one, column in zip(inputs, t.T, strict=True)], axis=1)
+        X = np.stack([own.from_unit(column) for own, column in zip(inputs, t.T, strict=True)], axis=1)
         values = model.predict_array(X).reshape(LINES, FEWEST_NODES, -1)
         spread = np.ptp(values, axis=(0, 1))
         sizes = np.abs(np.einsum("lnp,nm->lmp", values, basis * weights)) / np.where(spread > 0, spread, 1.0)
@@ -187,7 +187,7 @@ def _errors(model: GaussianProcess, plain: GridGP, positions: Array) -> tuple[Ar
 
 
 def _mean_square(model: GaussianProcess, plain: GridGP, t: Array) -> Array:
-    X = np.stack([one.from_unit(column) for one, column in zip(model.inputs_, t.T, strict=True)], axis=1)
+    X = np.stack([own.from_unit(column) for own, column in zip(model.inputs_, t.T, strict=True)], axis=1)
     mean, std = model.predict_array(X, return_std=True)
     shift = mean - plain.predict_array(X)
     return np.asarray((std**2 + shift**2).mean(axis=0))

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from solver import FactorError, Material, MaterialError, find, solve
+from solver.fields import FIELDS
 from solver.material.constants import UNITS
-from solver.names import FIELDS, QUANTITIES
+from solver.names import QUANTITIES
 from storage.netcdf import read_whole
 from workflow.cli.main import main
 

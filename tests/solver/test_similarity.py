@@ -9,7 +9,8 @@ from hypothesis import given, settings
 
 import solver
 from solver.curves import SIZES
-from solver.names import ALL_QUANTITIES, EVERY_FIELD, EVERY_INTERIOR
+from solver.fields import EVERY_FIELD, EVERY_INTERIOR
+from solver.names import ALL_QUANTITIES
 from solver.similarity import FACTOR_WEIGHTS, QUANTITY_WEIGHTS, scale_powers, weight_of
 from tests.solver.strategies import PROPERTY, decades, loads, materials
 

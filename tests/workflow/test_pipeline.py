@@ -18,7 +18,8 @@ import snakemake
 
 import surrogate
 from solver import solve
-from solver.names import FIELDS, QUANTITIES
+from solver.fields import FIELDS
+from solver.names import QUANTITIES
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT

@@ -25,10 +25,10 @@ def compliance(stiffness: ArrayLike, piezo: ArrayLike, permittivity: ArrayLike, 
     """
     c, e, turn = np.zeros((3, 3, 3, 3)), np.zeros((3, 3, 3)), np.asarray(axes, dtype=np.float64)
     own, coupling = np.asarray(stiffness), np.asarray(piezo)
-    for one, (i, j) in enumerate(_VOIGT):
-        for two, (k, m) in enumerate(_VOIGT):
-            c[i, j, k, m] = c[j, i, k, m] = c[i, j, m, k] = c[j, i, m, k] = own[one, two]
-        e[:, i, j] = e[:, j, i] = coupling[:, one]
+    for row, (i, j) in enumerate(_VOIGT):
+        for column, (k, m) in enumerate(_VOIGT):
+            c[i, j, k, m] = c[j, i, k, m] = c[i, j, m, k] = c[j, i, m, k] = own[row, column]
+        e[:, i, j] = e[:, j, i] = coupling[:, row]
     coupled = np.zeros((3, 4, 4, 3))
     coupled[:, :3, :3] = np.einsum("ia,jb,kc,md,abcd->ijkm", turn, turn, turn, turn, c)
     turned = np.einsum("ia,jb,kc,abc->ijk", turn, turn, turn, e)

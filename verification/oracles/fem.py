@@ -116,9 +116,9 @@ class Body:
         M, sides = constitutive_matrix(self.material), (ALONG, DOWN)
         scale = UNITS[:, None] * UNITS / STIFFNESS
         parts: list[Any] = [
-            kron(scale * (one.T @ M @ two), product(i, j), format="csc")
-            for i, one in enumerate(sides)
-            for j, two in enumerate(sides)
+            kron(scale * (flux.T @ M @ strain), product(i, j), format="csc")
+            for i, flux in enumerate(sides)
+            for j, strain in enumerate(sides)
         ]
         return splu(
             parts[0] + parts[1] + parts[2] + parts[3],

@@ -96,12 +96,12 @@ class FilmContact:
         held = np.zeros((len(x), 4), dtype=bool)
         held[np.isclose(np.abs(x), x.max())] = True
         held[np.isclose(y, y.min()), : 4 if self.base else 2] = True
-        for one in (1, *self.punch.conducted):
-            held[self._below, one] = True
+        for field in (1, *self.punch.conducted):
+            held[self._below, field] = True
         depths = np.cumsum([layer.thickness for layer in self.layers]) / self.half_length
         for depth, layer in zip(depths, self.layers, strict=True):
-            for one in layer.grounded:
-                held[np.isclose(y, -depth), one] = True
+            for field in layer.grounded:
+                held[np.isclose(y, -depth), field] = True
         return held
 
     @cached_property
@@ -110,8 +110,8 @@ class FilmContact:
         x, below, conducted = self.body.places[:, 0], self._below, self.punch.conducted
         given = np.zeros((len(x), 4, 3 + len(conducted)))
         given[below, 1, :3] = x[below, None] ** np.arange(3)
-        for state, one in enumerate(conducted, start=3):
-            given[below, one, state] = 1.0
+        for state, field in enumerate(conducted, start=3):
+            given[below, field, state] = 1.0
         u, free, matrix = given.reshape(-1, given.shape[2]), ~self._held().ravel(), self.body.matrix()
         along = csr_array((np.full(len(below), -self.punch.friction), (4 * below, 4 * below + 1)), shape=matrix.shape)
         rows = ((eye_array(len(free)) + along) @ matrix)[free]  # the free rows of a held force: Coulomb's law
@@ -129,14 +129,14 @@ class FilmContact:
         """Of the states: u_y = w0 + w1 X + w2 X^2, phi = w3, psi = w4 under the punch; scaled."""
         loads, conducted = self._states[1], self.punch.conducted
         charges = {ELECTRIC: self.punch.charge, MAGNETIC: self.punch.magnetic_charge}
-        rows = np.array([*self._singular(loads[:, 1]), *(-loads[:, one].sum(axis=0) for one in conducted)])
+        rows = np.array([*self._singular(loads[:, 1]), *(-loads[:, field].sum(axis=0) for field in conducted)])
         curved = self.half_length**2 / (2 * self.punch.radius)
-        right = np.array([0.0, 0.0, *(charges[one] / _FORCES[one] for one in conducted)]) - rows[:, 2] * curved
+        right = np.array([0.0, 0.0, *(charges[field] / _FORCES[field] for field in conducted)]) - rows[:, 2] * curved
         return np.insert(np.linalg.solve(np.delete(rows, 2, axis=1), right), 2, curved)
 
     def _singular(self, forces: Array) -> Array:
         """Strength of the singular pressure at X = -1 and 1, from nodal forces (nodes, states); shape (2, states)."""
-        conducted = tuple(one - 1 for one in self.punch.conducted)
+        conducted = tuple(field - 1 for field in self.punch.conducted)
         alpha = reduced(surface_response(self.layers[0].material), self.punch.friction, conducted)[1]
         A, B, n = alpha - 1, -alpha, np.arange(2 * self.order)[:, None]
         norm = gamma(n + A + 1) * gamma(n + B + 1) / gamma(n + 1) ** 2 / np.where(n, 2, 1)  # as A + B = -1
@@ -223,7 +223,7 @@ class FilmContact:
 
     def interface(self, layer: int) -> dict[str, float]:
         """Largest abs(sigma_xy) and largest sigma_yy [Pa] on the lower side of a layer."""
-        depth = sum(one.thickness for one in self.layers[: layer + 1])
+        depth = sum(above.thickness for above in self.layers[: layer + 1])
         found = self.fields(_SEARCHED, depth, layer)
         return {"shear": _largest(np.abs(found["stress_xy"])), "tension": _largest(found["stress_yy"])}
 

@@ -54,10 +54,10 @@ class Revolved(Body):
         n = values.shape[1]
         total = np.zeros((n, 4, n, 4))
         scale = UNITS[:, None] * UNITS / STIFFNESS
-        for one, left in enumerate(parts):
-            for two, right in enumerate(parts):
-                if np.any(moduli[one, two]):
-                    total += (left.T @ (weight * right))[:, None, :, None] * (scale * moduli[one, two])[:, None, :]
+        for row, left in enumerate(parts):
+            for column, right in enumerate(parts):
+                if np.any(moduli[row, column]):
+                    total += (left.T @ (weight * right))[:, None, :, None] * (scale * moduli[row, column])[:, None, :]
         return total.reshape(4 * n, 4 * n)
 
 
@@ -186,7 +186,7 @@ class PointContact:
         held[np.isclose(r, r.max())] = True
         held[np.isclose(y, y.min()), : 4 if self.base else 2] = True
         for depth, layer in zip(
-            np.cumsum([one.thickness for one in self.layers]) / self.radius, self.layers, strict=True
+            np.cumsum([layer.thickness for layer in self.layers]) / self.radius, self.layers, strict=True
         ):
             for potential in layer.grounded:
                 held[np.isclose(y, -depth), potential] = True

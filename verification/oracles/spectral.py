@@ -125,9 +125,9 @@ class Body:
         scale = UNITS[:, None] * UNITS / STIFFNESS
         n = gradient.shape[2]
         total = np.zeros((n, 4, n, 4))
-        for one, left in zip((ALONG, DOWN), gradient, strict=True):
-            for two, right in zip((ALONG, DOWN), weighted, strict=True):
-                total += np.einsum("ab,ij->aibj", left.T @ right, scale * (one.T @ M @ two))
+        for flux, left in zip((ALONG, DOWN), gradient, strict=True):
+            for strain, right in zip((ALONG, DOWN), weighted, strict=True):
+                total += np.einsum("ab,ij->aibj", left.T @ right, scale * (flux.T @ M @ strain))
         return total.reshape(4 * n, 4 * n)
 
     def _split(self, element: int) -> tuple[Array, Array]:

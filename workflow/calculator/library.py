@@ -36,11 +36,11 @@ def library() -> dict[str, Any]:
             name: {"factors": film, "top": _marked(top_of(film).plain()), "thickness": THICKNESSES[name]}
             for name, film in FILMS.items()
         },
-        "punches": {name: {"modulus": one.modulus, "poisson": one.poisson} for name, one in punches().items()},
-        "limits": {name: {"title": title(name), "units": one.units} for name, one in LIMITS.items()},
-        "units": {name: one.units for name, one in (ALL_QUANTITIES | FACTORS).items()},
-        "symbols": {one: _measured(one) for one in _SYMBOLS},
-        "prefixes": {one: units.parse(f"{one}m").scale for one in _PREFIXES},
+        "punches": {name: {"modulus": punch.modulus, "poisson": punch.poisson} for name, punch in punches().items()},
+        "limits": {name: {"title": title(name), "units": limit.units} for name, limit in LIMITS.items()},
+        "units": {name: described.units for name, described in (ALL_QUANTITIES | FACTORS).items()},
+        "symbols": {symbol: _measured(symbol) for symbol in _SYMBOLS},
+        "prefixes": {prefix: units.parse(f"{prefix}m").scale for prefix in _PREFIXES},
         "digamma": DIGAMMA_SERIES.tolist(),
     }
 
@@ -51,7 +51,9 @@ def _alloy() -> dict[str, Any]:
     alloy: Material = made("AlScN", phases, np.array([0.0, 0.25, 0.5]))
     own = {name: getattr(alloy, name) for name in UNITS}
     return {
-        "values": {name: np.broadcast_to(one, (3,)).tolist() for name, one in own.items() if not np.any(np.isnan(one))},
+        "values": {
+            name: np.broadcast_to(values, (3,)).tolist() for name, values in own.items() if not np.any(np.isnan(values))
+        },
         "source": alloy.source,
         "limits": _marked(made("AlScN", phases, 0.3).plain())["limits"],
     }

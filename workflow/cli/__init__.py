@@ -1,4 +1,4 @@
-"""The command ``meecontact``."""
+"""The command ``meecontact``: options, tables, what is printed."""
 
 import os
 

@@ -99,7 +99,7 @@ def _check_origin(study: Study, provenance: Path) -> None:
 
 def _check_verifiable(name: str) -> None:
     """The independent methods need more than a run does."""
-    if absent := [one for one in ("mpmath", "skfem") if not find_spec(one)]:
+    if absent := [package for package in ("mpmath", "skfem") if not find_spec(package)]:
         raise InputError(f"study: {name!r} needs {', '.join(absent)} of requirements/dev.txt; `make run` installs them")
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from storage.files import output, regular
-from workflow.cli.words import quantity, say, surrogate_file, written_as
+from workflow.cli.words import pairs, quantity, say, surrogate_file, written_as
 from workflow.study.reading import InputError, number, one_line
 
 if TYPE_CHECKING:
@@ -41,11 +41,12 @@ def add(commands: "argparse._SubParsersAction[Any]") -> None:
         help="'voltage_gain=3%%', 'depth_offset=0.1um': what readings may be off by, all alike; one standard deviation",
     )
     command.add_argument(
-        "--plan", type=int, metavar="N", help="say which N further measurements tell most of the constants"
+        "--plan", type=int, metavar="N", help="say which N further measurements tell most of constants or answers"
     )
     command.add_argument(
-        "--for", dest="wanted", action="append", metavar="NAME,...", help="constants that --plan is for"
+        "--for", dest="wanted", action="append", metavar="NAME,...", help="constants and quantities that --plan is for"
     )
+    command.add_argument("--at", metavar="FACTOR=VALUE,...", help="where a quantity that --for names is wanted")
     command.add_argument(
         "--errors", action="append", metavar="QUANTITY=1%,...", help="what --plan may measure, and its error"
     )
@@ -84,16 +85,17 @@ def learn(options: argparse.Namespace) -> None:
     rows = read_measured(options.measured, study, model)
     asked = uncertainty.uncertain(study, _uncertain(options.uncertain))
     instruments = _instruments(options.instrument, study)
-    if options.plan is None and any((options.wanted, options.errors, options.within)):
-        raise InputError("--for, --errors and --within say what --plan N is to do; --plan is not given")
-    known = [one.name for one in asked] + [instrument.name for instrument in instruments]
+    if options.plan is None and any((options.wanted, options.at, options.errors, options.within)):
+        raise InputError("--for, --at, --errors and --within say what --plan N is to do; --plan is not given")
+    known = [constant.name for constant in asked] + [instrument.name for instrument in instruments]
     wanted, errors, box = _names(options.wanted), _errors(options.errors), _box(options.within)
+    at = pairs(options.at, {name: axis.units for name, axis in model.box.items()}) if options.at else {}
     if options.plan is not None:
-        plan.check(model, options.plan, wanted, known, errors, box)
+        plan.check(model, options.plan, wanted, known, errors, box, at)
     try:
         corrected, taught = measured.learn(study, model, rows, asked, say, instruments)
         further = (
-            plan.plan(corrected, options.plan, wanted or known, errors, box, instruments)
+            plan.plan(corrected, options.plan, wanted or known, errors, box, at, instruments)
             if options.plan is not None
             else None
         )
@@ -111,7 +113,7 @@ def _uncertain(words: list[str] | None) -> dict[str, float | None] | None:
     if words is None:
         return None
     found: dict[str, float | None] = {}
-    for part in (one for word in words for one in word.split(",")):
+    for part in (pair for word in words for pair in word.split(",")):
         name, equals, text = part.partition("=")
         name = " ".join(name.split())
         if name in found:
@@ -138,13 +140,13 @@ def _instruments(words: list[str] | None, study: "Study") -> "list[Instrument]":
     from workflow.learning.instruments import Instrument
 
     found: list[Instrument] = []
-    for part in (one.strip() for word in words or [] for one in word.split(",")):
+    for part in (pair.strip() for word in words or [] for pair in word.split(",")):
         name, _, text = (each.strip() for each in part.partition("="))
         quantity, _, family = name.rpartition("_")
         if family not in ("gain", "offset") or quantity not in study.outputs:
             known = ", ".join(study.outputs)
             raise InputError(f"--instrument: {name!r} is not QUANTITY_gain or QUANTITY_offset of one of {known}")
-        if name in [one.name for one in found]:
+        if name in [instrument.name for instrument in found]:
             raise InputError(f"--instrument: {name}: given twice")
         if family == "gain":
             found.append(Instrument(quantity, True, _share(name, text, "--instrument")))
@@ -192,7 +194,7 @@ def _box(words: list[str] | None) -> dict[str, tuple[float, float]]:
 
 def _pairs(option: str, words: list[str] | None) -> list[tuple[str, str]]:
     pairs = []
-    for part in (one for word in words or [] for one in word.split(",")):
+    for part in (pair for word in words or [] for pair in word.split(",")):
         name, equals, text = (each.strip() for each in part.partition("="))
         if not equals or not text:
             raise InputError(f"{option}: {part.strip()!r} is not of the form NAME=VALUE")

@@ -15,7 +15,7 @@ import xarray as xr
 
 from solver import FactorError, Material, MaterialError, PrecisionWarning, solve, solve_interior
 from solver.body import kind_of
-from solver.names import ALL_QUANTITIES, CHOICES
+from solver.names import ALL_QUANTITIES, CHOICES, ELECTRODE_QUANTITIES, STRIP_QUANTITIES
 from storage.files import output, write_text
 from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
@@ -24,10 +24,13 @@ from workflow.cli.casetable import read_cases
 from workflow.cli.launch import launch
 from workflow.cli.progress import busy
 from workflow.cli.query import query
-from workflow.cli.solving import solved
+from workflow.cli.solving import as_csv, solved
 from workflow.cli.words import cores, numbers, say, surrogate_file, written_as
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, one_line, read_material
+
+_NAMED = 8  # quantities that a message names
+_OF_ELECTRODES = (*ELECTRODE_QUANTITIES, *STRIP_QUANTITIES)  # told of only where one is read
 
 
 class _Parser(argparse.ArgumentParser):
@@ -201,7 +204,9 @@ def _add_si(command: argparse.ArgumentParser) -> None:
 
 def _add_cases(command: argparse.ArgumentParser) -> None:
     command.add_argument("cases", type=Path, metavar="CASES.csv", help="one row a case, columns are factors")
-    command.add_argument("-o", "--output", type=written_as(nc="netCDF"), required=True, metavar="OUT.nc")
+    command.add_argument(
+        "-o", "--output", type=written_as(nc="netCDF", csv="CSV"), required=True, metavar="OUT.nc|.csv"
+    )
     command.add_argument(
         "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"
     )
@@ -214,11 +219,15 @@ def _solve(options: argparse.Namespace) -> None:
     names = [str(name) for name in out.coords]
     around = out["surroundings"].values.flat if "surroundings" in names else [CHOICES["surroundings"][0]]
     pressed = out["profile"].values.flat if "profile" in names else [CHOICES["profile"][0]]
-    kinds = [kind_of(names, *one) for one in product(dict.fromkeys(pressed), dict.fromkeys(around))]
+    kinds = [kind_of(names, *pair) for pair in product(dict.fromkeys(pressed), dict.fromkeys(around))]
     asked = list(dict.fromkeys(name for kind in kinds for name in kind.quantities))
-    missing = [name for name in asked if name not in out]
+    missing = [name for name in asked if name not in out and (name not in _OF_ELECTRODES or "collector" in names)]
     if missing:
-        print(f"left out, as some case has no such quantity: {', '.join(missing)}", file=sys.stderr)
+        print(f"left out, as no case has such a quantity: {', '.join(missing)}", file=sys.stderr)
+    partial = [name for name in asked if name in out and bool(out[name].isnull().any())]
+    if partial:
+        more = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""
+        print(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{more}", file=sys.stderr)
     _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
 
 
@@ -241,7 +250,7 @@ def _solved(
 
 
 def _wrote(options: argparse.Namespace, out: xr.Dataset, what: str) -> None:
-    write_whole(out, options.output)
+    (as_csv if options.output.suffix == ".csv" else write_whole)(out, options.output)
     say(f"wrote {options.output}: {out.sizes['case']} cases, {what}")
 
 

@@ -16,8 +16,8 @@ def listed() -> str:
     known = materials()
     width = max(map(len, known))
     lines = [
-        f"{name:{width}s} {'*' if one.note or one.alternatives else ' '} {_coupling(one):23s}  {one.source}"
-        for name, one in known.items()
+        f"{name:{width}s} {'*' if own.note or own.alternatives else ' '} {_coupling(own):23s}  {own.source}"
+        for name, own in known.items()
     ]
     lines.append("* repaired, doubtful or disputed: meecontact material NAME says what, with the constants and roots")
     mixed = ", ".join(f"{name} ({fraction})" for name, fraction in COMPOSITES.items())

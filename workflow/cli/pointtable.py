@@ -35,8 +35,8 @@ def predicted(model: GaussianProcess, table: Table, level: float, *, extrapolate
     if bad.any():
         row = int(bad.argmax())
         far = ", ".join(
-            f"{one.name} = {X[row, k]:.10g} (trained within {one.range_text()})"
-            for k, one in enumerate(model.inputs_)
+            f"{own.name} = {X[row, k]:.10g} (trained within {own.range_text()})"
+            for k, own in enumerate(model.inputs_)
             if wrong[row, k]
         )
         raise InputError(f"{table.at(row)}: {far}: no finite answer so far outside of the trained box")

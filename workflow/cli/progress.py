@@ -15,6 +15,7 @@ from workflow.study.model import Study
 _STEPS = {
     "levels": "choosing the levels on pilots",
     "slab": "solving the data set, part {slab}",
+    "places": "asking for cases, round {round}",
     "batch": "solving round {round} of the cross approximation, part {slab}",
     "quantities": "gathering the quantities",
     "card": "describing the data set",
@@ -63,7 +64,8 @@ def step(study: Study, rule: str, wildcards: Mapping[str, str]) -> str:
     words = _STEPS.get(rule, f"drawing {rule.removeprefix('figure_').replace('_', ' ')} {{name}}{{group}}")
     words = words.format_map({"name": "", "group": "", **given}).strip()
     if rule == "surrogate" and not study.open:
-        words += f" ({len(study.outputs)} quantities, {counted(study.cases)} cases)"
+        cases = "" if study.crossed else f", {counted(study.cases)} cases"
+        words += f" ({len(study.outputs)} quantities{cases})"
     return words
 
 

@@ -118,6 +118,6 @@ def _write_answer(path: Path, points: Mapping[str, NDArray[Any]], answer: xr.Dat
         file.write(header.getvalue().encode())
         for begin in range(0, answer.sizes["point"], _ROWS):
             some = [values[begin : begin + _ROWS] for values in columns.values()]
-            plain = [one.astype(int if one.dtype == bool else float).tolist() for one in some]
+            plain = [column.astype(int if column.dtype == bool else float).tolist() for column in some]
             lines = (",".join(map(repr, row)) + "\n" for row in zip(*plain, strict=True))  # every digit of a float
             file.write("".join(lines).encode())

@@ -253,7 +253,7 @@ def _variable(name: str, text: str) -> dict[str, Any]:
     if ":" in text:
         low, high = _interval(f"--over: {name}", name, text)
         return {"low": low, "high": high}
-    return {"choices": [_value(f"--over: {name}", name, one) for one in text.split("|")]}
+    return {"choices": [_value(f"--over: {name}", name, choice) for choice in text.split("|")]}
 
 
 def _value(where: str, name: str, text: str) -> float | str:
@@ -273,4 +273,4 @@ def _distribution(name: str, text: str) -> dict[str, list[float]]:
     if not bracket or not rest.endswith(")"):
         raise InputError(f"--uncertain: {name}: {text!r} is not of the form normal(MEAN,STD) or another distribution")
     units = _units(name)
-    return {family.strip(): [quantity(f"--uncertain: {name}", one, units) for one in rest[:-1].split(",")]}
+    return {family.strip(): [quantity(f"--uncertain: {name}", share, units) for share in rest[:-1].split(",")]}

@@ -62,7 +62,7 @@ def signal(options: argparse.Namespace) -> None:
     if not 1 <= options.parts <= _MOST_PARTS:
         raise InputError(f"--parts: {options.parts} is not a whole number from 1 to {_MOST_PARTS}")
     temperature = _positive("--temperature", options.temperature)
-    own = dict(read_material(one) for one in options.materials)
+    own = dict(read_material(path) for path in options.materials)
     case = _case(options.on)
     kind = kind_of([*case], case.get("profile", "cylinder"))
     numbers = _device(options.device, kind)
@@ -99,7 +99,7 @@ def _pairs(option: str, text: str) -> dict[str, str]:
     """``NAME=VALUE`` between commas."""
     found: dict[str, str] = {}
     for part in text.split(","):
-        name, equals, value = (one.strip() for one in part.partition("="))
+        name, equals, value = (word.strip() for word in part.partition("="))
         if not equals or name in found:
             raise InputError(f"{option}: {part.strip()!r} is {'given twice' if equals else 'not NAME=VALUE'}")
         found[name] = value

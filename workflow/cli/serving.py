@@ -166,7 +166,7 @@ def _input(model: Model, body: Mapping[str, Any]) -> Vector:
 
 def _vector(body: Mapping[str, Any], key: str, size: int) -> Vector:
     given = body.get(key)
-    if isinstance(given, list) and len(given) == size and all(isinstance(one, float) for one in given):
+    if isinstance(given, list) and len(given) == size and all(isinstance(number, float) for number in given):
         vector = np.array(given, dtype=np.float64)
         if np.isfinite(vector).all():
             return vector

@@ -1,6 +1,13 @@
-"""Tables of cases of any kind: rows that leave different cells empty are solved apart, in blocks, and put together."""
+"""Tables of cases of any kind: rows that are not alike are solved apart, in blocks, and put together.
 
+What a case has none of is no number there: a table may mix lines and points, half-planes and films.
+"""
+
+import csv
+import io
 from collections.abc import Callable, Iterator
+from itertools import chain
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,18 +15,24 @@ import xarray as xr
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from approximation.arrays import Indices
 from solver import FactorError, MaterialError
-from solver.face.attributes import united
-from solver.names import CHOICES, FACTORS, OF_A_FILM, OF_A_PUNCH
+from solver.face.attributes import of_output, united
+from solver.face.filmfactors import present
+from solver.fields import ACROSS, ALONG, EVERY_INTERIOR
+from solver.names import ALL_QUANTITIES, CHOICES, FACTORS, OF_A_FILM, OF_A_PUNCH
+from storage.files import write_text
 from workflow.cli.casetable import Table
 from workflow.study.reading import InputError
-
-Indices = NDArray[np.intp]
 
 _DEFAULTS: dict[str, float | str | None] = {name: factor.default for name, factor in FACTORS.items()}
 _DEFAULTS |= {name: choices[0] for name, choices in CHOICES.items() if name not in ("composite", "corner")}
 # a case without: a half-plane, a rigid punch
 _DEFAULTS |= {name: np.nan if name in FACTORS else "" for name in (*OF_A_FILM, *OF_A_PUNCH)}
+# choices by which cases have unlike outputs
+_APART = ("profile", "corner", "electric", "magnetic", "surroundings", "electrode")
+_ON_DATUM = {name: one for name, one in (ALL_QUANTITIES | EVERY_INTERIOR).items() if one.on_datum}
+_EMPTY = "no number where a case has none"
 _CASES = 512  # solved at a time at most: searched contacts (tilted flats) take 100 kB of temporaries each
 _VALUES = 2**17  # of a field at a time: some hundred temporaries of 8 bytes each inside the body
 _MOST_BYTES = 2**32  # of an answer, which is kept in memory until it is written
@@ -44,7 +57,7 @@ def solved(table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int 
     Returns
     -------
     xarray.Dataset
-        What every case has: the quantities of an insulating punch, say, are those of all where one case has it.
+        What any case has, NaN in those that have it not.
 
     Raises
     ------
@@ -70,14 +83,23 @@ def _blocks(table: Table, most: int) -> Iterator[tuple[list[str], Indices]]:
     solver's iterations go on until the last case of a block has come to an end, so that cases which are easier would
     else go fewer steps than in one block. What is searched for (`solver.names.PEAKS`) is found to its tolerance only.
     """
-    columns = [~table.empty(name) | (_DEFAULTS.get(name) is not None) for name in table.columns]
-    patterns, first, pattern = np.unique(np.stack(columns, 1), axis=0, return_index=True, return_inverse=True)
+    columns: list[NDArray[Any]] = [~table.empty(name) | (_DEFAULTS.get(name) is not None) for name in table.columns]
+    unlike: list[NDArray[Any]] = [_numbered(table, name) for name in _APART if name in table.columns]
+    unlike += [table.empty(name) for name in OF_A_FILM[:1] if name in table.columns]
+    patterns, first, pattern = np.unique(np.stack(columns + unlike, 1), axis=0, return_index=True, return_inverse=True)
     for k in np.argsort(first):
         rows = np.flatnonzero(pattern.ravel() == k)
         count = -(-len(rows) // most)
-        names = [name for name, has in zip(table.columns, patterns[k], strict=True) if has]
+        names = [name for name, has in zip(table.columns, patterns[k], strict=False) if has]
         for begin in range(count):
             yield names, rows[begin::count]
+
+
+def _numbered(table: Table, name: str) -> Indices:
+    """Which of a factor's choices every row has, an empty cell the default."""
+    cells = table.columns[name].copy()
+    cells[table.empty(name)] = _DEFAULTS.get(name) or ""
+    return np.unique(cells.astype(str), return_inverse=True)[1].ravel()
 
 
 def _factors(table: Table, names: list[str], rows: Indices) -> xr.Dataset:
@@ -121,35 +143,77 @@ class _Whole:
     def __init__(self, table: Table) -> None:
         self._table, self._count = table, len(table.lines)
         self._filled: dict[str, xr.Variable] = {}
-        self._coords: list[str] = []
+        self._coords: dict[str, None] = {}
+        self._some: set[str] = set()
         self._attrs: dict[str, Any] = {}
+        self._bytes = 0.0
 
     def add(self, rows: Indices, part: xr.Dataset) -> None:
-        """Take the answer to some rows in; what it lacks is left out of the whole."""
-        if not self._filled:
-            self._coords = [str(name) for name in part.coords]
-            size = part.nbytes / len(rows) * self._count
-            if size > _MOST_BYTES:
-                raise InputError(
-                    f"{self._table.source}: {self._count} cases give {size:.3g} bytes, "
-                    f"more than {_MOST_BYTES}; split it"
-                )
-            self._filled = {str(name): self._room(variable) for name, variable in part.variables.items()}
+        """Take the answer to some rows in; what it lacks is no number there."""
+        if self._filled:
+            self._some |= self._filled.keys() ^ set(map(str, part.variables))
+        self._coords |= dict.fromkeys(map(str, part.coords))
         self._attrs = united([self._attrs or part.attrs, part.attrs])
-        for name in [name for name in self._filled if name not in part.variables]:
-            del self._filled[name]
-        for name, variable in self._filled.items():
+        self._bytes += part.drop_vars(list(self._filled), errors="ignore").nbytes / len(rows) * self._count
+        if self._bytes > _MOST_BYTES:
+            raise InputError(
+                f"{self._table.source}: {self._count} cases give {self._bytes:.3g} bytes, "
+                f"more than {_MOST_BYTES}; split it"
+            )
+        for key, variable in part.variables.items():
+            name = str(key)
+            if name not in self._filled:
+                self._filled[name] = self._room(variable)
             if "case" in variable.dims:
-                variable.values[rows] = part[name].values
+                self._filled[name].values[rows] = variable.values
 
     def dataset(self) -> xr.Dataset:
         """All of it."""
+        arrays = {name: xr.DataArray(cells, dims="case") for name, cells in self._table.columns.items()}
+        kinds = present(arrays)
+        for name, variable in self._filled.items():
+            if (described := _ON_DATUM.get(name)) is not None:
+                having = [kind for kind in kinds if name in kind.every_quantity] or kinds
+                variable.attrs = of_output(described, arrays, having)
+        for name in self._some - self._coords.keys():
+            attrs = self._filled[name].attrs
+            attrs["comment"] = "; ".join([*([attrs["comment"]] if "comment" in attrs else []), _EMPTY])
+        if "position" in self._filled and len({kind.contact for kind in kinds}) > 1:
+            both = f"{ALONG['long_name']}, {ACROSS['long_name']} of a point"
+            self._filled["position"].attrs = ALONG | {"long_name": both}
         coords = {name: variable for name, variable in self._filled.items() if name in self._coords}
-        return xr.Dataset({name: one for name, one in self._filled.items() if name not in coords}, coords, self._attrs)
+        return xr.Dataset(
+            {name: variable for name, variable in self._filled.items() if name not in coords}, coords, self._attrs
+        )
 
     def _room(self, variable: xr.Variable) -> xr.Variable:
         """A variable as long as the table; names as objects, which one long name does not widen."""
         if "case" not in variable.dims:
             return variable
-        kind = variable.dtype if variable.dtype.kind == "f" else np.dtype(object)
-        return xr.Variable(variable.dims, np.empty((self._count, *variable.shape[1:]), kind), variable.attrs)
+        number = variable.dtype.kind == "f"
+        empty = np.full((self._count, *variable.shape[1:]), np.nan if number else "", float if number else object)
+        return xr.Variable(variable.dims, empty, dict(variable.attrs))
+
+
+def as_csv(answer: xr.Dataset, path: Path) -> None:
+    """Write the answer to a table as a table: one row a case, columns of factors and quantities with their units.
+
+    Raises
+    ------
+    InputError
+        Fields, of which a case has many values.
+    OSError
+        No room or no permission.
+    """
+    if further := [str(dim) for dim in answer.dims if dim != "case"]:
+        raise InputError(f"{path}: fields over {', '.join(further)} go to netCDF; name a file that ends in .nc")
+    columns = {str(name): column for name, column in chain(answer.coords.items(), answer.data_vars.items())}
+    units = {
+        name: column.attrs.get("units", "1") if column.dtype.kind == "f" else "1" for name, column in columns.items()
+    }
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(name if units[name] == "1" else f"{name} [{units[name]}]" for name in columns)
+    cells = [np.broadcast_to(column.values, answer.sizes["case"]).tolist() for column in columns.values()]
+    rows.writerows([["" if cell != cell else cell for cell in row] for row in zip(*cells, strict=True)])
+    write_text(path, text.getvalue())

@@ -70,13 +70,13 @@ def _studies() -> str:
 
 def _factors() -> str:
     """Name, unit and meaning of every factor; names that some take instead of a number."""
-    rows = {name: (written(one.units), one.long_name) for name, one in FACTORS.items()}
+    rows = {name: (written(factor.units), factor.long_name) for name, factor in FACTORS.items()}
     rows |= {name: ("", f"one of {', '.join(names)}") for name, names in CHOICES.items()}
     return _table(rows)
 
 
 def _quantities() -> str:
-    return _table({name: (written(one.units), one.long_name) for name, one in ALL_QUANTITIES.items()})
+    return _table({name: (written(quantity.units), quantity.long_name) for name, quantity in ALL_QUANTITIES.items()})
 
 
 def _table(rows: Mapping[str, tuple[str, ...]]) -> str:

@@ -76,7 +76,7 @@ def written_as(**endings: str) -> Callable[[str], Path]:
 
     def path(text: str) -> Path:
         if Path(text).suffix.removeprefix(".") not in endings:
-            allowed, forms = (" or ".join(some) for some in ([f".{one}" for one in endings], endings.values()))
+            allowed, forms = (" or ".join(some) for some in ([f".{ending}" for ending in endings], endings.values()))
             raise ArgumentTypeError(f"{text!r}: must end in {allowed}: the answer is written as {forms}")
         return Path(text)
 

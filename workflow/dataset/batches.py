@@ -18,7 +18,7 @@ from workflow.study.model import Study
 
 #: The dimension of the places.
 PLACE = "place"
-_AT_A_TIME = 8  # places whose cases are solved and written at once
+_AT_A_TIME, _CASES = 8, 4096  # places whose cases are solved and written at once, and cases where places need no tables
 
 
 def write_places(study: Study, places: xr.Dataset, path: Path) -> None:
@@ -48,9 +48,9 @@ def write_slab(study: Study, path_of_places: Path, index: int, path: Path) -> No
     part = np.array_split(np.arange(batch.sizes[PLACE]), slabs(study, path_of_places))[index]
     count = part.size
     with tqdm(total=count, desc=f"slab {index + 1}", unit=" places", disable=None, leave=False) as bar:
-        parts = []
-        for start in range(0, count, _AT_A_TIME):
-            parts.append(exact(study, batch.isel({PLACE: part[start : start + _AT_A_TIME]})))
+        parts, each = [], _AT_A_TIME if study.tabled else max(1, _CASES // study.block)
+        for start in range(0, count, each):
+            parts.append(exact(study, batch.isel({PLACE: part[start : start + each]})))
             bar.update(parts[-1].sizes[PLACE])
     whole = joined(parts)
     values = {str(name): array.values for name, array in whole.data_vars.items()}

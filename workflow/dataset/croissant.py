@@ -51,10 +51,10 @@ def croissant(card: Mapping[str, Any]) -> dict[str, Any]:
     dict
         Of which every record is a case: its levels of the axes, its quantities, its fields over the positions.
     """
-    files = [_file(one) for one in card["files"]]
+    files = [_file(file) for file in card["files"]]
     slabs = {"@type": "cr:FileSet", "@id": "slabs", "name": "slabs", "includes": "fields/slab_*.nc"}
     axes = [_field(name, *_axis(name, name in card["categories"])) for name in (*card["factors"], *card["categories"])]
-    outputs = [_output(name, one, card) for name, one in card["variables"].items()]
+    outputs = [_output(name, variable, card) for name, variable in card["variables"].items()]
     key = [{"@id": axis["@id"]} for axis in axes]
     return {
         "@context": _CONTEXT,
@@ -67,7 +67,7 @@ def croissant(card: Mapping[str, Any]) -> dict[str, Any]:
         "citeAs": _PAPER,
         "distribution": [*files, slabs | {"encodingFormat": _NETCDF}],
         "recordSet": [{"@type": "cr:RecordSet", "@id": "cases", "name": "cases", "key": key, "field": axes + outputs}],
-        "variableMeasured": [_measured(name, one) for name, one in card["variables"].items()],
+        "variableMeasured": [_measured(name, variable) for name, variable in card["variables"].items()],
     }
 
 

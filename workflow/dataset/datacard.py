@@ -35,14 +35,14 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
     """
     lacking = _refused(study, slabs)
     files = [_file(path, PLACE if study.crossed else next(iter(study.axes))) for path in slabs]
-    variables = {one: _merged([file["variables"][one] for file in files]) for one in files[0]["variables"]}
+    variables = {own: _merged([file["variables"][own] for file in files]) for own in files[0]["variables"]}
     seconds = [_seconds(path) for path in benchmarks if path.is_file()]
     return {
         "title": study.title,
         "study": name,
         "cases": study.block * sum(file["levels"] for file in files) if study.crossed else study.cases,
         "crossed": study.crossed,
-        "factors": {one: axis.model_dump() for one, axis in study.factors.items()},
+        "factors": {own: axis.model_dump() for own, axis in study.factors.items()},
         "groups": _groups(study),
         "categories": study.categories,
         "fixed": study.fixed,
@@ -82,8 +82,8 @@ def markdown(card: Mapping[str, Any]) -> str:
         *_stored(card["groups"]),
         *(
             [
-                f"Not all of this factorial: places in {', '.join(crossed)} that a cross approximation asked for, and "
-                "all levels of the others at each.  "
+                f"Not all of this factorial: places in {', '.join(crossed)} that a cross approximation asked for, with "
+                "all levels of any others.  "
             ]
             if (crossed := card["crossed"])
             else []
@@ -97,12 +97,12 @@ def markdown(card: Mapping[str, Any]) -> str:
         "| variable | unit | minimum | maximum | mean | standard deviation | type | meaning |",
         "|---|---|---|---|---|---|---|---|",
     ]
-    for name, one in card["variables"].items():
-        attrs = one["attributes"]
+    for name, variable in card["variables"].items():
+        attrs = variable["attributes"]
         low, high = attrs["actual_range"]
         numbers = (low, high, attrs["mean"], attrs["standard_deviation"])
         shown = " | ".join(f"{value:.5g}" for value in numbers)
-        lines.append(f"| {name} | {attrs['units']} | {shown} | {one['type']} | {attrs['long_name']} |")
+        lines.append(f"| {name} | {attrs['units']} | {shown} | {variable['type']} | {attrs['long_name']} |")
     return "\n".join(lines) + "\n"
 
 
@@ -127,8 +127,13 @@ def _groups(study: Study) -> dict[str, Any]:
     if not study.groups:
         return {}
     axes = {
-        name: {**study.axes[name].model_dump(), "product": one.text, "powers": dict(one.powers), "units": one.units}
-        for name, one in study.products.items()
+        name: {
+            **study.axes[name].model_dump(),
+            "product": product.text,
+            "powers": dict(product.powers),
+            "units": product.units,
+        }
+        for name, product in study.products.items()
     }
     leads = grouped.leads(study.products.values(), study.factors)
     held = {name: value for name, value in middles(study).items() if name not in leads.values()}
@@ -162,9 +167,9 @@ def _stored(groups: Mapping[str, Any]) -> list[str]:
         "| axis | is | low | high | levels | scale | unit | varied by |",
         "|---|---|---|---|---|---|---|---|",
         *(
-            f"| {name} | {one['product']} | {one['low']:g} | {one['high']:g} | {one['levels']} | {one['scale']} | "
-            f"{one['units']} | {groups['varied'][name]} |"
-            for name, one in groups["axes"].items()
+            f"| {name} | {axis['product']} | {axis['low']:g} | {axis['high']:g} | {axis['levels']} | {axis['scale']} | "
+            f"{axis['units']} | {groups['varied'][name]} |"
+            for name, axis in groups["axes"].items()
         ),
         "",
         f"Stored cases have {held or 'nothing else'}. A case of the box is similar to the stored one with the same "

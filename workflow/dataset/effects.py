@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 
 from solver import solve, solve_interior
-from solver.names import FACTORS, FIELDS, OF_A_FILM, POINT_FIELDS
+from solver.fields import FIELDS, POINT_FIELDS
+from solver.names import FACTORS, OF_A_FILM
 from workflow.study.model import Study
 from workflow.study.sections import Effects
 

@@ -39,7 +39,9 @@ def axis_inputs(study: Study) -> list[Input]:
     """The axes of the data set as inputs of a surrogate: the factors, or the groups that take their place."""
     if not study.groups:
         return inputs(study)
-    names = {name: FACTORS[name].long_name if one.lone else one.text for name, one in study.products.items()}
+    names = {
+        name: FACTORS[name].long_name if product.lone else product.text for name, product in study.products.items()
+    }
     return [
         Input(name, axis.low, axis.high, axis.scale, study.products[name].units, names[name])
         for name, axis in study.axes.items()
@@ -49,7 +51,8 @@ def axis_inputs(study: Study) -> list[Input]:
 def grouping(study: Study, learned: xr.Dataset | None = None) -> Grouping:
     """How what the surrogate learns follows from a study's groups; logarithms are chosen where it has the factorial."""
     plain = similar.grouping(study, inputs(study), axis_inputs(study))
-    return plain if learned is None else similar.with_logarithms(plain, study, learned)
+    untold = study.crossed and study.surrogate.log is None
+    return plain if learned is None or untold else similar.with_logarithms(plain, study, learned)
 
 
 def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
@@ -61,8 +64,9 @@ def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
 
 
 def with_factors(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """The factorial of a study with the factors of its cases as coordinates."""
-    return data.assign_coords(representatives.factors(study, {name: data[name].values for name in study.axes}))
+    """Cases over the axes of a study with the factors of each as coordinates."""
+    axes = {name: xr.DataArray(data[name].variable) for name in study.axes}
+    return data.assign_coords(representatives.factors(study, axes))
 
 
 def axes(study: Study) -> dict[str, np.ndarray[Any, np.dtype[Any]]]:
@@ -200,11 +204,13 @@ def exact(
     except FactorError as error:
         raise refused.named(study, whole, factors, error) from None
     if over:
-        along = {name: (name, np.asarray(axes[name]), _axis_attrs(study, name)) for name in over}
-        solved = solved.assign_coords(along).transpose(*over, ...)
-    return solved.drop_vars([name for name, one in ALL_QUANTITIES.items() if one.sparse and name in solved])
+        along = {name: _axis(study, name, axes[name]) for name in over}
+        solved = solved.assign_coords(along).transpose(*dict.fromkeys(one.dims[0] for one in along.values()), ...)
+    return solved.drop_vars([name for name, quantity in ALL_QUANTITIES.items() if quantity.sparse and name in solved])
 
 
-def _axis_attrs(study: Study, name: str) -> dict[str, str]:
-    one = study.products[name]
-    return {"units": one.units, "long_name": FACTORS[name].long_name if one.lone else one.text}
+def _axis(study: Study, name: str, values: Any) -> xr.Variable:
+    """Values of a group over the dimension that they have, or over its own."""
+    one, dim = study.products[name], values.dims if isinstance(values, xr.DataArray) else name
+    attrs = {"units": one.units, "long_name": FACTORS[name].long_name if one.lone else one.text}
+    return xr.Variable(dim, np.asarray(values), attrs)

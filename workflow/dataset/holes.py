@@ -107,11 +107,11 @@ def joined(parts: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
     if not any(REFUSAL in part for part in parts):
         return whole
     numbers: dict[str, int] = {}
-    dims = [str(one) for one in next(part[REFUSAL].dims for part in parts if REFUSAL in part)]
+    dims = [str(axis) for axis in next(part[REFUSAL].dims for part in parts if REFUSAL in part)]
     masks = [
         renumbered(part, numbers, dims)
         if REFUSAL in part
-        else np.zeros([part.sizes[one] for one in dims], dtype=np.int32)
+        else np.zeros([part.sizes[axis] for axis in dims], dtype=np.int32)
         for part in parts
     ]
     return masked(whole, xr.Variable(dims, np.concatenate(masks, axis=dims.index(dim))), list(numbers))
@@ -148,7 +148,7 @@ def summary(data: xr.Dataset, axes: Sequence[str]) -> dict[str, Any]:
     """
     missing = refused(data, axes)
     ends = {
-        name: [float(one) for one in (levels.min(), levels.max())]
+        name: [float(end) for end in (levels.min(), levels.max())]
         for name, places in zip(axes, np.nonzero(missing), strict=True)
         for levels in [data[name].values[places]]
     }

@@ -19,7 +19,7 @@ def gather(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
         The solver refuses more of its places than may be missing.
     """
     names = [name for name in ALL_QUANTITIES if name in slabs[0]]
-    own = [part[[*names, *(one for one in (REFUSAL, REASON) if one in part)]] for part in slabs]
+    own = [part[[*names, *(extra for extra in (REFUSAL, REASON) if extra in part)]] for part in slabs]
     whole = holes.joined(own, str(slabs[0][names[0]].dims[0]))
     for array in whole.data_vars.values():
         array.attrs = {key: value for key, value in array.attrs.items() if key not in STATISTICS}

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver import solve
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers
 from surrogate import Group, Grouping, Input, Scaling
@@ -17,7 +17,6 @@ from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.representatives import middles
 
-Array = NDArray[np.float64]
 _GAIN = 0.5  # of the predicted error, from which on a logarithm is worth it
 #: Lengths by which a case is measured, the first that it has; a cone has its slope, which no length changes.
 _LENGTHS = ("thickness", "radius", "width", "datum", "slope")
@@ -38,7 +37,7 @@ def grouping(
         Names of the outputs with that of the quantity or field as which they scale; by default the study's outputs.
     """
     names = [input_.name for input_ in inputs]
-    groups = tuple(_group(study, one, names) for one in axes)
+    groups = tuple(_group(study, axis, names) for axis in axes)
     scalings = (
         {name: Scaling(scale(study, of)) for name, of in weights.items()}
         if weights is not None
@@ -91,7 +90,7 @@ def with_logarithms(grouping: Grouping, study: Study, learned: xr.Dataset) -> Gr
     possible = {name: sign for name, sign in signs.items() if sign and not grouping.scalings[name].coefficient}
     logs = _replaced(grouping, possible)
     if asked is None:
-        plain, bent = (_errors(one, learned, list(possible)) for one in (grouping, logs))
+        plain, bent = (_errors(tried, learned, list(possible)) for tried in (grouping, logs))
         logs = _replaced(grouping, {name: sign for name, sign in possible.items() if bent[name] < _GAIN * plain[name]})
     return logs
 
@@ -101,7 +100,7 @@ def _sign(values: Array) -> int:
 
 
 def _replaced(grouping: Grouping, signs: Mapping[str, int]) -> Grouping:
-    scalings = {name: replace(one, logarithm=signs.get(name, 0)) for name, one in grouping.scalings.items()}
+    scalings = {name: replace(scaling, logarithm=signs.get(name, 0)) for name, scaling in grouping.scalings.items()}
     return replace(grouping, scalings=scalings)
 
 
@@ -109,7 +108,7 @@ def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> di
     """Predicted interpolation error of every output on the factorial's levels, over the range of its scaled values."""
     if not names:
         return {}
-    axes = {one.name: learned[one.name] for one in grouping.axes}
+    axes = {axis.name: learned[axis.name] for axis in grouping.axes}
     data = grouping.reduced(learned, names).assign_coords(axes)
     found = {}
     for name, along in decays(data, grouping.axes, names).items():
@@ -117,7 +116,7 @@ def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> di
         # an error of the logarithm is one of the value, relative
         sizes = np.exp(sign * values)
         size = sizes.max() * np.ptp(values) / np.ptp(sizes) if sign and np.ptp(values) else 1.0
-        found[name] = float(size * sum(one.error(len(one.coefficients)) for one in along.values()))
+        found[name] = float(size * sum(line.error(len(line.coefficients)) for line in along.values()))
     return found
 
 

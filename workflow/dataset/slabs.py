@@ -22,7 +22,7 @@ from xarray.core import indexing
 
 from solver import FactorError
 from solver.curves import REGIONS
-from solver.names import FIELDS
+from solver.fields import ACROSS, ALONG, EVERY_FIELD, FIELDS
 from storage.blocks import Region, write_blocks
 from storage.netcdf import MAX_BYTES, read_whole
 from storage.sealed import check_seal
@@ -67,7 +67,7 @@ def write_slab(study: Study, index: int, path: Path) -> None:
     cases = prod(levels.size for levels in axes.values())
 
     def part(region: Region) -> xr.Dataset:
-        own = {one: levels[some] for (one, levels), some in zip(axes.items(), region, strict=True)}
+        own = {axis: levels[some] for (axis, levels), some in zip(axes.items(), region, strict=True)}
         return factorial.exact(study, own, positions, curves=True, holes=mask.left)
 
     def blocks() -> Iterator[tuple[Region, Mapping[str, NDArray[Any]]]]:
@@ -86,13 +86,13 @@ def write_slab(study: Study, index: int, path: Path) -> None:
 def _one_case(study: Study, axes: Mapping[str, NDArray[np.float64]], positions: Iterable[float] | None) -> xr.Dataset:
     """A case with all categories: the first of the slab, or if that is refused one that is not, tried at random."""
     whole, random = factorial.axes(study), np.random.default_rng(0)
-    at = {one: levels if one in study.categories else levels[:1] for one, levels in axes.items()}
+    at = {axis: levels if axis in study.categories else levels[:1] for axis, levels in axes.items()}
     for _ in range(_TRIES):
         try:
             return factorial.exact(study, at, positions, curves=True)
         except FactorError as error:
             refusal = error
-        at = {one: at[one] if one in study.categories else random.choice(whole[one], 1) for one in axes}
+        at = {axis: at[axis] if axis in study.categories else random.choice(whole[axis], 1) for axis in axes}
     raise refusal
 
 
@@ -100,7 +100,11 @@ def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision:
     """The slab without its values: coordinates, attributes, dimensions and types."""
     coords = {axis: xr.Variable(axis, levels, case[axis].attrs) for axis, levels in axes.items()}
     # along the first level of every axis, factors of groups stand there as arrays of one
-    kept = {name: one for name, one in case.coords.items() if axes.keys().isdisjoint(map(str, one.dims))}
+    kept = {
+        name: coordinate
+        for name, coordinate in case.coords.items()
+        if axes.keys().isdisjoint(map(str, coordinate.dims))
+    }
     frame = xr.Dataset(coords=kept).assign_coords(coords)
     empty = {}
     for name, array in case.data_vars.items():
@@ -139,13 +143,13 @@ def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
     dims = [*whole[next(iter(whole.data_vars))].dims, "position"]
     if not card["positions"]:  # of a study that stores no fields
         return whole
-    axis = xr.Variable("position", card["positions"], {"units": "1", "long_name": "surface position X = (x - c)/h"})
-    whole = whole.assign_coords(position=axis)
-    files = [folder / one["name"] for one in card["files"]]
+    place = ALONG if FIELDS.keys() <= card["variables"].keys() else ACROSS
+    whole = whole.assign_coords(position=xr.Variable("position", card["positions"], place))
+    files = [folder / file["name"] for file in card["files"]]
     for name, described in card["variables"].items():
-        if name in FIELDS:
+        if name in EVERY_FIELD:
             shape = tuple(whole.sizes[dim] for dim in dims)
-            stacked = Stacked(name, files, [one["levels"] for one in card["files"]], shape, described["type"])
+            stacked = Stacked(name, files, [file["levels"] for file in card["files"]], shape, described["type"])
             whole[name] = xr.Variable(dims, indexing.LazilyIndexedArray(stacked), described["attributes"])
         elif name in whole:
             whole[name].attrs.update(described["attributes"])

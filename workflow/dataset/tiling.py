@@ -32,7 +32,7 @@ def regions(lengths: Sequence[int], chunk: Sequence[int], cases: int) -> Iterato
         for begin in range(0, lengths[split], step):
             part = slice(begin, min(begin + step, lengths[split]))
             whole = (slice(0, length) for length in lengths[split + 1 :])
-            yield (*(slice(one, one + 1) for one in leading), part, *whole)
+            yield (*(slice(place, place + 1) for place in leading), part, *whole)
 
 
 def _split(lengths: Sequence[int], cases: int) -> tuple[int, int]:

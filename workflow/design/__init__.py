@@ -1,1 +1,1 @@
-"""From a design question to its verdict: scenarios, risk, search, assessment."""
+"""From a design question to its verdict: scenarios, risk, search, exact assessment, words."""

@@ -17,13 +17,10 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.constants import Boltzmann
 
 from solver import Material
 from workflow.language import grammar
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -129,7 +126,7 @@ class Circuit:
         numbers = {"charge_noise": 0.0, "voltage_noise": 0.0, "cable_capacitance": 0.0, **self.numbers, **known}
         numbers |= {"capacitance": contact, "electrode_length": 1.0, "thermal_energy": 0.0, "feedback_heat": 0.0}
         expression = grammar.parse(name)
-        return float(expression.evaluate({one: np.array(numbers[one]) for one in expression.names()}))
+        return float(expression.evaluate({symbol: np.array(numbers[symbol]) for symbol in expression.names()}))
 
 
 def permittivity(film: Material) -> float:

@@ -6,12 +6,10 @@ from typing import Self
 
 import numpy as np
 import scipy  # scipy.integrate, slow to import, when a signal is asked for
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from workflow.device.circuit import Circuit
 from workflow.device.contact import Contact
-
-Array = NDArray[np.float64]
 
 #: Time over which the drop under a constant force is told [s].
 DROP = 10.0

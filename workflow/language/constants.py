@@ -2,13 +2,14 @@
 
 from typing import Literal
 
-from solver.names import LIMITS, Described
+from solver.described import Described
+from solver.names import LIMITS
 
 _BASE = "base_"
 
 #: What the top material bears, and under ``base_...`` what the base does.
 BORNE: dict[str, Described] = LIMITS | {
-    f"{_BASE}{name}": Described(one.units, f"{one.long_name}, of the base") for name, one in LIMITS.items()
+    f"{_BASE}{name}": Described(limit.units, f"{limit.long_name}, of the base") for name, limit in LIMITS.items()
 }
 
 #: Numbers of a study's section ``device``.

@@ -7,14 +7,13 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver import units
 from solver.names import ALL_QUANTITIES
 from workflow.language.constants import CONSTANTS
 from workflow.language.factors import FACTORS
 
-Array = NDArray[np.float64]
 Partials = dict[str, Array]
 
 
@@ -188,11 +187,11 @@ class Call(Expression):
 
     def unit(self) -> units.Unit | None:
         """That of the arguments, its root, or none."""
-        inner = [one for one in (argument.unit() for argument in self.arguments) if one is not None]
-        for one in inner[1:]:
-            if not one.fits(inner[0]):
+        inner = [unit for unit in (argument.unit() for argument in self.arguments) if unit is not None]
+        for other in inner[1:]:
+            if not other.fits(inner[0]):
                 raise ValueError(
-                    f"{self.function}: {str(inner[0])!r} and {str(one)!r} cannot be compared (unit mismatch)"
+                    f"{self.function}: {str(inner[0])!r} and {str(other)!r} cannot be compared (unit mismatch)"
                 )
         if not inner:
             return None

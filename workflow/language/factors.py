@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Mapping
 
 from solver import names
-from solver.names import Factor
+from solver.described import Factor
 
 #: The numbers of a layer, by the factor of a single film that each is.
 OF_A_LAYER = ("thickness", "volume_fraction", "scandium_fraction")

@@ -60,7 +60,7 @@ def _read(name: str, given: Any, place: tuple[str, ...]) -> Any:
         except ValueError as error:
             raise ValueError(f"{': '.join(place)}: {error}") from None
     if isinstance(given, list):
-        return [_read(name, one, place) for one in given]
+        return [_read(name, item, place) for item in given]
     if isinstance(given, Mapping):
-        return {key: _read(name, one, (*place, key)) if key in _NUMBERS else one for key, one in given.items()}
+        return {key: _read(name, item, (*place, key)) if key in _NUMBERS else item for key, item in given.items()}
     return given

@@ -89,7 +89,7 @@ def shown(value: float, units: str, digits: int = 5) -> str:
     if units == "%":  # a share
         return f"{number(100 * value, digits)} %"
     size, text = prefixed(value, units, digits)
-    return f"{number(value / size, digits)} {text}".strip()
+    return f"{number(value / size + 0.0, digits)} {text}".strip()  # no -0
 
 
 def label(text: str, units: str, most: int) -> str:

@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver import find
 from surrogate import GaussianProcess, GridGP
 from surrogate.levels.counts import UnreachableError
@@ -19,8 +19,6 @@ from workflow.study import categories
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.uncertainty import Constant, concerned, members, moved
-
-Array = NDArray[np.float64]
 
 _STEP = 0.25  # prior standard deviations, of the difference that a derivative is taken from
 _STALE = {True: 1.0, False: 0.1}  # how far constants may move until derivatives are taken anew; films: True
@@ -87,9 +85,9 @@ class Effects:
         parts = {}
         for name in self._model.outputs_:
             parts[f"{name}: change"] = here[name] - self._start[name]
-            for one, slope in zip(self._constants, self._slopes, strict=True):
-                parts[f"{name}: {one.name}"] = slope[name]
-            parts |= {f"{name}: {one}": xr.zeros_like(here[name]) for one in self._silent}
+            for constant, slope in zip(self._constants, self._slopes, strict=True):
+                parts[f"{name}: {constant.name}"] = slope[name]
+            parts |= {f"{name}: {silent}": xr.zeros_like(here[name]) for silent in self._silent}
         return self._fitted(parts)
 
     def _fitted(self, parts: dict[str, xr.DataArray]) -> GridGP:
@@ -103,22 +101,22 @@ class Effects:
         """Derivatives of all outputs by every scaled constant, zero where it has no part."""
         found: dict[str, xr.Dataset] = {}
         solved = [constant for constant in self._constants if not self._parts(constant)]
-        for number, one in enumerate(solved, 1):
-            self._say(f"{number} of {len(solved)}: {one.name}")
-            k = self._constants.index(one)
+        for number, constant in enumerate(solved, 1):
+            self._say(f"{number} of {len(solved)}: {constant.name}")
+            k = self._constants.index(constant)
             step = z + _STEP * np.eye(len(z))[k]
-            held = concerned(self._study, one)
+            held = concerned(self._study, constant)
             cases = factorial.exact(moved(self._study, self._constants, step).narrowed(held), dict(self._levels))
             kinds = {name: [held[name]] if name in held else names for name, names in self._study.categories.items()}
             there = categories.apart(_expanded(cases, held), kinds, self._study.outputs)
-            found[one.name] = xr.Dataset({
+            found[constant.name] = xr.Dataset({
                 name: (there[name] - here[name]) / _STEP if name in there else xr.zeros_like(here[name])
                 for name in self._model.outputs_
             })  # fmt: skip
-        for one in self._constants:
-            for part in self._parts(one):
-                share = found[part.name] * (one.std / part.std)
-                found[one.name] = found[one.name] + share if one.name in found else share
+        for family in self._constants:
+            for part in self._parts(family):
+                share = found[part.name] * (family.std / part.std)
+                found[family.name] = found[family.name] + share if family.name in found else share
         return [found[constant.name] for constant in self._constants]
 
     def _parts(self, one: Constant) -> list[Constant]:

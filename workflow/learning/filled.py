@@ -13,7 +13,7 @@ from workflow.study.model import Study
 
 
 def whole(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """What the surrogate learns over its axes, NaN filled in; the same data where nothing is NaN.
+    """What the surrogate learns over its axes, NaN filled in; the same data where nothing is NaN, and of no factorial.
 
     Kernels follow from the quantities; curves are filled in by the same. Of a study with groups, quantities of one sign
     are filled in by their logarithms, so that they keep it.
@@ -21,7 +21,7 @@ def whole(study: Study, data: xr.Dataset) -> xr.Dataset:
     Parameters
     ----------
     study
-        A study whose data set is a factorial.
+        Whose data set it is.
     data
         Every variable over the axes, curves over further dimensions too: `workflow.learning.curves.learned`.
 
@@ -30,6 +30,8 @@ def whole(study: Study, data: xr.Dataset) -> xr.Dataset:
     ValueError
         More places are missing than can be filled in together.
     """
+    if study.crossed:
+        return data
     holes = {str(name): _missing(study, array) for name, array in data.data_vars.items()}
     if not any(flags.any() for flags in holes.values()):
         return data

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from surrogate import GaussianProcess
 from surrogate.data.measurements import Measurements
 from workflow.study import categories
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -69,11 +68,11 @@ def shown(
         Derivatives of the true means by the constants, (n, k); with those by the instruments (n, k + m).
     """
     gain, offset, columns = np.ones(len(mean)), np.zeros(len(mean)), []
-    for one, value in zip(instruments, z.tolist(), strict=True):
-        column = one.std * one.measures(model, rows) * (mean if one.gain else 1.0)
+    for instrument, value in zip(instruments, z.tolist(), strict=True):
+        column = instrument.std * instrument.measures(model, rows) * (mean if instrument.gain else 1.0)
         columns.append(column)
-        if one.gain:
-            gain += one.std * value * one.measures(model, rows)
+        if instrument.gain:
+            gain += instrument.std * value * instrument.measures(model, rows)
         else:
             offset += value * column
     return gain * mean + offset, np.column_stack([gain[:, None] * slopes, *columns])

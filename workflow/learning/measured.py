@@ -3,8 +3,8 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver import MaterialError
 from surrogate import GaussianProcess
 from surrogate.data.measurements import MOST_ROWS, Measurements
@@ -18,8 +18,6 @@ from workflow.study import uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.uncertainty import Constant
-
-Array = NDArray[np.float64]
 
 _WRONG_UNIT = 30.0  # measured over predicted values, as a factor, by which no constant changes a quantity
 _VAGUE = 1e9  # an error of measurement over the largest value: beyond it a row says nothing, and squares overflow
@@ -66,9 +64,9 @@ def learn(
     lower, upper = model.interval_array(rows.points, NOMINAL)
     mean = nominal[rows.row, rows.output]
     _check_size(model, rows, mean)
-    for one in instruments:
-        if not one.measures(model, rows).any():
-            raise InputError(f"--instrument: {one.name}: no row holds a measured {one.quantity}")
+    for device in instruments:
+        if not device.measures(model, rows).any():
+            raise InputError(f"--instrument: {device.name}: no row holds a measured {device.quantity}")
     singles = uncertainty.own(study, constants)
     every, count = [*constants, *singles], len(constants) + len(singles)
     effects = Effects(study, model, every, say, [instrument.name for instrument in instruments])
@@ -76,10 +74,10 @@ def learn(
     spread = np.hypot(own, effects.error[rows.output])
     latest: list[GaussianProcess] = []
     unknown: list[Constant | Instrument] = [*every, *instruments]
-    single = np.array([one in singles for one in unknown], np.bool_)
+    single = np.array([constant in singles for constant in unknown], np.bool_)
 
     def forward(z: Array) -> tuple[Array, Array]:
-        told = ", ".join(f"{one:+.2f}" for one in z[: len(constants)])
+        told = ", ".join(f"{value:+.2f}" for value in z[: len(constants)])
         say(f"constants at {told} prior standard deviations")
         latest[:] = [effects.at(z)]
         found = latest[0].predict_array(rows.points).reshape(len(rows.points), len(model.outputs_), -1)
@@ -91,7 +89,7 @@ def learn(
     except (learning.NotSettledError, MaterialError) as error:
         raise InputError(str(error)) from None
     taught = Taught.of(found, rows, unknown, single, model, mean)
-    names = {one.name: one.prior for one in unknown}
+    names = {constant.name: constant.prior for constant in unknown}
     surrogate = CorrectedGP(
         model, latest[0], names, found.about, found.draws, rows, effects.error, "\n".join(taught.lines)
     )

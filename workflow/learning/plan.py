@@ -1,23 +1,21 @@
-"""Which further measurements tell most of a study's constants, after those that a surrogate was corrected by."""
+"""Which further measurements tell most of constants or answers, after those that a surrogate was corrected by."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.stats import qmc
 
+from approximation.arrays import Array, Indices
 from surrogate import GaussianProcess
 from surrogate.data.inputs import unit_coordinates
 from surrogate.data.measurements import Measurements
 from surrogate.transforms.measured.corrected import CorrectedGP
 from surrogate.use import planning
+from workflow.language.numbers import shown as written
 from workflow.learning.instruments import Instrument, shown
 from workflow.study import categories
 from workflow.study.reading import InputError
-
-Array = NDArray[np.float64]
 
 #: Readings that a plan is chosen from, and how many it may have.
 CANDIDATES, MOST = 400, 100
@@ -33,27 +31,36 @@ class Plan:
     ----------
     rows : list of dict
         Factors by name, and the ``output`` to be measured.
-    wanted : list of dict
+    constants : list of dict
         Of every constant that they are to tell: ``name``, and its posterior over prior deviation ``now``, ``planned``
         and after as many ``random`` measurements.
+    answers : list of dict
+        The same of every answer; deviations in its ``units``.
     """
 
     rows: list[dict[str, float | str]]
-    wanted: list[dict[str, Any]]
+    constants: list[dict[str, Any]]
+    answers: list[dict[str, Any]]
 
     @property
     def plain(self) -> dict[str, Any]:
         """As JSON."""
-        return {"rows": self.rows, "constants": self.wanted}
+        return {"rows": self.rows, "constants": self.constants, "answers": self.answers}
 
     @property
     def lines(self) -> list[str]:
         """In words, a line each, and the table."""
         found = [
-            f"{len(self.rows)} further measurements leave {one['planned']:.2f} of the prior of {one['name']} "
-            f"({one['now']:.2f} now, {one['random']:.2f} after as many at random)"
-            for one in self.wanted
+            f"{len(self.rows)} further measurements leave {constant['planned']:.2f} of the prior of {constant['name']} "
+            f"({constant['now']:.2f} now, {constant['random']:.2f} after as many at random)"
+            for constant in self.constants
         ]
+        for answer in self.answers:
+            planned, now, random = (written(answer[key], answer["units"], 3) for key in ("planned", "now", "random"))
+            found.append(
+                f"{len(self.rows)} further measurements leave +-{planned} of {answer['name']} "
+                f"(+-{now} now, +-{random} after as many at random)"
+            )
         found.append(",".join([*[name for name in self.rows[0] if name != "output"], "measure"]))
         for row in self.rows:
             values = [f"{value:.4g}" for name, value in row.items() if name != "output"]
@@ -68,6 +75,7 @@ def check(
     known: list[str],
     errors: Mapping[str, tuple[float, float]],
     box: Mapping[str, tuple[float, float]],
+    at: Mapping[str, float],
 ) -> None:
     """Raise InputError, before anything is learnt, for a plan that a surrogate with these unknowns cannot give.
 
@@ -75,10 +83,13 @@ def check(
     """
     if not 1 <= count <= MOST:
         raise InputError(f"--plan: {count} measurements; must be 1 to {MOST}")
-    for name in wanted:
-        if name not in known:
-            raise InputError(f"--for: {name!r} is not among the unknowns {', '.join(known)}")
     quantities = dict.fromkeys(categories.parted(name)[0] for name in model.outputs_)
+    for name in wanted:
+        if name not in known and name not in model.outputs_:
+            names = ", ".join(model.outputs_ if name in quantities else known)
+            what = "outputs" if name in quantities else "unknowns"
+            raise InputError(f"--for: {name!r} is not among the {what} {names}")
+    _check_place([name for name in wanted if name not in known], model, at)
     for name in errors:
         if name not in quantities:
             raise InputError(f"--errors: {name!r} is none of {', '.join(quantities)}")
@@ -90,12 +101,27 @@ def check(
             raise InputError(f"--within: {name}: {low:g} to {high:g}; must ascend within [{axis.low:g}, {axis.high:g}]")
 
 
+def _check_place(answers: list[str], model: GaussianProcess, at: Mapping[str, float]) -> None:
+    """Whether the place of answers is within the box, and given where there are any."""
+    if at and not answers:
+        raise InputError("--at: says where an answer is wanted; --for names none")
+    for name in at:
+        if name not in model.box:
+            raise InputError(f"--at: {name}: is none of {', '.join(model.box)}")
+    for name, axis in model.box.items():
+        if answers and name not in at:
+            raise InputError(f"--at: {name}: missing; {answers[0]} is wanted at one place of {', '.join(model.box)}")
+        if answers and not axis.low <= at[name] <= axis.high:
+            raise InputError(f"--at: {name}: {at[name]:g}; must be within [{axis.low:g}, {axis.high:g}]")
+
+
 def plan(
     model: CorrectedGP,
     count: int,
     wanted: list[str],
     errors: Mapping[str, tuple[float, float]],
     box: Mapping[str, tuple[float, float]],
+    at: Mapping[str, float],
     instruments: list[Instrument],
 ) -> Plan:
     """Choose further measurements, D-optimal on the posterior of a corrected surrogate.
@@ -107,43 +133,74 @@ def plan(
     count
         How many.
     wanted
-        Names of the constants that they are to tell.
+        Names of the constants and outputs that they are to tell.
     errors
         Of quantities that can be measured: deviation of a reading's error in SI, and as a share of its value. Without
         any, what was measured, with the median of the errors that were stated.
     box
         Ends of factors, in their units, within which measurements can be made; others have their trained range.
+    at
+        Where outputs are wanted.
     instruments
         Those that the surrogate was corrected with; they read further measurements too.
     """
-    names = list(model.constants_)
-    outputs = _outputs(model, errors)
-    points = _points(model, box, -(-CANDIDATES // len(outputs)))
-    output = np.tile(np.array(list(outputs), np.intp), len(points))
-    where = np.repeat(np.arange(len(points)), len(outputs))
-    readings = Measurements(points, where, output, np.zeros(len(where)), np.full(len(where), np.nan))
-    mean = model.predict_array(points)[where, output]
-    absolute, share = np.array([outputs[q] for q in output.tolist()]).T
-    effect = model.effect_.predict_array(points).reshape(len(points), len(model.outputs_), -1)[where, output]
-    about, physical = model.about_[len(names) - len(instruments) :], effect[:, 1 : 1 + len(names) - len(instruments)]
-    slopes = shown(instruments, model, readings, about, mean, physical)[1]
+    names, known = list(model.constants_), set(model.constants_)
+    answers = [name for name in wanted if name not in known]
+    offers, asked = _outputs(model, errors), np.array([model.outputs_.index(name) for name in answers], np.intp)
+    points = _points(model, box, -(-CANDIDATES // len(offers)))
+    output = np.append(np.tile(np.array(list(offers), np.intp), len(points)), asked)
+    where = np.append(np.repeat(np.arange(len(points)), len(offers)), np.full(len(asked), len(points)))
+    if answers:
+        points = np.concatenate([points, [[at[name] for name in model.box]]])
+    count_read = len(where) - len(asked)
+    mean, slopes = _shown(model, points, where, output, instruments, count_read)
     scaled = unit_coordinates(model.inputs_, points).T[where]
     draws = model.draws_[:: max(1, len(model.draws_) // _DRAWS)][:_DRAWS]
     joints = [planning.joint(draw, scaled, output, slopes) for draw in draws]
-    noise = absolute**2 + (share * mean) ** 2 + 1e-24 * float(np.mean(mean**2)) + 1e-300
-    places = np.array([names.index(name) for name in wanted], np.intp)
-    chosen = planning.chosen(joints, noise, places, count)
-    random = np.random.default_rng(0)
-    others = [random.choice(len(noise), count, replace=False).tolist() for _ in range(_RANDOM)]
-    now, planned = (planning.widths(joints, noise, one, len(names)) for one in ([], chosen))
-    beside = np.median([planning.widths(joints, noise, other, len(names)) for other in others], axis=0)
-    rows = []
-    for k in chosen:
-        row: dict[str, float | str] = dict(zip(model.box, points[where[k]].tolist(), strict=True))
-        rows.append(row | {"output": model.outputs_[output[k]]})
-    told = zip(wanted, now[places].tolist(), planned[places].tolist(), beside[places].tolist(), strict=True)
-    keys = ("name", "now", "planned", "random")
-    return Plan(rows, [dict(zip(keys, one, strict=True)) for one in told])
+    absolute, share = np.array([offers[q] for q in output[:count_read].tolist()]).T
+    noise = np.append(absolute**2 + (share * mean[:count_read]) ** 2, [np.inf] * len(asked))
+    noise += 1e-24 * float(np.mean(mean**2)) + 1e-300
+    column = {name: names.index(name) for name in wanted if name in known}
+    column |= {name: len(names) + count_read + k for k, name in enumerate(answers)}
+    rows = np.array([column[name] for name in wanted], np.intp)
+    chosen = planning.chosen(joints, noise, rows, count)
+    random, even = np.random.default_rng(0), np.flatnonzero(where[:count_read] >= np.max(where[:count_read]) // 2)
+    plans = [[], chosen, *(random.choice(even, count, replace=len(even) < count).tolist() for _ in range(_RANDOM))]
+    now, planned, *others = (planning.widths(joints, noise, taken, rows) for taken in plans)
+    sizes = np.stack([now, planned, np.median(others, axis=0)], -1).tolist()
+    told = {
+        name: dict(zip(("now", "planned", "random"), size, strict=True))
+        for name, size in zip(wanted, sizes, strict=True)
+    }
+    readings = [
+        dict(zip(model.box, points[where[k]].tolist(), strict=True)) | {"output": model.outputs_[output[k]]}
+        for k in chosen
+    ]
+    units = {name: str(model.attrs_[name].get("units", "1")) for name in answers}
+    return Plan(
+        readings,
+        [{"name": name, **told[name]} for name in wanted if name in known],
+        [{"name": name, **told[name], "units": unit} for name, unit in units.items()],
+    )
+
+
+def _shown(
+    model: CorrectedGP, points: Array, where: Indices, output: Indices, instruments: list[Instrument], read: int
+) -> tuple[Array, Array]:
+    """Means of outputs at points, and derivatives by the unknowns of what is read there; the others have no instrument.
+
+    Returns
+    -------
+    tuple
+        (m,) and (m, k).
+    """
+    mean = np.asarray(model.predict_array(points)[where, output])
+    effect = model.effect_.predict_array(points).reshape(len(points), len(model.outputs_), -1)[where, output, 1:]
+    physical = len(model.constants_) - len(instruments)
+    readings = Measurements(points, where, output, np.zeros(len(where)), np.full(len(where), np.nan))
+    found = shown(instruments, model, readings, model.about_[physical:], mean, effect[:, :physical])[1]
+    found[read:] = effect[read:]
+    return mean, found
 
 
 def _outputs(model: CorrectedGP, errors: Mapping[str, tuple[float, float]]) -> dict[int, tuple[float, float]]:
@@ -160,10 +217,8 @@ def _outputs(model: CorrectedGP, errors: Mapping[str, tuple[float, float]]) -> d
 
 
 def _points(model: CorrectedGP, box: Mapping[str, tuple[float, float]], count: int) -> Array:
-    """Points spread over the box, its middle and ends of every factor among them, (m, d)."""
-    d = len(model.inputs_)
-    t = 2 * qmc.Sobol(d, rng=0).random(1 << (count - 1).bit_length())[:count] - 1
-    t[: count // 2] = np.clip(1.5 * t[: count // 2], -1, 1)  # what tells most often stands at an end
+    """Points spread over the box, the first half towards its ends, (m, d)."""
+    t = planning.spread(len(model.inputs_), count)
     points = np.empty_like(t)
     for k, axis in enumerate(model.inputs_):
         low, high = axis.to_unit(np.array(box.get(axis.name, (axis.low, axis.high))))

@@ -2,8 +2,8 @@
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from surrogate import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL
 from surrogate.use.inversion import Inversion
@@ -12,8 +12,6 @@ from workflow.study.categories import output
 from workflow.study.model import Study
 from workflow.study.readout import Readout, error
 from workflow.study.refusals import REASON, REFUSAL
-
-Array = NDArray[np.float64]
 
 _LEVEL = NOMINAL  # of the intervals
 
@@ -34,7 +32,7 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     inputs = [input_ for input_ in factorial.inputs(study) if input_.name in readout.infer]
     names = list(readout.measured)
     true = np.stack([input_.from_unit(random.uniform(-1, 1, readout.cases)) for input_ in inputs])
-    given = {one.name: xr.DataArray(row, dims="case") for one, row in zip(inputs, true, strict=True)}
+    given = {own.name: xr.DataArray(row, dims="case") for own, row in zip(inputs, true, strict=True)}
     solved = factorial.exact(study.narrowed(readout.kinds), {**readout.held, **given}, holes=np.inf)
     if REFUSAL in solved or model.region_ is not None:
         held = {name: np.full(readout.cases, value) for name, value in readout.held.items()}
@@ -47,13 +45,15 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     exact = np.stack([solved[name].broadcast_like(like).values for name in names], -1)
     measured = exact + _errors(readout, exact) * random.standard_normal(exact.shape)
     kinds = {name: readout.kinds[name] for name in study.categories}
-    asked = [output(one, kinds) for one in names]
+    asked = [output(name, kinds) for name in names]
     own = model.only(asked) if study.kind.tabled else model  # of the many outputs that films have, only those
     inversion = Inversion(own, [input_.name for input_ in inputs], asked, readout.held)
-    found = [inversion.estimate(row, one) for row, one in zip(measured, _errors(readout, measured), strict=True)]
-    mean, low, high = (np.stack([getattr(one, key) for one in found], -1) for key in ("mean", "low", "high"))
+    found = [inversion.estimate(row, errors) for row, errors in zip(measured, _errors(readout, measured), strict=True)]
+    mean, low, high = (
+        np.stack([getattr(posterior, key) for posterior in found], -1) for key in ("mean", "low", "high")
+    )
     dims = ("factor", "case")
-    left = [(one.to_unit(b) - one.to_unit(a)) / (2 * _LEVEL) for one, a, b in zip(inputs, low, high, strict=True)]
+    left = [(own.to_unit(b) - own.to_unit(a)) / (2 * _LEVEL) for own, a, b in zip(inputs, low, high, strict=True)]
     return xr.Dataset(
         {
             "true": (dims, true),

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver import solve
-from solver.names import FIELDS
+from solver.fields import FIELDS
 from storage.described import described
 from surrogate import GaussianProcess, GridGP, GroupedGP, Input
 from surrogate.data.meanings import MEANINGS, SOURCE
@@ -21,8 +21,6 @@ from workflow.dataset import factorial, similar
 from workflow.learning import training
 from workflow.study import representatives
 from workflow.study.model import Study
-
-Array = NDArray[np.float64]
 
 #: Fields that are learned, by their regular parts.
 NAMES = ("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx")
@@ -50,7 +48,9 @@ def fit(study: Study) -> GaussianProcess:
     if study.groups:
         over = representatives.factors(study, levels)
         data = _regular(study, dict(over), angles).assign_coords({**{name: levels[name] for name in levels}, **over})
-        grouping = similar.grouping(study, inputs, [*factorial.axis_inputs(study), ANGLE], {one: one for one in NAMES})
+        grouping = similar.grouping(
+            study, inputs, [*factorial.axis_inputs(study), ANGLE], {name: name for name in NAMES}
+        )
         model = GroupedGP(grouping, study.surrogate.kernel, compression=allowed).fit(data)
     else:
         data = _regular(study, dict(levels), angles)

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import binom
 
+from approximation.arrays import Array, Flags
 from surrogate import GaussianProcess
 from surrogate.data.measurements import Measurements
 from surrogate.intervals.distribution import NOMINAL, Normal
@@ -14,8 +14,6 @@ from surrogate.use.learning import ROUNDS, Learnt
 from workflow.learning.instruments import Instrument
 from workflow.study.uncertainty import Constant
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 Unknown = Constant | Instrument
 
 #: Posterior over prior standard deviation: above it nothing was learnt, below it a combination is well known.
@@ -67,8 +65,8 @@ class Taught:
         told = {
             "rows": count,
             "values": len(rows.value),
-            "constants": [one for one, own in zip(constants, single, strict=True) if not own],
-            "single_constants": [one for one, own in zip(constants, single, strict=True) if own],
+            "constants": [constant for constant, own in zip(constants, single, strict=True) if not own],
+            "single_constants": [constant for constant, own in zip(constants, single, strict=True) if own],
             "known_together": _combinations(found, unknown),
             "discrepancies": [_discrepancy(found, rows, model, nominal, q) for q in rows.outputs],
             "errors": [_errors(found, model, q) for q in rows.outputs if np.isfinite(rows.error[rows.of(q)]).any()],
@@ -145,10 +143,10 @@ def _constants(found: Learnt, constants: list[Unknown]) -> list[dict[str, Any]]:
     rows = zip(constants, found.mean.tolist(), found.contraction.tolist(), strict=True)
     return [
         {
-            "name": one.name, "prior": one.prior, "mean": mean, "std": std, "change": one.change(mean),
+            "name": constant.name, "prior": constant.prior, "mean": mean, "std": std, "change": constant.change(mean),
             "posterior_over_prior": std,
         }
-        for one, mean, std in rows
+        for constant, mean, std in rows
     ]  # fmt: skip
 
 
@@ -212,14 +210,14 @@ def _outliers(found: Learnt, rows: Measurements, model: GaussianProcess) -> list
 def _open(told: dict[str, Any]) -> list[str]:
     """Explanations that the rows do not decide between."""
     found = [
-        f"a discrepancy of {one['output']} ({odds_said(one['odds'])})"
-        for one in told["discrepancies"]
-        if UNSEEN <= one["odds"] <= REAL
+        f"a discrepancy of {row['output']} ({odds_said(row['odds'])})"
+        for row in told["discrepancies"]
+        if UNSEEN <= row["odds"] <= REAL
     ]
     found += [
-        f"errors of {one['output']} {one['times_stated']:.2g} times those stated"
-        for one in told["errors"]
-        if one["low"] <= LARGER < one["times_stated"]
+        f"errors of {row['output']} {row['times_stated']:.2g} times those stated"
+        for row in told["errors"]
+        if row["low"] <= LARGER < row["times_stated"]
     ]
     own = told.get("single_constants_off")
     if own and UNSEEN <= own["odds"] <= REAL:

@@ -96,7 +96,7 @@ def _films(study: Study, points: dict[str, xr.DataArray], with_holes: bool) -> d
     return {
         "exact_per_factorial_case": _once(lambda: factorial.exact(study, block, holes=np.inf)) / cases,
         "exact_per_scattered_case": _once(lambda: factorial.exact(study, scattered)) / (_FILMS * combinations),
-        "exact_single_case": _once(lambda: factorial.exact(single, {name: one[-1] for name, one in new.items()})),
+        "exact_single_case": _once(lambda: factorial.exact(single, {name: levels[-1] for name, levels in new.items()})),
     }
 
 

@@ -43,7 +43,8 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     if curves.given(study, quantities):  # some outputs follow from them
         model: GaussianProcess = curves.model(study, compression(study), by)
     elif by is not None:
-        model = GroupedGP(by, study.surrogate.kernel, compression=compression(study))
+        own = (lambda names: crossing(study)) if study.crossed else None
+        model = GroupedGP(by, study.surrogate.kernel, compression=compression(study), process=own)
     else:
         model = crossing(study) if study.crossed else process(study, study.learned)
     model.made_from_ = study.physics
@@ -60,8 +61,8 @@ def process(study: Study, outputs: Sequence[str]) -> GridGP:
 def crossing(study: Study) -> CrossGP:
     """The cross approximation of a study, which asks for places before it is fitted."""
     return CrossGP(
-        factorial.inputs(study),
-        {name: axis.levels or 0 for name, axis in study.factors.items()},
+        factorial.axis_inputs(study),
+        {name: axis.levels or 0 for name, axis in study.axes.items()},
         study.crossed,
         study.validation.tolerance,
         study.learned,
@@ -72,8 +73,12 @@ def crossing(study: Study) -> CrossGP:
 
 def places(study: Study, solved: Sequence[xr.Dataset]) -> xr.Dataset:
     """What a cross approximation asks for after the slabs of its batches so far: see `CrossGP.ask`."""
-    known = factorial.learned(study, batches.joined(solved)) if solved else None
-    return crossing(study).ask(known)
+    if not solved:
+        return crossing(study).ask(None)
+    known = factorial.learned(study, batches.joined(solved))
+    return crossing(study).ask(
+        factorial.scaled(study, known, factorial.grouping(study, known) if study.groups else None)
+    )
 
 
 def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> xr.Dataset:
@@ -97,10 +102,11 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     points, cases, refused = answered(study, cases, model)
     cases, quantities = factorial.learned(study, cases), filled.whole(study, factorial.learned(study, quantities))
     by = groups_of(model)
+    reduced = factorial.scaled(study, quantities, by)
     if study.crossed:
-        decays = lines.decays(crossing(study), quantities)
+        decays = lines.decays(crossing(study), reduced)
     else:
-        decays = counts.decays(factorial.scaled(study, quantities, by), factorial.axis_inputs(study), study.learned)
+        decays = counts.decays(reduced, factorial.axis_inputs(study), study.learned)
     if by is not None:
         quantities = factorial.with_factors(study, quantities)
     predicted = model.predict(points)
@@ -117,7 +123,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     out = out.assign(evidence.rename(input="axis") if study.groups else evidence)
     out = out.assign_coords(units=("output", [cases[name].attrs["units"] for name in names]))
     table = described(out, "errors of the surrogate on exact cases", SOURCE, MEANINGS)
-    logs = [] if by is None else [name for name, one in by.scalings.items() if one.logarithm]
+    logs = [] if by is None else [name for name, scaling in by.scalings.items() if scaling.logarithm]
     told = {"logarithms": "; ".join(logs)} if logs else {}
     return table.assign_attrs(tolerance=study.validation.tolerance, **told, **refused)
 
@@ -161,7 +167,7 @@ def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases:
     axes = list(study.axes)
     grid = factorial.with_factors(study, quantities) if study.groups else quantities
     nodes = xr.broadcast(*(grid[name] for name in study.factors), xr.DataArray(holes.refused(grid, axes), dims=axes))
-    columns = [one.transpose(*axes).values.ravel() for one in nodes]
+    columns = [column.transpose(*axes).values.ravel() for column in nodes]
     X = np.concatenate([np.stack(columns[:-1], -1), np.stack([cases[name].values for name in study.factors], -1)])
     refused = np.concatenate([columns[-1], holes.refused(cases, ["case"])]).astype(bool)
     texts = [text for data, dims in ((grid, axes), (cases, ["case"])) for text in holes.reasons(data, dims)]

@@ -34,6 +34,7 @@ def _row(label: str, row: Measurement) -> Row:
     verdict = judged(row, model, rivals)
     return {
         "name": label,
+        "short": row.short or label.replace("_", " "),
         **row.model_dump(include={"of", "value", "error", "error_is", "unit", "note", "source", "read", "decides"}),
         "model": _values(row, row.model, model, verdict.deviations),
         "rivals": _values(row, row.rivals, rivals, verdict.rivals),
@@ -48,14 +49,14 @@ def _values(
     scale = UNITS[row.unit]
     return [
         {
-            "quantity": one.quantity,
-            "material": one.case["material"],
+            "quantity": row.quantity,
+            "material": row.case["material"],
             "value": value.value / scale,
             "deviation": value.deviation / scale,
             "sets": value.sets,
             "off": deviations,
         }
-        for one, value, deviations in zip(asked, found, off, strict=True)
+        for row, value, deviations in zip(asked, found, off, strict=True)
     ]
 
 
@@ -66,9 +67,9 @@ def dataset(rows: Sequence[Row]) -> xr.Dataset:
     numbers = {
         "measured": scale * _numbers(row["value"] for row in rows),
         "measured_std": scale * _numbers(row["error"] for row in rows),
-        "model": scale * _numbers(one.get("value") for one in first),
-        "model_std": scale * _numbers(one.get("deviation") for one in first),
-        "deviations": _numbers(one.get("off") for one in first),
+        "model": scale * _numbers(row.get("value") for row in first),
+        "model_std": scale * _numbers(row.get("deviation") for row in first),
+        "deviations": _numbers(row.get("off") for row in first),
     }
     found = xr.Dataset(
         {name: ("row", values) for name, values in numbers.items()}

@@ -46,7 +46,7 @@ def modelled(asked: ModelValue) -> Spread:
     """
     material = solver.find(str(asked.case["material"]))
     answer = _ANSWERS[asked.quantity]
-    own, *others = (answer(one, asked.case) for one in (material, *material.variants()))
+    own, *others = (answer(variant, asked.case) for variant in (material, *material.variants()))
     moved = max((abs(other - own) for other in others), default=0.0)
     return Spread(own, moved if moved > _ROUNDING * abs(own) else 0.0, len(others))
 
@@ -90,7 +90,7 @@ def _response_under_load(material: Material, case: Case) -> float:
 def _stiffness_under_charge(material: Material, case: Case) -> float:
     """Contact stiffness of a charged punch over that of one at zero charge."""
     charge = _MORE * _charge_per_force(material, case) * float(case["force"])
-    low, high = (float(_solved(material, case, total_charge=one)["contact_stiffness"]) for one in (0.0, charge))
+    low, high = (float(_solved(material, case, total_charge=total)["contact_stiffness"]) for total in (0.0, charge))
     return high / low
 
 

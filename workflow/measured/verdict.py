@@ -99,4 +99,4 @@ def _ruled_out(row: Measurement, others: Sequence[float | None]) -> str:
     asked = zip(row.rivals, others, strict=True)
     fits = {rule.quantity: abs(off) <= AGREES_WITHIN for rule, off in asked if off is not None}
     said = [f"{name.replace('_', ' ')} {'fits too' if fit else 'does not fit'}" for name, fit in fits.items()]
-    return "".join(f"; {one}" for one in said)
+    return "".join(f"; {sentence}" for sentence in said)

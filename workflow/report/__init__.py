@@ -1,1 +1,1 @@
-"""The page of a study, and the panel on it that answers."""
+"""The page of a study: cards, sections, sliders, figures and their captions."""

@@ -4,13 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from markupsafe import escape
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver.names import CONTACTS, FACTORS, PROFILES
 from workflow.language.numbers import number, shown
 from workflow.report.svg import ACCENT, BAD, BODY, INK, PAPER, PUNCH, SOFT
-
-Array = NDArray[np.float64]
 
 _WIDTH, _HEIGHT = 560, 250
 _SURFACE = 128.0  # height of the surface in the picture

@@ -9,7 +9,7 @@ from markupsafe import Markup
 from solver import find
 from solver.film.stack import RIGID
 from solver.material.punches import RIGID_PUNCH
-from solver.names import CHOICES, PROFILES
+from solver.names import CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
 from workflow.design.told import asides
 from workflow.design.told.words import UNREACHABLE, Verdict, verdict
 from workflow.design.verdict.answer import Answer
@@ -105,7 +105,7 @@ def answered(
         doubt=doubted(own),
         stops=_unbroken(capital(told.stops)),
         breaks=_unbroken(asides.first_to_break(found)),
-        why=tuple(_unbroken(one) for one in why if one),
+        why=tuple(_unbroken(reason) for reason in why if reason),
         verdict=told,
         drawing=element(
             device.draw(of_case(study, case, contact), built), f"device-{name}", f"{title}, drawn to scale: {built}"
@@ -172,9 +172,10 @@ def _layer(study: Study, case: Case, *, first: bool = True) -> str:
     composite = str(case.get("composite", CHOICES["composite"][0]))
     if "material" in case:
         words = str(case["material"])
-    elif composite == "AlScN":
-        share = float(case["scandium_fraction"])
-        words = f"Al({number(1 - share, 3)})Sc({number(share, 3)})N"
+    elif composite not in MIXTURES:
+        share = float(case[COMPOSITES[composite]])
+        formula = FORMULAS.get(composite, f"{composite}, {titles.title(COMPOSITES[composite])} {{share}}")
+        words = formula.format(rest=number(1 - share, 3), share=number(share, 3))
     else:
         composite = composite.capitalize() if first else composite
         words = f"{composite}, {number(100 * float(case['volume_fraction']), 3)} % {study.phases[0]}"
@@ -233,7 +234,9 @@ def _with_band(goal: Term) -> str:
 
 def _over(target: Target) -> str:
     """Over which conditions a goal counts, and how."""
-    spans = dict(target.worst_case) | {name: list(one.support) for name, one in target.uncertain.items()}
+    spans = dict(target.worst_case) | {
+        name: list(distribution.support) for name, distribution in target.uncertain.items()
+    }
     if not spans:
         return ""
     low_to_high = [

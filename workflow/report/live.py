@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from solver.names import FACTORS, FIELDS, PROFILES
+from solver.fields import FIELDS
+from solver.names import FACTORS, PROFILES
 from surrogate import GaussianProcess
 from surrogate.use.export import exported
 from workflow.language.titles import title
@@ -67,7 +68,9 @@ def fields(study: Study, model: GaussianProcess | None) -> dict[str, Any]:
     known = model is not None and not study.categories and "pressure_exponent" in study.outputs
     stored = exported(model) if known and model is not None else None
     pressure = any(closed_pressure(study, kinds) for kinds in study.combinations)
-    names = [str(one["name"]) for one in stored["outputs"]] if stored else ["contact_pressure"] if pressure else []
+    names = ["contact_pressure"] if pressure else []
+    if stored:
+        names = [str(output["name"]) for output in stored["outputs"]]
     own = coupling.fields(study)
     names = [name for name in names if coupling.fields_of(FIELDS[name].units) <= own]
     return {

@@ -173,7 +173,7 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
     if content["surface"]:
         says["surface"] = sentences.surface(content["surface"])
     if content["answers"]:
-        reached = sentences.reached({one.title: one.verdict for one in content["answers"]})
+        reached = sentences.reached({screen.title: screen.verdict for screen in content["answers"]})
         says |= {"reached": reached, "design": reached}
     if content["readouts"]:
         says["readout"] = sentences.readout(content["readouts"])

@@ -46,8 +46,8 @@ def elasticities(answer: Answer) -> list[Chart]:
             if variable.sensitivity.elasticity
         ]
         bars = [
-            Bar(one.name, one.title, min(value, 0.0), max(value, 0.0), f"{number(value, 2)} %")
-            for one, value in known
+            Bar(variable.name, variable.title, min(value, 0.0), max(value, 0.0), f"{number(value, 2)} %")
+            for variable, value in known
             if np.isfinite(value)
         ]
         charts.append(Chart.of(term.name, term.title, bars))

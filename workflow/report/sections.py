@@ -61,8 +61,8 @@ class Part:
 
 def standing(page: Page) -> list[Part]:
     """The parts of a page with the sections that stand on it; none without any."""
-    parts = (Part(one.name, tuple(own for own in one.sections if own.stands(page)), one.title, one.aside)
-             for one in PARTS)  # fmt: skip
+    parts = (Part(part.name, tuple(own for own in part.sections if own.stands(page)), part.title, part.aside)
+             for part in PARTS)  # fmt: skip
     return [part for part in parts if part.sections]
 
 

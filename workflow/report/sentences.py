@@ -20,7 +20,7 @@ _MOST_NAMED = 3  # categories that a sentence names
 
 def reached(verdicts: Mapping[str, Verdict]) -> str:
     """Which targets are reachable: the first line of a page where some are not."""
-    missed = [title for title, one in verdicts.items() if one.kind == UNREACHABLE]
+    missed = [title for title, verdict in verdicts.items() if verdict.kind == UNREACHABLE]
     if not missed:
         return f"{'The target is' if len(verdicts) == 1 else f'All {len(verdicts)} targets are'} reachable."
     verb = "is" if len(missed) == 1 else "are"
@@ -104,9 +104,9 @@ def readout(readouts: Sequence[Row]) -> str:
     parts = [
         unread(row["name"], row["left"])
         or f"{titles.title(row['name'])} is read to {number(100 * row['width'], 2)} %, and its 95 % interval held it "
-        f"in {number(100 * row['coverage'], 3)} % of {counted(one['cases'])} cases"
-        for one in readouts
-        for row in one["rows"]
+        f"in {number(100 * row['coverage'], 3)} % of {counted(readout['cases'])} cases"
+        for readout in readouts
+        for row in readout["rows"]
     ]
     return f"{capital('; '.join(parts))}."
 
@@ -128,8 +128,8 @@ def signal(one: Row, design: str) -> str:
 
 def checks(group: Row) -> str:
     """How many checks of a group are green, and which comes nearest to its tolerance."""
-    green = sum(one["passed"] for one in group["checks"])
-    known = [one for one in group["checks"] if one["error"] is not None]
+    green = sum(check["passed"] for check in group["checks"])
+    known = [check for check in group["checks"] if check["error"] is not None]
     text = f"{green} of {len(group['checks'])} checks are green"
     if not known:
         return f"{text}."

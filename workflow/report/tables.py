@@ -7,7 +7,9 @@ from typing import Any
 
 import xarray as xr
 
-from solver.names import ALL_QUANTITIES, Contact
+from solver.described import Contact
+from solver.fields import EVERY_FIELD
+from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from surrogate.use.validation import ideal
 from workflow.dataset import factorial
@@ -70,10 +72,11 @@ def dataset(folder: Path, hangs: frozenset[str], told: Collection[str]) -> dict[
         for name, array in data.data_vars.items()
         if name in told
     ]
-    places = sum(one["levels"] for one in card["files"])  # of a cross approximation
+    places = sum(file["levels"] for file in card["files"])  # of a cross approximation
     return {
         "rows": rows,
         "slabs": len(card["files"]),
+        "fields": sum(name in EVERY_FIELD for name in card["variables"]),
         "bytes": card["bytes"],
         "cases": card["cases"],
         "places": places,
@@ -86,9 +89,9 @@ def surface(path: Path) -> list[dict[str, Any]]:
     data = read_whole(path)
     keys = ("max_error", "rmse", *_INTERVALS)
     return [
-        {"name": str(name), **{key: float(one[key]) for key in keys}}
+        {"name": str(name), **{key: float(row[key]) for key in keys}}
         for name in data["output"].values
-        for one in [data.sel(output=name)]
+        for row in [data.sel(output=name)]
     ]
 
 
@@ -99,13 +102,13 @@ def levels(path: Path) -> dict[str, Any]:
     rows = [
         {
             "name": str(name),
-            **{key: int(one[key]) for key in ("levels", "pilot_levels", "given", "affine", "extrapolated")},
-            "rate": float(one["rate"].max()),
-            "error": float(one["interpolation_error"].max()),
-            "decider": str(one["output"].values[int(one["interpolation_error"].values.argmax())]),
+            **{key: int(row[key]) for key in ("levels", "pilot_levels", "given", "affine", "extrapolated")},
+            "rate": float(row["rate"].max()),
+            "error": float(row["interpolation_error"].max()),
+            "decider": str(row["output"].values[int(row["interpolation_error"].values.argmax())]),
         }
         for name in data["input"].values
-        for one in [data.sel(input=name)]
+        for row in [data.sel(input=name)]
     ]
     return {"rows": rows, "predicted": float(errors.max()), **data.attrs}
 
@@ -122,21 +125,21 @@ def validation(folder: Path, study: Study) -> dict[str, Any]:
     rows: list[dict[str, Any]] = [
         {
             "name": str(name),
-            "error": float(one["max_error"]),
-            "rmse": float(one["rmse"]),
-            "baseline": float(one["baseline_max_error"]) if "baseline_max_error" in one else None,
-            "r2": float(one["r2"]),
-            **{key: float(one[key]) for key in _INTERVALS},
+            "error": float(row["max_error"]),
+            "rmse": float(row["rmse"]),
+            "baseline": float(row["baseline_max_error"]) if "baseline_max_error" in row else None,
+            "r2": float(row["r2"]),
+            **{key: float(row[key]) for key in _INTERVALS},
         }
         for name in data["output"].values
-        for one in [data.sel(output=name)]
+        for row in [data.sel(output=name)]
     ]
     worst = max(rows, key=lambda row: row["error"])
     along = data["axis" if "axis" in data.dims else "input"].values
     kinked = [
-        {"name": str(name), "along": [str(factor) for factor in along[one.values > 0]]}
-        for name, one in zip(data["output"].values, data["kinked"], strict=True)
-        if (one.values > 0).any()
+        {"name": str(name), "along": [str(factor) for factor in along[flags.values > 0]]}
+        for name, flags in zip(data["output"].values, data["kinked"], strict=True)
+        if (flags.values > 0).any()
     ]
     levels = [
         {
@@ -176,7 +179,9 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
         told = CHANGED[study.kind.contact]
         known = [name for name in told if name in data and factor in data[name].dims]  # not every punch has all
         own = {name: data[name].isel({factor: slice(len(values))}) for name in known}
-        spans = {name: (float(one.min()), float(one.max())) for name, one in own.items() if one.notnull().all()}
+        spans = {
+            name: (float(values.min()), float(values.max())) for name, values in own.items() if values.notnull().all()
+        }
         over = ", ".join(said) if named else f"{said[0]} to {said[-1]}"
         rows.append({"name": factor, "over": over, "spans": spans})
     return rows
@@ -198,12 +203,12 @@ def readout(name: str, path: Path) -> dict[str, Any]:
     rows = [
         {
             "name": str(factor),
-            "coverage": float(one["coverage"]),
-            "width": float(one["width"]),
-            "left": float(one["left"]),
+            "coverage": float(row["coverage"]),
+            "width": float(row["width"]),
+            "left": float(row["left"]),
         }
         for factor in data["factor"].values
-        for one in [data.sel(factor=factor)]
+        for row in [data.sel(factor=factor)]
     ]
     return {"name": name, "rows": rows, "cases": data.sizes["case"]}
 
@@ -211,7 +216,7 @@ def readout(name: str, path: Path) -> dict[str, Any]:
 def signal(folder: Path) -> dict[str, float]:
     """Numbers of a press in time."""
     data = read_whole(folder / "signal.nc")
-    found = {str(name): float(one) for name, one in data.data_vars.items() if not one.dims}
+    found = {str(name): float(value) for name, value in data.data_vars.items() if not value.dims}
     held = data["force"].values >= float(data["force"].max()) * (1 - 1e-9)
     return found | {"force": float(data["force"].max()), "output": float(data["output"].values[held][0])}
 

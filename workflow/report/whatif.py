@@ -76,14 +76,14 @@ def content(
         "ranges": _ranges(study, model, factorial.learned(study, quantities)),
         "fixed": _held(study),
         "cases": [
-            {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, one)}
-            for (name, target), one, case, kind in zip(study.design.items(), designs, values, kinds, strict=True)
+            {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, design)}
+            for (name, target), design, case, kind in zip(study.design.items(), designs, values, kinds, strict=True)
         ],
         "stack": live.drawable(study),
         **live.fields(study, fields),
         "kind": kinds[0] if kinds else 0,
         "start": [
-            float(np.clip(one.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, one in model.box.items()
+            float(np.clip(own.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, own in model.box.items()
         ],
     }
 
@@ -110,7 +110,7 @@ def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[l
     """Ends of every output over the box: of its factorial, or of the surrogate, where that is in groups."""
     if study.groups:
         t = 2 * sobol_points(_POINTS, len(model.box)) - 1
-        X = np.stack([one.from_unit(row) for one, row in zip(model.box.values(), t.T, strict=True)], axis=1)
+        X = np.stack([own.from_unit(row) for own, row in zip(model.box.values(), t.T, strict=True)], axis=1)
         return [[float(row.min()), float(row.max())] for row in model.predict_array(X[model.has_answers(X)]).T]
     return [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_]
 
@@ -155,13 +155,15 @@ def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str
                 "held": not term.broken,
             }
         )
-    ranges = target.worst_case | {factor: list(one.support) for factor, one in target.uncertain.items()}
+    ranges = target.worst_case | {
+        factor: list(distribution.support) for factor, distribution in target.uncertain.items()
+    }
     over = [
         f"{factor.replace('_', ' ')} {' to '.join(shown(end, FACTORS[factor].units, 4) for end in ends)}"
         for factor, ends in ranges.items()
     ]
     if target.tolerance:
-        over.append(f"the tolerances of {titles.listed([titles.title(one) for one in target.tolerance])}")
+        over.append(f"the tolerances of {titles.listed([titles.title(name) for name in target.tolerance])}")
     return {
         "name": name,
         "title": study.titles[name],

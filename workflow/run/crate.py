@@ -49,7 +49,9 @@ def crate(
     """
     run = f"#run-{name}"
     files = [_file(path, digest) for path, digest in results.items()]
-    tools = [_entity(f"#{tool}", "SoftwareApplication", name=tool, version=one) for tool, one in versions.items()]
+    tools = [
+        _entity(f"#{tool}", "SoftwareApplication", name=tool, version=version) for tool, version in versions.items()
+    ]
     root = _entity(
         "./",
         "Dataset",
@@ -64,7 +66,10 @@ def crate(
     )
     about = _ids([_CRATE, _PROFILES[-1]])
     graph = [_entity(METADATA, "CreativeWork", about=_id("./"), conformsTo=about), root, *_workflow(name, versions)]
-    profiles = [_entity(one, "CreativeWork", name=one.split("/")[-2], version=one.split("/")[-1]) for one in _PROFILES]
+    profiles = [
+        _entity(profile, "CreativeWork", name=profile.split("/")[-2], version=profile.split("/")[-1])
+        for profile in _PROFILES
+    ]
     terms = _entity(_LICENSE, "CreativeWork", name=f"{LICENSE} License")
     action = _entity(
         run,

@@ -106,9 +106,9 @@ def _data(room: str) -> list[Path]:
 def _named(path: Path) -> tuple[frozenset[Path], frozenset[Path]]:
     """Modules and data files of the rooms that one module names, and what the templates among these name."""
     text, every = path.read_text(encoding="utf-8"), _data(path.relative_to(ROOT).parts[0])
-    data = {one for one in every if one.name in text}
-    shown = "".join(one.read_text(encoding="utf-8") for one in data if one.suffix == ".j2")
-    return frozenset(_used(text)), frozenset(data | {one for one in every if one.name in shown})
+    data = {file for file in every if file.name in text}
+    shown = "".join(file.read_text(encoding="utf-8") for file in data if file.suffix == ".j2")
+    return frozenset(_used(text)), frozenset(data | {file for file in every if file.name in shown})
 
 
 def _used(text: str) -> Iterator[Path]:

@@ -44,10 +44,10 @@ def job(script: Path, file: str = "") -> Snakemake:
     """
     try:
         workflow = _workflow()
-        rules = [one for one in workflow.rules if one.script and Path(one.script).name == script.name]
-        rule = next((one for one in rules if one.is_producer(file)), None)
+        rules = [rule for rule in workflow.rules if rule.script and Path(rule.script).name == script.name]
+        rule = next((candidate for candidate in rules if candidate.is_producer(file)), None)
         if rule is None:
-            made = ", ".join(str(output) for one in rules for output in one.output)
+            made = ", ".join(str(output) for named in rules for output in named.output)
             made = re.sub(r",[^{}]*}", "}", made)  # without what a wildcard may be
             raise WorkflowError(f"{script.name}: {file!r} is not one of {made}")
         found = Job(rule, DAG(workflow, rules=[rule]), rule.get_wildcards(file), targetfile=file)

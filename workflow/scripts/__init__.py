@@ -1,1 +1,1 @@
-"""One thin script a rule."""
+"""One thin script a rule: what a job reads and writes."""

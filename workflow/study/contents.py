@@ -16,7 +16,7 @@ from solver import Material
 from solver.body import Kind, kind_of
 from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
-from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, FIELDS
+from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
 from workflow.language import titles
 from workflow.language.constants import BORNE, DEVICE, Meeting
 from workflow.language.factors import FACTORS
@@ -129,10 +129,11 @@ class Contents(Strict):
     def stores_fields(self) -> bool:
         """Whether the data set holds surface fields, and the page draws them.
 
-        A cross approximation has no factorial to show them over, contacts with air beside them have none, and those of
-        points are left to the solver.
+        A cross approximation has no factorial to show them over, contacts with air beside them are without, and those
+        of points that slide take the solver milliseconds a case, to which they are left.
         """
-        return not self.crossed and self.kind.fields == FIELDS
+        slides = self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
+        return not self.crossed and not self.kind.air and not slides
 
     @property
     def meeting(self) -> Meeting:
@@ -166,24 +167,28 @@ class Contents(Strict):
     @property
     def products(self) -> dict[str, grouped.Product]:
         """What every axis of a study with groups is made of."""
-        own = {one.name: one for one in map(grouped.product, self.groups)}
+        own = {product.name: product for product in map(grouped.product, self.groups)}
         return {name: own[name] for name in self.axes} if own else {}
 
     @property
     def numbers(self) -> dict[str, float]:
         """Numeric factors that are fixed, and those with a default."""
-        usual = {name: one.default for name, one in FACTORS.items() if one.default is not None}
+        usual = {name: factor.default for name, factor in FACTORS.items() if factor.default is not None}
         return usual | {name: value for name, value in self.fixed.items() if not isinstance(value, str)}
 
     @property
     def crossed(self) -> list[str]:
         """The axes in which a cross approximation asks for places; none where the whole factorial is solved.
 
-        Those of the most levels come first, where ranks are small.
+        Of films those that need tables of their own, else all. Those of the most levels come first, where ranks are
+        small.
         """
-        if self.surrogate.method == "factorial":
+        method, axes = self.surrogate.method, self.axes
+        if method == "factorial" or (method == "auto" and self.cases <= self.dataset.budget):
             return []
-        return sorted(self.tabled, key=lambda name: -(self.factors[name].levels or 0))
+        return sorted(
+            [name for name in self.tabled if name in axes] or axes, key=lambda name: -(axes[name].levels or 0)
+        )
 
     @property
     def costly(self) -> frozenset[str]:
@@ -205,7 +210,7 @@ class Contents(Strict):
     @property
     def block(self) -> int:
         """Number of cases at a place of the crossed axes."""
-        return self.cases // prod(self.factors[name].levels or 1 for name in self.crossed)
+        return self.cases // prod(self.axes[name].levels or 1 for name in self.crossed)
 
     @property
     def combinations(self) -> list[Kinds]:
@@ -226,7 +231,7 @@ class Contents(Strict):
     def quantities(self) -> list[str]:
         """Quantities of the data set: those that its cases have, the peaks where they are asked for."""
         without = self.absent | (ALL_PEAKS.keys() - self.searched)
-        return [name for name, one in ALL_QUANTITIES.items() if name not in without and not one.sparse]
+        return [name for name, quantity in ALL_QUANTITIES.items() if name not in without and not quantity.sparse]
 
     @property
     def outputs(self) -> list[str]:
@@ -282,7 +287,9 @@ class Contents(Strict):
         """Title of every target: the study's, or what is asked for, with the target's name where several ask that."""
         found = {name: target.title or titles.wanted(target.objectives) for name, target in self.design.items()}
         several = Counter(found.values())
-        return {name: f"{one} ({name.replace('_', ' ')})" if several[one] > 1 else one for name, one in found.items()}
+        return {
+            name: f"{word} ({name.replace('_', ' ')})" if several[word] > 1 else word for name, word in found.items()
+        }
 
     def solved(
         self, entrance: Callable[..., xr.Dataset], factors: Mapping[str, Any], *axes: Any, **options: Any
@@ -374,7 +381,9 @@ class Contents(Strict):
         content = self.model_dump(mode="json", include=set(whole))
         parts = {name: content[name.partition(".")[0]].get(name.partition(".")[2]) for name in sections if "." in name}
         content = {
-            name: one for name, one in content.items() if name in {*sections, *(PHYSICS if BOX in sections else ())}
+            name: section
+            for name, section in content.items()
+            if name in {*sections, *(PHYSICS if BOX in sections else ())}
         }
         content |= parts
         if BOX in sections:

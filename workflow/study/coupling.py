@@ -9,6 +9,7 @@ import xarray as xr
 
 from solver import Material, find
 from solver.film.stack import RIGID
+from solver.material.laws import made
 from solver.names import ALL_QUANTITIES, CHOICES, MIXTURES
 from workflow.study.categories import output, parted
 from workflow.study.contents import Contents
@@ -44,10 +45,8 @@ def fields(study: Contents) -> frozenset[Field]:
     """The fields of a study's cases: those to which some material in use couples, or of which a punch has a charge."""
     found = {field for material in materials(study) for field in _COUPLING if couples(material, field)}
     given = _given(study)
-    if "AlScN" in given.get("composite", []) or any(layer.composite == "AlScN" for layer in study.body):
-        found.add("electric")
     for field, charge in zip(_COUPLING, study.kind.loads.charges, strict=True):
-        if charge in study.factors or any(one not in (0.0, None) for one in given.get(charge, [])):
+        if charge in study.factors or any(value not in (0.0, None) for value in given.get(charge, [])):
             found.add(field)
     return frozenset(found)
 
@@ -66,9 +65,11 @@ def told(study: Contents) -> list[str]:
 def quantities(study: Contents) -> frozenset[str]:
     """The same of all quantities that there are."""
     asked = {parted(name)[0] for name in study.of_interest if study.design} | set(study.surrogate.outputs)
-    asked |= {name for one in study.readout.values() for name in one.measured}
+    asked |= {name for readout in study.readout.values() for name in readout.measured}
     own = fields(study)
-    return frozenset(name for name, one in ALL_QUANTITIES.items() if name in asked or fields_of(one.units) <= own)
+    return frozenset(
+        name for name, quantity in ALL_QUANTITIES.items() if name in asked or fields_of(quantity.units) <= own
+    )
 
 
 def outputs(study: Contents) -> list[str]:
@@ -84,7 +85,7 @@ def kept(data: xr.Dataset, own: Collection[str]) -> xr.Dataset:
 
 
 def materials(study: Contents) -> list[Material]:
-    """Every material that some case of a study is made of, each once."""
+    """Every material that some case of a study is made of, each once; of alloys the one without the added element."""
     given = _given(study)
     names = [*given.get("material", []), *(layer.material for layer in study.body)]
     composites = [*given.get("composite", []), *(layer.composite for layer in study.body)]
@@ -93,7 +94,8 @@ def materials(study: Contents) -> list[Material]:
         composites = [CHOICES["composite"][0]]
     phases = study.phases if any(composite in MIXTURES for composite in composites) else []
     known = dict.fromkeys([*names, *given.get("base", []), *phases])
-    return [find(str(name), study.own_materials) for name in known if name and name != RIGID]
+    alloys = [made(str(name), (), 0.0) for name in dict.fromkeys(composites) if name and name not in MIXTURES]
+    return [*(find(str(name), study.own_materials) for name in known if name and name != RIGID), *alloys]
 
 
 def _given(study: Contents) -> dict[str, list[float | str]]:

@@ -7,7 +7,7 @@ from solver.names import ALL_QUANTITIES, FACTORS
 from workflow.study.contents import Contents
 
 #: Names of the quantities that change with the datum of a half-plane.
-HANGING = frozenset(name for name, one in ALL_QUANTITIES.items() if one.on_datum)
+HANGING = frozenset(name for name, quantity in ALL_QUANTITIES.items() if quantity.on_datum)
 _SAME = 1e-9  # relative difference up to which two values are one
 _RELATIVE = " relative to the datum"
 

@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import AfterValidator, Field
 from scipy.constants import Boltzmann
 
-from solver.names import Contact
+from solver.described import Contact
 from workflow.language.constants import DEVICE
 from workflow.language.given import number
 from workflow.study.types import Number, Strict

@@ -160,11 +160,11 @@ def leads(products: Iterable[Product], factors: Mapping[str, Axis]) -> dict[str,
     Raises ValueError, in one line, where two axes would vary the same.
     """
     found: dict[str, str] = {}
-    for one in products:
-        first = next(name for name in one.powers if name in factors)
+    for axis in products:
+        first = next(name for name in axis.powers if name in factors)
         if first in found.values():
-            raise ValueError(f"groups: {one.text}: begins with {first!r} as another group does; begin with another")
-        found[one.name] = first
+            raise ValueError(f"groups: {axis.text}: begins with {first!r} as another group does; begin with another")
+        found[axis.name] = first
     return found
 
 
@@ -185,7 +185,7 @@ def unlike(products: Sequence[Product], factors: Sequence[str], fixed: Mapping[s
     dict or None
         What each factor is multiplied by.
     """
-    A = np.array([[one.powers.get(name, 0) for name in factors] for one in products], dtype=np.float64)
+    A = np.array([[axis.powers.get(name, 0) for name in factors] for axis in products], dtype=np.float64)
     A = A.reshape(-1, len(factors))
     W = np.array([[weight.size, weight.strength] for weight in map(weight_of, factors)])
     kept = np.array([[weight.size, weight.strength] for weight in fixed.values()]).reshape(-1, 2)
@@ -212,10 +212,10 @@ def check_signs(products: Sequence[Product], factors: Mapping[str, Axis], fixed:
         As in `unlike`.
     """
     for flipped in _some(name for name, axis in factors.items() if axis.low < 0 < axis.high):
-        if not any(sum(one.powers.get(name, 0) for name in flipped) % 2 for one in products):
+        if not any(sum(axis.powers.get(name, 0) for name in flipped) % 2 for axis in products):
             raise ValueError(f"groups: the sign of {' and '.join(flipped)} is in no group; give an odd power of it")
     for gone in _some(name for name, axis in factors.items() if axis.low <= 0 <= axis.high):
-        rest = [one for one in products if not one.powers.keys() & set(gone)]
+        rest = [axis for axis in products if not axis.powers.keys() & set(gone)]
         if change := unlike(rest, [name for name in factors if name not in gone], fixed):
             raise ValueError(
                 f"{refusal(change)}; {' = '.join(gone)} = 0 is in the box, where {_hidden(products, gone)}"
@@ -224,7 +224,7 @@ def check_signs(products: Sequence[Product], factors: Mapping[str, Axis], fixed:
 
 def _hidden(products: Sequence[Product], gone: Collection[str]) -> str:
     """What tells nothing but 0 where some factors are."""
-    return ", ".join(one.text for one in products if one.powers.keys() & set(gone)) + " tells no more"
+    return ", ".join(axis.text for axis in products if axis.powers.keys() & set(gone)) + " tells no more"
 
 
 def _some(names: Iterable[str]) -> list[tuple[str, ...]]:

@@ -69,7 +69,7 @@ class BodyLayer(Strict):
 
     def at(self, values: Mapping[str, Any]) -> dict[str, float]:
         """The layer's numbers, with factors at values."""
-        return {kind: float(values[one] if isinstance(one, str) else one) for kind, one in self.numbers.items()}
+        return {kind: float(values[value] if isinstance(value, str) else value) for kind, value in self.numbers.items()}
 
     def plain(self, values: Mapping[str, Any]) -> dict[str, float | str]:
         """The layer by the factors of a single film."""
@@ -88,9 +88,11 @@ class BodyLayer(Strict):
 
     def words(self) -> str:
         """The layer in words."""
-        given = {kind: one if isinstance(one, str) else f"{one:g}" for kind, one in self.numbers.items()}
-        given |= {f"{field} interface": one for field, one in self.below if one is not None}
-        return ", ".join([str(self.material or self.composite), *(f"{kind} = {one}" for kind, one in given.items())])
+        given = {kind: value if isinstance(value, str) else f"{value:g}" for kind, value in self.numbers.items()}
+        given |= {f"{field} interface": condition for field, condition in self.below if condition is not None}
+        return ", ".join(
+            [str(self.material or self.composite), *(f"{kind} = {value}" for kind, value in given.items())]
+        )
 
 
 Layers = list[BodyLayer]
@@ -127,15 +129,15 @@ def check(layers: Layers, fixed: Mapping[str, float | str], ranges: Mapping[str,
     if len(layers) > _MOST_LAYERS:
         raise ValueError(f"body: {len(layers)} layers are more than {_MOST_LAYERS}")
     for number, layer in enumerate(layers):
-        for kind, one in layer.numbers.items():
-            if not isinstance(one, str):
+        for kind, factor in layer.numbers.items():
+            if not isinstance(factor, str):
                 continue
-            as_the_top = number > 0 and one == kind == layers[0].numbers.get(kind)
-            if (one == kind) != (number == 0) and not as_the_top:
+            as_the_top = number > 0 and factor == kind == layers[0].numbers.get(kind)
+            if (factor == kind) != (number == 0) and not as_the_top:
                 allowed = kind if number == 0 else f"<word>_{kind}"
-                raise ValueError(f"body.{number}: {kind}: {one!r} must be {allowed}, or a number")
-            if one not in fixed and one not in ranges:
-                raise ValueError(f"body.{number}: {kind}: {one!r} is neither in factors nor in fixed")
+                raise ValueError(f"body.{number}: {kind}: {factor!r} must be {allowed}, or a number")
+            if factor not in fixed and factor not in ranges:
+                raise ValueError(f"body.{number}: {kind}: {factor!r} is neither in factors nor in fixed")
     parts: list[tuple[str, Mapping[str, Sequence[float | str]]]]
     parts = [("fixed", {name: [value] for name, value in fixed.items()}), ("factors", ranges)]
     for part, given in parts:
@@ -180,7 +182,7 @@ def solved(
         given = ", ".join(name for name in OF_THE_BASE if name in own) or "base"
         raise ValueError(f"{given}: a body needs a base, or else base_modulus and base_poisson, not both")
     whole = xr.broadcast(*own.values())
-    rows = list(zip(*(one.values.ravel().tolist() for one in whole), strict=True))
+    rows = list(zip(*(factor.values.ravel().tolist() for factor in whole), strict=True))
     made = {row: stack(layers, dict(zip(own, row, strict=True)), materials, phases) for row in dict.fromkeys(rows)}
     stacks = np.empty(len(rows), dtype=object)
     stacks[:] = [made[row] for row in rows]
@@ -191,7 +193,9 @@ def solved(
     out = entrance({**rest, BODY: body}, *axes, materials=materials, phases=phases, **options)
     back = {kept: dim for dim, kept in apart.items()}
     out = out.drop_vars(BODY).rename({kept: dim for kept, dim in back.items() if kept in out.dims})
-    out = out.assign_coords({name: xr.Variable(one.dims, one.values, _attrs(name)) for name, one in own.items()})
+    out = out.assign_coords(
+        {name: xr.Variable(factor.dims, factor.values, _attrs(name)) for name, factor in own.items()}
+    )
     dims = dict.fromkeys(dim for name, value in factors.items() for dim in _array(name, value).dims)
     words = " | ".join([*(layer.words() for layer in layers), "base"])
     return out.transpose(*(dim for dim in dims if dim in out.dims), ...).assign_attrs(body=words)

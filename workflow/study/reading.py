@@ -32,7 +32,9 @@ class InputError(ValueError):
 
 def one_line(message: str) -> str:
     """A message as one line of at most 1000 characters; what came from a hostile file cannot command the terminal."""
-    shown = "".join(one if one.isprintable() else one.encode("unicode_escape").decode("ascii") for one in message)
+    shown = "".join(
+        letter if letter.isprintable() else letter.encode("unicode_escape").decode("ascii") for letter in message
+    )
     return shown if len(shown) <= 1000 else f"{shown[:600]} ... {shown[-300:]}"
 
 
@@ -95,7 +97,9 @@ class _Loader(yaml.SafeLoader):
     def text(self, node: yaml.ScalarNode) -> str:
         """A text that every later file can hold: not half of a surrogate pair, nor what commands a terminal."""
         text = super().construct_yaml_str(node)
-        bad = next((one for one in text if unicodedata.category(one) in ("Cs", "Cc") and one not in "\n\t"), None)
+        bad = next(
+            (letter for letter in text if unicodedata.category(letter) in ("Cs", "Cc") and letter not in "\n\t"), None
+        )
         if bad is not None:
             reason = f"a text must not hold the character {bad!r}"
             raise yaml.constructor.ConstructorError(None, None, reason, node.start_mark)
@@ -150,12 +154,14 @@ def read_material(path: Path) -> tuple[str, Material]:
     where = f"{path}: {content['name']}"
     content = _si(where, content, UNITS)
     if isinstance(limits := content.get("limits"), dict):
-        units = {name: {"value": one.units} for name, one in LIMITS.items()}
+        units = {name: {"value": limit.units} for name, limit in LIMITS.items()}
         content["limits"] = {
             name: _si(f"{where}: limits: {name}", entry, units.get(name, {})) for name, entry in limits.items()
         }
     if isinstance(others := content.get("alternatives"), list):
-        content["alternatives"] = [_si(f"{where}: alternatives: {k}", one, UNITS) for k, one in enumerate(others, 1)]
+        content["alternatives"] = [
+            _si(f"{where}: alternatives: {k}", other, UNITS) for k, other in enumerate(others, 1)
+        ]
     try:
         material = Material.from_mapping(content)
     except MaterialError as error:

@@ -118,7 +118,7 @@ def _whole(cases: _Cases, sizes: Mapping[str, int], parts: Sequence[_Part]) -> x
     dims = [str(dim) for dim in (like[shared[0]].dims if shared else sizes) if dim in sizes]
     whole = like[shared].drop_dims([dim for dim in dims if dim in like.dims])
     found: dict[str, xr.Variable] = {}
-    for name in [*shared, *(one for one in like.coords if set(like[one].dims) & set(dims))]:
+    for name in [*shared, *(coordinate for coordinate in like.coords if set(like[coordinate].dims) & set(dims))]:
         of = like[name]
         shape = [sizes.get(str(dim), of.sizes[dim]) for dim in of.dims]
         if name in like.coords:

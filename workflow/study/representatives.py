@@ -5,14 +5,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from surrogate import Input
 from surrogate.transforms.inputs import middle
 from workflow.study import grouped
 from workflow.study.contents import Contents
-
-Array = NDArray[np.float64]
 
 
 def middles(study: Contents) -> dict[str, float]:

@@ -47,7 +47,8 @@ def _documented(model: type[BaseModel], indent: str) -> Iterator[str]:
         if inner is not None:  # named entries, or an optional part: what it would hold
             yield f"{indent}#   {'each entry' if get_origin(field.annotation) in (dict, list) else 'its keys'}:"
             yield from (
-                f"{indent}#     {key}: {_value(one)} - {one.description}" for key, one in inner.model_fields.items()
+                f"{indent}#     {key}: {_value(field)} - {field.description}"
+                for key, field in inner.model_fields.items()
             )
 
 

@@ -59,7 +59,7 @@ class Group(Strict):
 
 
 class Positions(Strict):
-    """Surface positions of the stored fields, X = (x - c)/h."""
+    """Surface positions of the stored fields, X = (x - c)/h, or r/a of points."""
 
     inside: int = Field(40, ge=1, le=10_000, description="Chebyshev-Gauss positions under the punch, |X| < 1")
     outside: int = Field(24, ge=0, le=10_000, description="positions beside it, dense near the edges; even")
@@ -86,7 +86,12 @@ class DataSet(Strict):
         None, ge=1, le=4096, description="files, and jobs, that the factorial is split into; null: one a core"
     )
     precision: Literal["float32", "float64"] = Field("float64", description="stored precision of the surface fields")
-    budget: int = Field(500_000, ge=1, le=MOST_CASES, description="most cases where the pipeline chooses the levels")
+    budget: int = Field(
+        500_000,
+        ge=1,
+        le=MOST_CASES,
+        description="most cases where the pipeline chooses the levels, or a cross approximation the places",
+    )
     peaks: bool | list[QuantityName] = Field(
         False, description="also the largest stresses of the body, all or those that are named: milliseconds a case"
     )
@@ -95,9 +100,10 @@ class DataSet(Strict):
 class Surrogate(Strict):
     """The Gaussian process on the factorial."""
 
-    method: Literal["factorial", "cross"] = Field(
+    method: Literal["factorial", "cross", "auto"] = Field(
         "factorial",
-        description="cases: all of the factorial; or of films those places in it that a cross approximation asks for",
+        description="cases: all of the factorial, or those places in it that a cross approximation asks for; auto: the "
+        "latter where the factorial has more cases than dataset: budget",
     )
     kernel: Literal["chebyshev", "rbf", "matern32", "matern52"] = Field("chebyshev", description="factor kernel")
     outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")

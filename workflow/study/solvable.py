@@ -62,9 +62,9 @@ def check_groups(study: Contents) -> None:
 def _check_lone(products: Sequence[grouped.Product]) -> None:
     """A factor that is a group of its own tells no more in another, where it would be an axis twice."""
     alone = {name for product in products if product.lone for name in product.powers}
-    for one in products:
-        for name in () if one.lone else alone & one.powers.keys():
-            raise ValueError(f"groups: {one.text}: {name!r} is a group of its own; leave it out here")
+    for other in products:
+        for name in () if other.lone else alone & other.powers.keys():
+            raise ValueError(f"groups: {other.text}: {name!r} is a group of its own; leave it out here")
 
 
 def _check_cases(study: Contents) -> None:
@@ -83,8 +83,8 @@ def standing(study: Contents) -> dict[str, Weight]:
     layers = {
         f"{kind} {number}": weight_of(kind)
         for number, layer in enumerate(study.body)
-        for kind, one in layer.numbers.items()
-        if not isinstance(one, str)
+        for kind, value in layer.numbers.items()
+        if not isinstance(value, str)
     }
     own = {name: weight_of(name) for name in fixed if name != "datum"} | layers
     if study.kind.air:  # the gap is as wide as the contact is strongly pressed, and the vacuum's constants stay
@@ -109,7 +109,7 @@ def _on_punch(study: Contents) -> frozenset[str]:
         return frozenset()
     if _tells(study, {"strength": Weight(0.0, 1.0)}):
         return frozenset()
-    hanging = frozenset(name for name, one in ALL_QUANTITIES.items() if one.on_punch)
+    hanging = frozenset(name for name, quantity in ALL_QUANTITIES.items() if quantity.on_punch)
     if asked := [name for name in study.surrogate.outputs if name in hanging]:
         raise ValueError(
             f"groups: {', '.join(asked)} depend on an elastic punch's radius beside the groups: make groups of each "
@@ -185,7 +185,7 @@ def _check_share(study: Contents) -> None:
     count = _SCOUTS_OF_TABLES if study.tabled else _SCOUTS
     shares = 2 * sobol_points(count, len(study.factors)).T - 1
     inputs = [Input(name, axis.low, axis.high, axis.scale) for name, axis in study.factors.items()]
-    places = {one.name: xr.DataArray(one.from_unit(t), dims="place") for one, t in zip(inputs, shares, strict=True)}
+    places = {own.name: xr.DataArray(own.from_unit(t), dims="place") for own, t in zip(inputs, shares, strict=True)}
     least = MOST + _DEVIATIONS * np.sqrt(MOST * (1 - MOST) / count)
     try:
         answered(partial(study.solved, solve), {**study.fixed, **study.categories, **places}, least * count)
@@ -202,10 +202,8 @@ def check_fields(study: Contents) -> None:
     for where, given in drawn.items():
         if AIR in np.atleast_1d(given.get("surroundings", "")):
             raise ValueError(f"{where}: surroundings: {AIR!r} has no fields, which effects draw; must be insulated")
-    if effects and study.kind.contact == "point":
-        for name in ("film", "interior"):
-            if getattr(effects, name):
-                raise ValueError(f"effects: {name}: is not drawn of a point; a film stands in the baseline")
+    if effects and effects.film and study.kind.contact == "point":
+        raise ValueError("effects: film: is not drawn of a point; a film stands in the baseline")
     without = f"cases with surroundings: {AIR!r} have none" if study.kind.air else "point contacts have none"
     if study.surrogate.fields and (study.kind.air or study.kind.contact == "point"):
         raise ValueError(f"surrogate: fields: {without}; must be 0")
@@ -222,7 +220,7 @@ def solve_effects(study: Contents) -> None:
 
 def check_size(study: Contents) -> None:
     """Whether what the study asks for can be computed and stored at all."""
-    if study.surrogate.method == "cross":
+    if study.crossed:
         check_crossed(study)
     elif study.cases > MOST_CASES:
         raise ValueError(f"factors: {study.cases} cases are more than {MOST_CASES}")
@@ -250,16 +248,13 @@ def check_size(study: Contents) -> None:
 
 
 def check_crossed(study: Contents) -> None:
-    """Whether a cross approximation has places to ask for, and a block of cases at each."""
-    if not study.tabled:
-        raise ValueError("surrogate: method: cross is for films with factors that need tables of their own")
-    for name, axis in study.factors.items():
+    """Whether a cross approximation has levels to choose among, and what it learns."""
+    for name, axis in study.axes.items():
         if axis.levels is None:
-            raise ValueError(f"factors: {name}: levels are missing; surrogate: method: cross needs them")
+            where = "groups" if study.groups else "factors"
+            raise ValueError(f"{where}: {name}: levels are missing; surrogate: method: cross needs them")
     if study.surrogate.fields or study.surrogate.kernel != "chebyshev":
         raise ValueError("surrogate: method: cross learns no fields, and its kernel is chebyshev")
-    if study.groups:
-        raise ValueError("groups: surrogate: method: cross stands on the factors themselves, not on groups")
     if study.dataset.peaks:
         raise ValueError("dataset: peaks: surrogate: method: cross learns no largest stresses; must be false")
     if study.block > study.dataset.budget:

@@ -201,12 +201,14 @@ class Target(Strict):
             if limit.probability is not None and not self.random:
                 raise ValueError(f"subject_to: {limit}: a probability needs uncertain factors, or a tolerance")
         stated: list[statements.Objective | statements.Limit] = [*self.objectives, *self.limits]
-        for one in stated:
-            if one.deviation and not self.deviating(one):
-                raise ValueError(f"{_part(one)}: {one}: a deviation needs worst_case or uncertain factors")
-            for name in one.over:
+        for statement in stated:
+            if statement.deviation and not self.deviating(statement):
+                raise ValueError(f"{_part(statement)}: {statement}: a deviation needs worst_case or uncertain factors")
+            for name in statement.over:
                 if name not in (*self.worst_case, *self.random):
-                    raise ValueError(f"{_part(one)}: {one}: {name!r} is none of worst_case, uncertain or tolerance")
+                    raise ValueError(
+                        f"{_part(statement)}: {statement}: {name!r} is none of worst_case, uncertain or tolerance"
+                    )
         if self.statistic.drawn and any(objective.deviation for objective in self.objectives):
             raise ValueError(f"robust: {self.robust!r}: a deviation is an objective as it is; must be 'worst case'")
         combinations = prod(len(variable.choices) or 1 for variable in self.variables.values())

@@ -5,7 +5,8 @@ from typing import Annotated
 import numpy as np
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
-from solver.names import ALL_QUANTITIES, CHOICES, COMPOSITES, INTERIOR, INTERIOR_ON_REQUEST, MATERIALS
+from solver.fields import INTERIOR, INTERIOR_ON_REQUEST
+from solver.names import ALL_QUANTITIES, CHOICES, COMPOSITES, MATERIALS
 from workflow.language.factors import FACTORS, own_kind
 from workflow.language.given import entries
 from workflow.language.spelling import nearest

@@ -113,10 +113,10 @@ def own(study: Study, constants: list[Constant]) -> list[Constant]:
     The prior standard deviation is the scatter of other published values about their family's mean, and 3 % at least.
     """
     named, found = {constant.name for constant in constants}, []
-    for one in constants:
-        material = find(one.material, study.own_materials)
-        for name in members(material, one.family):
-            single = Constant(one.material, name, _scatter(material, one.family))
+    for family in constants:
+        material = find(family.material, study.own_materials)
+        for name in members(material, family.family):
+            single = Constant(family.material, name, _scatter(material, family.family))
             found += [] if single.name in named else [single]
     return found
 
@@ -131,10 +131,10 @@ def members(material: Material, family: str) -> list[str]:
 def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> Study:
     """The study with its constants at scaled values; MaterialError where no material is admissible there."""
     changed: dict[str, Material] = {}
-    for one, value in zip(constants, z, strict=True):
+    for constant, value in zip(constants, z, strict=True):
         if value:
-            start = changed.get(one.material, find(one.material, study.own_materials))
-            changed[one.material] = one.moved(start, float(value))
+            start = changed.get(constant.material, find(constant.material, study.own_materials))
+            changed[constant.material] = constant.moved(start, float(value))
     return study.with_materials(changed)
 
 
@@ -167,7 +167,7 @@ def _constants(name: str, material: Material) -> list[Constant]:
         return [Constant(name, "modulus", _spread(material, FAMILIES["stiffness"])), Constant(name, "poisson", POISSON)]
     found = []
     for family, names in FAMILIES.items():
-        values = [float(getattr(material, one)) for one in names if not np.isnan(getattr(material, one))]
+        values = [float(getattr(material, key)) for key in names if not np.isnan(getattr(material, key))]
         if any(value not in (0.0, _VACUUM.get(family)) for value in values):
             found.append(Constant(name, family, _spread(material, names)))
     return found

@@ -18,23 +18,23 @@ Arrays = dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]
 
 def following(curves: Sequence[Curves], bases: Sequence[Basis], largest: Mapping[str, Largest]) -> Arrays:
     """Return the arrays by name with their dimensions."""
-    measures = list(dict.fromkeys(one.measure for one in largest.values()))
+    measures = list(dict.fromkeys(summit.measure for summit in largest.values()))
     state: Arrays = {
         "largest_output": (("largest",), np.array(list(largest))),
-        "largest_curves": (("largest",), np.array([one.curves for one in largest.values()])),
-        "largest_measure": (("largest",), np.array([measures.index(one.measure) for one in largest.values()])),
-        "largest_place": (("largest",), np.array([one.place for one in largest.values()])),
+        "largest_curves": (("largest",), np.array([summit.curves for summit in largest.values()])),
+        "largest_measure": (("largest",), np.array([measures.index(summit.measure) for summit in largest.values()])),
+        "largest_place": (("largest",), np.array([summit.place for summit in largest.values()])),
     }
     for k, measure in enumerate(measures):
         dims = f"branch_{k}", f"measured_{k}"
         state[f"measure_linear_{k}"] = dims, measure.linear
         state[f"measure_root_{k}"] = (dims[0], f"row_{k}", dims[1]), measure.root
-    for k, (one, basis) in enumerate(zip(curves, bases, strict=True)):
-        state[f"curve_field_{k}"] = (f"field_{k}",), np.array(one.fields)
-        state[f"curve_size_{k}"] = (f"field_{k}",), np.array(one.sizes)
-        state[f"curve_across_{k}"] = (f"panel_across_{k}",), np.array(one.panels.across)
-        state[f"curve_down_{k}"] = (f"panel_down_{k}",), np.array(one.panels.down)
-        state[f"curve_dim_{k}"] = (), np.array(one.dim)
+    for k, (curve, basis) in enumerate(zip(curves, bases, strict=True)):
+        state[f"curve_field_{k}"] = (f"field_{k}",), np.array(curve.fields)
+        state[f"curve_size_{k}"] = (f"field_{k}",), np.array(curve.sizes)
+        state[f"curve_across_{k}"] = (f"panel_across_{k}",), np.array(curve.panels.across)
+        state[f"curve_down_{k}"] = (f"panel_down_{k}",), np.array(curve.panels.down)
+        state[f"curve_dim_{k}"] = (), np.array(curve.dim)
         state |= basis.state(k)
     return state
 

@@ -98,7 +98,7 @@ class Landscape:
         gradient, (uu, vv, uv) = hill(inner, bent)
         down, across = self._shape
         at = summit.across[own], summit.down[own]
-        fixed = np.stack([held(*one) for one in zip(at, gradient, (across, down), strict=True)], axis=1)
+        fixed = np.stack([held(*side) for side in zip(at, gradient, (across, down), strict=True)], axis=1)
         steep = inner[..., [0, 1], [1, 0]]
         push = np.einsum("nm,nrms->nsr", bent.slope, parts[..., [0, 1], [1, 0]])
         push += np.einsum("nms,nmk,nrk->nsr", steep, bent.bend, parts[..., 0, 0], optimize=True)

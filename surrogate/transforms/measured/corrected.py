@@ -128,8 +128,8 @@ class CorrectedGP(Transformed):
         slopes = effect[..., 1:].transpose(1, 0, 2).copy()
         mean = effect[..., 0].T - slopes @ self.about_
         variance = np.zeros_like(mean)
-        for q, one in draw.discrepancies.items():
-            own, by_constants, variance[q] = one.at(t.T)
+        for q, discrepancy in draw.discrepancies.items():
+            own, by_constants, variance[q] = discrepancy.at(t.T)
             mean[q] += own
             slopes[q] -= by_constants
         return mean + slopes @ draw.mean, variance + np.einsum("pbk,kl,pbl->pb", slopes, draw.covariance, slopes)
@@ -152,8 +152,8 @@ class CorrectedGP(Transformed):
             slopes = effect[:, :, 1:].transpose(0, 1, 3, 2).copy()
             mean = effect[:, :, 0] - slopes @ self.about_
             variance = np.zeros_like(mean)
-            for q, one in draw.discrepancies.items():
-                own, by_constants, variance[:, q] = one.gradient(t.T)
+            for q, discrepancy in draw.discrepancies.items():
+                own, by_constants, variance[:, q] = discrepancy.gradient(t.T)
                 mean[:, q] += own
                 slopes[:, q] -= by_constants
             variance += np.einsum("ipbk,kl,ipbl->ipb", slopes, draw.covariance, slopes)
@@ -186,11 +186,11 @@ class CorrectedGP(Transformed):
                 "measured_output": (at, rows.output),
                 "measured_value": (at, rows.value),
                 "measured_error": (at, np.nan_to_num(rows.error, nan=0.0)),
-                "measured_residual": (at, self._flat([one.residual for one in first.values()])),
-                "measured_slope": ((at, "constant"), self._flat([one.slopes for one in first.values()])),
-                "draw_mean": (("draw", "constant"), np.stack([one.mean for one in self.draws_])),
+                "measured_residual": (at, self._flat([part.residual for part in first.values()])),
+                "measured_slope": ((at, "constant"), self._flat([part.slopes for part in first.values()])),
+                "draw_mean": (("draw", "constant"), np.stack([draw.mean for draw in self.draws_])),
                 "draw_covariance": (
-                    ("draw", "constant", "other_constant"), np.stack([one.covariance for one in self.draws_]),
+                    ("draw", "constant", "other_constant"), np.stack([draw.covariance for draw in self.draws_]),
                 ),
                 "draw_noise": (("draw", at), np.stack([
                     self._flat([own.noise for own in draw.discrepancies.values()]) for draw in self.draws_

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.names import EVERY_INTERIOR, INTERIOR
+from solver.fields import EVERY_INTERIOR, INTERIOR
 from tests.solver.face.test_films import FIGURES, FILM
 
 #: Theory of films, section 9, half way down at X = 0: sigma_xx, sigma_yy, D_y, von Mises; on the base at X = 0 and 1:

@@ -7,7 +7,8 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.names import EVERY_QUANTITY, FIELDS, INTERIOR, INTERIOR_ON_REQUEST
+from solver.fields import FIELDS, INTERIOR, INTERIOR_ON_REQUEST
+from solver.names import EVERY_QUANTITY
 from tests.solver.cases import CHARGED, assert_same
 from verification.cases import SIH_SONG
 

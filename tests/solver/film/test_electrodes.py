@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.interpolate import BarycentricInterpolator
 from scipy.linalg import expm
 
 import solver
@@ -42,6 +43,21 @@ def test_a_bare_film_between_electrodes_has_it_too(punch: dict[str, Any]) -> Non
     exact = float(PZT.e33 / PZT.c33)
     np.testing.assert_allclose(charge(found) / [exact, -exact], 1.0, rtol=1e-12)
     assert "voltage" not in found
+
+
+@pytest.mark.parametrize("punch", [BALL, ROLLER], ids=["ball", "roller"])
+def test_a_driven_electrode_moves_the_surface_and_changes_nothing_else(punch: dict[str, Any]) -> None:
+    """By e33/c33 a volt: what thickens between two planes that are held, free of stress across (on a rigid base)."""
+    film = {"material": "PZT-4", "thickness": 2e-4, "base": "rigid", "electrode": "top", "magnetic": "insulating"}
+    still = solver.solve(punch | film | {"collector": 1})
+    driven = solver.solve(punch | film | {"collector": 1, "electrode_voltage": [-300.0, 0.0, 300.0]})
+    moved = driven["depth"] - still["depth"]
+    exact = driven["electrode_voltage"] * float(PZT.e33 / PZT.c33) + 0 * moved
+    np.testing.assert_allclose(moved, exact.transpose(*moved.dims), rtol=1e-9, atol=1e-20)
+    np.testing.assert_allclose(still["electrode_stroke_per_volt"], still["electrode_charge_per_force"], rtol=1e-12)
+    for name in still.data_vars:
+        if name != "depth":
+            np.testing.assert_allclose(driven[name] - still[name], 0.0, atol=1e-14 * float(abs(still[name]).max()))
 
 
 def test_electrodes_and_punch_have_no_charge_together() -> None:
@@ -96,6 +112,36 @@ def test_strips_below_a_roller_collect_the_jump_of_the_field_inside() -> None:
         assert float(found["patch_charge_per_force"]) == pytest.approx(expected, rel=1e-7)
         middle = solver.solve_interior(ROLLER | {"body": ACTIVE}, [0.0], sides[:1], fields=["stress_yy"])
         assert float(found["electrode_pressure"]) == pytest.approx(-float(middle["stress_yy"].squeeze()), rel=1e-7)
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_discs_below_a_ball_that_slides_collect_the_jump_of_the_field_inside(number: int) -> None:
+    """D_y of the plane of symmetry at x and -x, whose mean is even about the middle and whose difference turns."""
+    ball = {"profile": "sphere", "radius": 2e-3, "force": 4.0, "friction": 0.4, "magnetic": "insulating"}
+    plain, size, place = solver.solve(ball | {"body": ACTIVE}), 1.2e-4, 7e-5
+    radius = float(plain["contact_radius"])
+    x, w = np.polynomial.legendre.leggauss(16)
+    turn = 2 * np.pi * (np.arange(32) + 0.5) / 32
+    own = size / 4 * (1 + x)
+    across = np.hypot(place + own[:, None] * np.cos(turn), own[:, None] * np.sin(turn))
+    cosine = (place + own[:, None] * np.cos(turn)) / across
+    ends = np.linspace(place - size / 2, place + size / 2, 2)
+    r = (ends[1] + ends[0]) / 2 + (ends[1] - ends[0]) / 2 * np.cos(np.pi * (np.arange(14) + 0.5) / 14)
+    along = np.concatenate([-r[::-1], r[::-1]])
+    sides = [-(number * 1e-4 - 1e-13) / radius, -(number * 1e-4 + 1e-13) / radius]
+    inside = solver.solve_interior(
+        ball | {"body": ACTIVE}, np.sort(along) / radius, sides, fields=["electric_displacement_y"]
+    )
+    above, below = inside["electric_displacement_y"].values
+    behind, ahead = np.split(above - below, 2)
+    even, odd = (ahead + behind[::-1]) / 2, (ahead - behind[::-1]) / 2
+    at = np.sort(r)
+    density = sum(BarycentricInterpolator(at, part)(across) * share for part, share in ((even, 1.0), (odd, cosine)))
+    expected = np.sum(w[:, None] * own[:, None] * density) * size / 4 * 2 * np.pi / 32 / 4.0
+    read = {"collector": number, "patch_size": size, "patch_position": [place, -place]}
+    found = charge(solver.solve(ball | {"body": ACTIVE} | read), "patch_charge_per_force")
+    assert abs(found[0] / found[1] - 1) > 1e-3
+    assert found[0] == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_patch_s_charge_is_reciprocal_to_what_its_voltage_moves() -> None:
@@ -209,8 +255,16 @@ READ = {"body": Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)]), "coll
 REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
     "no such electrode": (BALL | READ | {"collector": 3}, "collector: 3 is not one of the 2 electrodes of"),
     "a ball that slides above a patch": (
-        BALL | READ | {"friction": 0.1, "patch_size": 1e-3},
-        "friction: 0.1 of a point contact above a patch that is read; must be 0",
+        BALL | READ | {"friction": 0.1, "patch_size": 1e-3, "electrode": "top", "electric": "insulating"},
+        "friction: of a point contact on patches of the electrode on top; must be 0",
+    ),
+    "a voltage below a bare punch": (
+        BALL | READ | {"collector": 1, "electric": "conducting", "electrode_voltage": 3.0},
+        "electrode_voltage: below a punch that conducts on a bare surface",
+    ),
+    "a voltage of none": (
+        BALL | {"electrode_voltage": 3.0, "material": "PZT-4", "thickness": 2e-4, "base": "rigid"},
+        "collector: missing; electrode_voltage needs it",
     ),
     "half an electrode": (BALL | READ | {"collector": 1.5}, r"collector: 1.5 is not a whole number >= 1 \[1\]"),
     "neighbours that touch": (

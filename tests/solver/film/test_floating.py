@@ -182,7 +182,7 @@ REFUSALS: dict[str, tuple[dict[str, Any], str]] = {
     "below a ball": (
         {"profile": "sphere", "radius": 0.01, "force": 0.1, "body": COVERED, "collector": 2, "patch": "strip"}
         | {"patch_size": 5e-4, "patch_pitch": 6e-4, "floating_neighbours": 1},
-        "floating_neighbours: 1 below a point contact, whose patches are at zero volts",
+        "floating_neighbours: 1 below a point contact, of patches that are no discs",
     ),
     "a bare punch that conducts": (
         READ | {"patch_pitch": 6e-4, "floating_neighbours": 1, "electric": "conducting"},

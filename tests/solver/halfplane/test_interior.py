@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.names import INTERIOR, INTERIOR_ON_REQUEST
+from solver.fields import INTERIOR, INTERIOR_ON_REQUEST
 from verification.cases import SIH_SONG, constants
 from verification.oracles import collocation, interior, profile
 from verification.oracles.surface_response import surface_response

@@ -9,9 +9,9 @@ from scipy.linalg import expm
 from scipy.special import jv
 
 import solver
+from solver.fields import INTERIOR
 from solver.film.fourier import Medium
 from solver.material.constants import Material
-from solver.names import INTERIOR
 
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
 NU = 0.3

@@ -10,9 +10,9 @@ from scipy.special import j0, j1
 
 import solver
 from solver.arrays import Array
+from solver.fields import POINT_FIELDS
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
-from solver.names import POINT_FIELDS
 from solver.point.pressure import halfspace_form
 from solver.point.profile import Shape
 from tests.solver.point.points import BTO, FIBROUS
@@ -85,14 +85,32 @@ def test_isotropic_sphere_is_the_textbook_s() -> None:
     np.testing.assert_allclose(found["hoop_stress"] / p0, -one - np.where(w < 1, 2 * nu * x, 0.0), atol=1e-12)
 
 
+@pytest.mark.parametrize("punch", PUNCHES[:3], ids=lambda punch: punch["profile"])
+def test_stresses_on_a_film_are_those_inside_it_and_of_its_own_material_the_half_space_s(punch: dict[str, Any]) -> None:
+    """(P5.1) and sums over k, against Hankel integrals of the densities, continued to the surface from 1e-5 a."""
+    places, stresses = np.array([-0.4, 0.8, 1.2, -3.0]), ("radial_stress", "hoop_stress")
+    case = {"material": "BaTiO3", "punch": "steel", "thickness": 1e-4, "base": "polyimide"} | punch | CHARGED
+    del case["total_flux"]
+    found, inside = solver.solve(case, places), solver.solve_interior(case, places, [0.0])
+    for name, other in zip(stresses, ("stress_xx", "stress_zz"), strict=True):
+        size = float(np.abs(found[name]).max())
+        np.testing.assert_allclose(found[name], inside[other].squeeze(), atol=1e-9 * size, rtol=0)
+    bonded = {"base": "BaTiO3", "interface_electric": "bonded", "interface_magnetic": "bonded"}
+    alike = solver.solve(case | bonded, places)
+    alone = solver.solve({key: value for key, value in case.items() if key not in COATED}, places)
+    for name in stresses:
+        np.testing.assert_allclose(alike[name], alone[name], rtol=1e-12)
+
+
 def test_fields_are_those_that_a_body_has() -> None:
     ball = PUNCHES[0] | {"force": [1.0, 10.0]}
     whole = solver.solve({"material": "BaTiO3"} | ball, [0.0, 2.0], regular=True)
     assert set(POINT_FIELDS) < set(whole.data_vars)
     assert whole["radial_stress"].dims == ("force", "position")
     np.testing.assert_allclose(whole["radial_stress"].sel(position=2.0) * 3**0.5, whole["radial_stress_regular"][:, 1])
-    for other in ({"material": "BaTiO3"} | COATED, {"material": replace(BTO, c12=np.array(np.nan))}):
-        assert not {"radial_stress", "hoop_stress"} & set(solver.solve(other | ball, [0.0]).data_vars)
+    without, stresses = {"material": replace(BTO, c12=np.array(np.nan))}, {"radial_stress", "hoop_stress"}
+    for other in (without, without | COATED, {"material": "BaTiO3", "electrode": "top"} | COATED):
+        assert not stresses & set(solver.solve(other | ball, [0.0]).data_vars)
     with pytest.raises(solver.FactorError, match=r"^positions: the pressure of r\^1 is infinite at 0"):
         solver.solve({"material": "BaTiO3", "force": 1.0} | PUNCHES[1], [0.0])
 

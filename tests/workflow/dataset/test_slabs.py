@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver.names import FIELDS, QUANTITIES
+from solver.fields import FIELDS
+from solver.names import QUANTITIES
 from storage.netcdf import read_whole, write_whole
 from workflow.dataset import datacard, factorial, quantities
 from workflow.dataset import slabs as dataset

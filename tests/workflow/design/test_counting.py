@@ -6,6 +6,7 @@ from typing import Self
 import numpy as np
 import pytest
 
+from approximation.arrays import Array
 from workflow.design.asking import kinks, risk, terms, unitless
 from workflow.language import statements, statistics
 from workflow.language.grammar import parse
@@ -81,11 +82,11 @@ def test_a_new_statistic_is_one_class_and_its_measure() -> None:
     class Tail(risk.RiskMeasure):
         sign: float
 
-        def rows(self, values: risk.Array) -> risk.Array:
+        def rows(self, values: Array) -> Array:
             ordered = np.sort(self.sign * values, -1)
             return np.asarray(self.sign * ordered[..., : max(values.shape[-1] // 10, 1)].mean(-1))
 
-        def jacobian(self, values: risk.Array) -> risk.Array:
+        def jacobian(self, values: Array) -> Array:
             raise NotImplementedError
 
     risk.measure.register(WorstTenth, lambda statistic, sign: Tail(sign))

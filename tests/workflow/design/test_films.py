@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import solver
+from approximation.arrays import Array
 from workflow.dataset import factorial
 from workflow.design.asking import budget, sources
 from workflow.design.search import targets
@@ -41,7 +42,7 @@ def test_a_thickness_is_found_with_few_exact_cases(tmp_path: Path, monkeypatch: 
     asked: list[int] = []
     exact = sources.Exact.values
 
-    def counted(self: sources.Exact, factors: sources.Factors, names: list[str]) -> dict[str, sources.Array]:
+    def counted(self: sources.Exact, factors: sources.Factors, names: list[str]) -> dict[str, Array]:
         asked.append(int(np.prod(sources.shape(factors))))
         return exact(self, factors, names)
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import solver
-from solver.names import FIELDS
+from solver.fields import FIELDS
 from storage.netcdf import read_whole
 from workflow.dataset import datacard, factorial
 from workflow.dataset import slabs as dataset

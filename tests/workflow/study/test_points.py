@@ -1,15 +1,21 @@
 """Studies of point contacts: what they accept, what their cases have, and the one line with which they are refused."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import solver
 from solver.body import HALF_SPACE
-from solver.names import POINT_FIELDS, POINT_QUANTITIES, POINT_SLIDING
-from workflow.dataset import effects, factorial, similar
+from solver.fields import POINT_FIELDS
+from solver.names import POINT_QUANTITIES, POINT_SLIDING
+from storage.netcdf import read_whole, write_whole
+from workflow.dataset import datacard, effects, factorial, quantities, similar
+from workflow.dataset import slabs as dataset
 from workflow.language.constants import DEVICE, FIGURES_BY
 from workflow.report.figures import field_panels
+from workflow.study import representatives
 from workflow.study.model import Study, load, remade
 from workflow.study.reading import InputError
 
@@ -46,7 +52,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
 def test_cases_have_the_quantities_of_points_and_no_datum(study: Study) -> None:
     assert set(study.quantities) == {*POINT_QUANTITIES, "nominal_field"}
     assert study.meeting == "point"
-    assert not study.stores_fields
+    assert study.stores_fields
     assert not study.elastic  # in space an elastic punch has no datum of its own
     assert study.outputs[0] == "peak_pressure"
     assert "contact_radius" in study.outputs
@@ -159,13 +165,33 @@ def test_effects_of_points_have_their_fields_over_the_distance_from_the_middle(t
     assert "r/a" in shown
 
 
-@pytest.mark.parametrize(
-    ("more", "told"),
-    [
-        ("  interior: {}\n", "effects: interior: is not drawn of a point"),
-        ("  film: {thickness: 1e-4, base: steel}\n", "effects: film: is not drawn of a point; a film stands in the"),
-    ],
-)
-def test_effects_of_points_have_nothing_inside_and_no_half_plane_beside(tmp_path: Path, more: str, told: str) -> None:
-    with pytest.raises(InputError, match=told):
-        load(written(tmp_path, EFFECTS + more))
+def test_effects_of_points_are_drawn_inside_with_no_half_plane_beside(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="effects: film: is not drawn of a point; a film stands in the baseline"):
+        load(written(tmp_path, EFFECTS + "  film: {thickness: 1e-4, base: steel}\n"))
+    study = load(written(tmp_path, EFFECTS + "  interior: {across: 9, down: 5, fields: [von_mises]}\n"))
+    drawn = field_panels.interior(effects.interior(study, "profile"))
+    assert {ax.get_xlabel() for ax in drawn.axes} == {"", "x/a"}
+
+
+def test_the_data_set_holds_the_radial_fields(study: Study, tmp_path: Path) -> None:
+    """Slab by slab, in metres that the group stands for: those that the solver has of the case."""
+    (tmp_path / "fields").mkdir()
+    small = study.model_copy(update={"dataset": study.dataset.model_copy(update={"slabs": 2})})
+    slabs = [tmp_path / f"fields/slab_{index}.nc" for index in range(2)]
+    for index, slab in enumerate(slabs):
+        dataset.write_slab(small, index, slab)
+    write_whole(
+        quantities.gather([read_whole(slab, names=study.quantities) for slab in slabs]), tmp_path / "quantities.nc"
+    )
+    (tmp_path / dataset.CARD).write_text(json.dumps(datacard.card(small, "ball", slabs, [])), encoding="utf-8")
+    data = dataset.open_results(tmp_path)
+    assert set(POINT_FIELDS) <= set(data.data_vars)
+    assert data["position"].attrs["long_name"].startswith("surface position r/a")
+    one = data.isel(force_radius_per_thickness3=2)
+    group = {name: levels[2:3] for name, levels in factorial.axes(study).items()}
+    exact = solver.solve(study.fixed | representatives.factors(study, group), one["position"].values).squeeze()
+    for name in POINT_FIELDS:
+        size = float(np.abs(exact[name]).max())
+        np.testing.assert_allclose(one[name], exact[name], rtol=1e-10, atol=1e-10 * size, err_msg=name)
+    sliding = study.model_copy(update={"fixed": study.fixed | {"friction": 0.2}})
+    assert not sliding.stores_fields

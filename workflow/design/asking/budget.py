@@ -12,14 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from approximation.arrays import Array, Indices
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.question import Question
 from workflow.design.asking.scenarios import Scenarios
 from workflow.design.asking.sources import Exact, Factors, Predicted, Source
 from workflow.design.asking.terms import Key, Term
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.intp]
 Bools = NDArray[np.bool_]
 
 #: Costly cases of one part of a question, and of one about films.

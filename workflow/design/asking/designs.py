@@ -5,14 +5,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from workflow.design.asking.question import Question
 from workflow.design.asking.scenarios import Scenarios
 from workflow.design.asking.sources import Exact, Factors, Predicted, Source
 from workflow.design.asking.terms import Key, Term
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,7 @@ class Designs:
     def factors_of(self, values: Array) -> Factors:
         """Every factor over the corners, of the verdict or of the search, that some values are over."""
         sets = (self.question.judged[False], self.question.searched[False])
-        chosen = next((one for one in sets if one.count == values.shape[-1]), sets[0])
+        chosen = next((scenarios for scenarios in sets if scenarios.count == values.shape[-1]), sets[0])
         return self.factors(chosen)
 
     def values(self, source: Source, chosen: Scenarios, term: Term) -> Array:

@@ -3,13 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from surrogate import Input
 from surrogate.data.inputs import unit_coordinates
 from surrogate.face.region import Region
-
-Array = NDArray[np.float64]
 
 
 class Edge:
@@ -37,7 +35,7 @@ class Edge:
         """Derivatives of `excess` at one point by some factors, in physical units; (scenarios, variables)."""
         X, _ = self._points(factors)
         rising = self._region.slopes(unit_coordinates(self._inputs, X))
-        names = [one.name for one in self._inputs]
+        names = [own.name for own in self._inputs]
         columns = [names.index(name) for name in over]
         return np.stack([-rising[k] * self._inputs[k].unit_slope(X[:, k]) / self._scale for k in columns], axis=-1)
 
@@ -49,4 +47,4 @@ class Edge:
 
     def _points(self, factors: dict[str, Array]) -> tuple[Array, tuple[int, ...]]:
         whole = np.zeros(np.broadcast_shapes(*(values.shape for values in factors.values())))
-        return np.stack([(factors[one.name] + whole).ravel() for one in self._inputs], -1), whole.shape
+        return np.stack([(factors[own.name] + whole).ravel() for own in self._inputs], -1), whole.shape

@@ -8,11 +8,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from workflow.language.expressions import Call, Expression, Number, Operation, Power
-
-Array = NDArray[np.float64]
 
 _MOST = 8  # pieces of one expression
 _ROUNDING = 1e-12  # share of the largest value that counts as none

@@ -5,16 +5,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver.names import ALL_QUANTITIES
 from surrogate.search.optimise import Problem
 from workflow.design.asking.question import Question
 from workflow.design.asking.scenarios import Scenarios
 from workflow.design.asking.sources import Source
 from workflow.design.asking.terms import Term
-
-Array = NDArray[np.float64]
 
 _SCANNED, _SCANNED_FILMS = 1 << 17, 1 << 15  # most evaluations in one scan: 4 and 40 us each
 

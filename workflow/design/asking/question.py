@@ -6,8 +6,8 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from approximation.sobol import sobol_points
 from solver.names import ALL_QUANTITIES
 from surrogate import Input
@@ -24,8 +24,6 @@ from workflow.language.statistics import Worst
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
-
-Array = NDArray[np.float64]
 
 _PILOT = 512  # points that tell a constant, unbounded or undefined term
 _EVALUATED = 1 << 13  # evaluations of a term by the pilot
@@ -250,7 +248,7 @@ def _answered(name: str, question: Question, source: Source, variables: dict[str
             f"design: {name}: every design is beyond the edge of the cases that have answers: "
             f"{source.edge.reason(factors)}"
         )
-    return {one: values[inside] for one, values in variables.items()}
+    return {variable: values[inside] for variable, values in variables.items()}
 
 
 def _check_pole(what: str, divisor: Expression, values: Array) -> None:

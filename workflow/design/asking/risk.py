@@ -10,12 +10,10 @@ from dataclasses import dataclass, field
 from functools import cache, singledispatch
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import betainc
 
+from approximation.arrays import Array
 from workflow.language import statistics
-
-Array = NDArray[np.float64]
 
 
 class RiskMeasure(ABC):

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from approximation.sobol import sobol_points
 from workflow.design.asking.terms import Term
 from workflow.study.target import Target
-
-Array = NDArray[np.float64]
 
 #: Nodes a factor of a tensor of ranges, by the number of factors, while searching and while judging the outcome.
 SEARCHED = {0: 1, 1: 9, 2: 7, 3: 5}
@@ -68,12 +67,12 @@ def corners(target: Target, nodes: Mapping[int, int]) -> Scenarios:
 def along(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Scenarios:
     """The same, in groups: the draws of each are the nodes of some names, all others stand still."""
     levels = _levels(target, nodes)
-    rest = _tensor({name: one for name, one in levels.items() if name not in names})
+    rest = _tensor({name: values for name, values in levels.items() if name not in names})
     own = _tensor({name: levels[name] for name in names})
     size = len(own[names[0]])
     groups = len(next(iter(rest.values()))) if rest else 1
-    whole = {name: np.repeat(one, size) for name, one in rest.items()}
-    return _parted(target, whole | {name: np.tile(one, groups) for name, one in own.items()}, size)
+    whole = {name: np.repeat(values, size) for name, values in rest.items()}
+    return _parted(target, whole | {name: np.tile(values, groups) for name, values in own.items()}, size)
 
 
 def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Array:
@@ -108,7 +107,7 @@ def draws(target: Target, count: int) -> Scenarios:
     names = target.random
     # the middle of its cell instead of the corner: no draw is an end of a support
     shares = (np.floor(sobol_points(count, len(names), None) * count) + 0.5) / count
-    levels = {name: np.repeat(one, count) for name, one in groups.items()}
+    levels = {name: np.repeat(values, count) for name, values in groups.items()}
     for column, name in enumerate(names):
         share = shares[:, column]
         drawn = target.uncertain[name].quantile(share) if name in target.uncertain else 2 * share - 1
@@ -118,8 +117,8 @@ def draws(target: Target, count: int) -> Scenarios:
 
 def _parted(target: Target, levels: dict[str, Array], draws: int) -> Scenarios:
     """Scenarios of some levels of factors and of places in tolerances, all of one length."""
-    values = {name: one for name, one in levels.items() if name not in target.tolerance}
-    offsets = {name: one for name, one in levels.items() if name in target.tolerance}
+    values = {name: values for name, values in levels.items() if name not in target.tolerance}
+    offsets = {name: values for name, values in levels.items() if name in target.tolerance}
     count = len(next(iter(levels.values()))) if levels else 1
     return Scenarios(values, count // draws, draws, offsets=offsets)
 

@@ -5,8 +5,8 @@ from typing import Protocol
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver import CaseError, solve_interior
 from solver.names import ALL_PEAKS
 from surrogate import CurveGP, GaussianProcess
@@ -17,7 +17,6 @@ from workflow.study.categories import Kinds, output
 from workflow.study.model import Study
 from workflow.study.refusals import REFUSAL, AllRefusedError
 
-Array = NDArray[np.float64]
 _DEPTHS = np.linspace(-2.0, 0.0, 17)  # in half-widths, where the field below the contact is judged
 #: Factors by name over (points, scenarios); an axis that does not change a factor has length one.
 Factors = dict[str, Array]

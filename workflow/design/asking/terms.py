@@ -5,12 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from workflow.design.asking import risk
 from workflow.language.expressions import Expression
 from workflow.language.statements import Limit, Objective
 from workflow.language.statistics import Statistic
-
-Array = NDArray[np.float64]
 
 #: Margin below which a limit binds.
 BINDS = 1e-3

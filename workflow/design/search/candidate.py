@@ -3,16 +3,14 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from surrogate.search.optimise import Optimum, Problem, improve, maximise, retreat
 from surrogate.search.pareto import Front, scalarised
 from workflow.design.asking import program
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.question import Question
 from workflow.design.asking.sources import Source
-
-Array = NDArray[np.float64]
 
 _SMALL = 1e-3  # share of its range below which an objective is no scale of its own
 _NOTHING = Optimum(np.empty(0), -np.inf, np.empty(0), False)

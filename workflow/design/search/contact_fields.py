@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from solver import MaterialError, solve_interior
-from solver.names import POINT_FIELDS
+from solver.fields import POINT_FIELDS
 from workflow.dataset import factorial
 from workflow.study.model import Study
 from workflow.study.sections import Positions

@@ -4,15 +4,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from surrogate.search.optimise import Optimum, Problem
 from surrogate.search.pareto import Front, front, non_dominated
 from workflow.design.asking import budget, program
 from workflow.design.asking.designs import Designs
 from workflow.design.verdict import assessment
-
-Array = NDArray[np.float64]
 
 _SAFETY = 1e-6  # relative safety margin to the limits, beside the surrogate's own doubt
 _KEPT = 1e-9  # exact excess that counts as none: the optimiser's own accuracy

@@ -4,13 +4,11 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from workflow.design.asking import program
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.question import Question
-
-Array = NDArray[np.float64]
 
 _MAP, _COARSE, _COARSEST = 81, 41, 17  # points a side of the map; fewer where every point stands for many draws
 _MANY = 128  # scenarios a point from which the map is coarse

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from workflow.design.asking import budget
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.sources import Source
@@ -12,8 +13,6 @@ from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import ROOM
 from workflow.design.verdict.term import ROUNDING
-
-Array = NDArray[np.float64]
 
 _ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios say
 _SAFETY = 1e-10  # relative safety margin, beyond rounding
@@ -35,7 +34,7 @@ def first_feasible(ranked: list[Candidate]) -> Candidate:
         if polished.best.feasible:
             return replace(polished, passed=tuple(passed), polish="; ".join([polished.polish, *map(_missed, passed)]))
         passed.append(polished)
-        if not candidate.best.feasible or sum(one.cases for one in passed) > budget.most(candidate.question):
+        if not candidate.best.feasible or sum(attempt.cases for attempt in passed) > budget.most(candidate.question):
             break
     return passed[0]
 

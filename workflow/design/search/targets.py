@@ -158,9 +158,9 @@ def _search(asked: list[Candidate], tell: Callable[[str], None]) -> list[Candida
     fronts = [own for own in traced if own is not None]
     scales = front.normalisation(fronts) if fronts else None
     found = []
-    for number, (one, own) in enumerate(zip(asked, traced, strict=True), 1):
+    for number, (question, own) in enumerate(zip(asked, traced, strict=True), 1):
         tell(f"searching, choice {number} of {len(asked)}" if len(asked) > 1 else "searching")
-        found.append(_climbed(replace(one, front=own, normalisation=scales)))
+        found.append(_climbed(replace(question, front=own, normalisation=scales)))
     return found
 
 

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from surrogate.search.optimise import improve
 from workflow.design.asking import program
@@ -14,8 +13,6 @@ from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import Tolerated
 from workflow.language.factors import FACTORS
 from workflow.study.target import Target
-
-Array = NDArray[np.float64]
 
 _TIGHTER = 0.5  # share of a tolerance that is left when it is tightened in words
 
@@ -47,11 +44,11 @@ def costs(best: Candidate, without: Candidate, asked: Asked) -> Tolerated:
     whole = _reached(best, asked(target))
     cost, gain = dict[str, float](), dict[str, float]()
     for name in target.tolerance:
-        rest = {key: one for key, one in target.tolerance.items() if key != name}
+        rest = {key: reach for key, reach in target.tolerance.items() if key != name}
         cost[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": rest}))), whole)
         tighter = {**target.tolerance, name: _tightened(target, name)}
         gain[name] = _share(_reached(best, asked(target.model_copy(update={"tolerance": tighter}))), whole)
-    values = {name: float(one[0]) for name, one in design.variables.items()} | without.question.held
+    values = {name: float(column[0]) for name, column in design.variables.items()} | without.question.held
     exact, _ = assessment.exactly(design, design.question.terms[:1])
     kinds = ", ".join(kind for kind in without.choice.values() if isinstance(kind, str))
     return Tolerated(cost, gain, values, float(exact[0]), kinds)

@@ -78,7 +78,7 @@ def first_to_break(answer: Answer) -> str:
     """Which limit breaks first: within the tolerances, else as one variable is off by 1 %; empty without limits."""
     if not answer.limits or answer.broken:
         return ""
-    if any(one.tolerance for one in answer.variables):
+    if any(variable.tolerance for variable in answer.variables):
         first = min(answer.limits, key=lambda limit: limit.margin)
         return f"Within the tolerances {first.title} is the first to break: {_left(first.margin)}."
     errors = [

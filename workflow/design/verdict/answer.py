@@ -160,7 +160,8 @@ class Answer:
         """What is asked for, as the study writes it."""
         stated = [term.statement for term in self.objectives]
         return " and ".join(
-            f"{'maximise' if isinstance(one, Objective) and one.maximise else 'minimise'} {one}" for one in stated
+            f"{'maximise' if isinstance(statement, Objective) and statement.maximise else 'minimise'} {statement}"
+            for statement in stated
         )
 
     @property
@@ -223,5 +224,5 @@ class Answer:
         """Which exact values left their intervals, in words; empty where none did."""
         left = [term for term in self.terms if not term.inside]
         return "; ".join(
-            f"{one.name}: exact {one.exact:.7g} is outside {one.predicted:.7g} +- {one.half:.2g}" for one in left
+            f"{term.name}: exact {term.exact:.7g} is outside {term.predicted:.7g} +- {term.half:.2g}" for term in left
         )

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from approximation.sobol import sobol_points
 from solver.names import ALL_QUANTITIES, CHOICES, PROFILES
 from workflow.dataset import factorial
@@ -24,8 +24,6 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown, written
 from workflow.language.statements import Limit, Objective
 from workflow.study.model import Study
-
-Array = NDArray[np.float64]
 
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
 _SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
@@ -131,7 +129,9 @@ def _terms(
     half = guessed.reaches + tolerances(design)
     inside = np.abs(exact - guessed.values) <= half + 1e-12 * np.abs(exact)
     margins = [term.sign * (term.bound - value) / term.scale for term, value in zip(terms, exact, strict=True)]
-    bounds = [linearity.bound(question.study, one) if isinstance(one, Limit) else ("", "") for one in stated]
+    bounds = [
+        linearity.bound(question.study, statement) if isinstance(statement, Limit) else ("", "") for statement in stated
+    ]
     return tuple(
         JudgedTerm(
             statement=stated[k],

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver.face.refusal import FactorError
 from workflow.design.asking.designs import Designs
 from workflow.design.verdict.answer import Figure, Overload
@@ -13,8 +13,6 @@ from workflow.language import grammar
 from workflow.language.constants import CONSTANTS, FIGURES_BY
 from workflow.language.expressions import Expression
 from workflow.language.factors import FACTORS
-
-Array = NDArray[np.float64]
 
 _LOADS = 33  # of one search, which is refined
 _REFINED = 3

@@ -3,16 +3,14 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver.names import ALL_QUANTITIES, LIMITED
 from workflow.language import titles
 from workflow.language.constants import BORNE, borne_by_base, plain
 from workflow.language.numbers import shown
 from workflow.language.statements import Limit
 from workflow.study.model import Study
-
-Array = NDArray[np.float64]
 
 _CERAMIC_FIELD = 3e5  # V/m: beyond it ferroelectric ceramics are not linear; for materials of which no field is known
 _FIELDS = ("coercive_field", "breakdown_field")

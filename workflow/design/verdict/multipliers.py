@@ -4,14 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 import scipy  # scipy.optimize, slow to import, when a target is answered
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from workflow.design.verdict.answer import Answer
 from workflow.design.verdict.term import Term
 from workflow.design.verdict.variable import Variable
 from workflow.language.factors import FACTORS
-
-Array = NDArray[np.float64]
 
 _FARTHER = 0.1  # share by which an end of a range is moved in words
 _UNEXPLAINED = 0.1  # share of a gradient that limits and ends may leave, and yet explain the optimum

@@ -224,7 +224,7 @@ def answer_of(data: xr.Dataset) -> Answer:
 def _stated(data: xr.Dataset) -> Iterator[statements.Objective | statements.Limit]:
     """The statements of the terms, read by the grammar of a study."""
     signs = iter(np.atleast_1d(data.attrs["signs"]))
-    meeting = next(one for one in FIGURES_BY if one == data.attrs.get("meeting", _USUAL))
+    meeting = next(known for known in FIGURES_BY if known == data.attrs.get("meeting", _USUAL))
     for text, limit in zip(_list(data, "term"), _list(data, "limit"), strict=True):
         limited = np.isfinite(limit)
         if limited:

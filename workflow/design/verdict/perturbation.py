@@ -1,16 +1,14 @@
 """What small errors in building a design cost: elasticities, and the loss and the margins after an error of 1 %."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from workflow.design.asking import budget
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.question import Question
 from workflow.design.asking.sources import Exact, Source
 from workflow.design.verdict.variable import Sensitivity
 from workflow.language.factors import FACTORS
-
-Array = NDArray[np.float64]
 
 _STEP = 1e-3  # relative step of elasticities
 _ERROR = 0.01  # relative error in building a variable

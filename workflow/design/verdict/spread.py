@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from approximation.arrays import Array
 from solver.names import ALL_PEAKS
 from workflow.design.asking.designs import Designs
 from workflow.design.asking.risk import WorstCase
@@ -17,8 +17,6 @@ from workflow.study import uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.uncertainty import Constant
-
-Array = NDArray[np.float64]
 
 _STEP = 0.1  # of difference quotients, in prior standard deviations: what they leave out is 1e-5 of a derivative
 
@@ -73,8 +71,8 @@ def over(design: Designs, worst: Sequence[Scenario]) -> Spread:
     told = [k for k, term in enumerate(question.terms) if _tells(question.study, term)]
     terms, cases = [question.terms[k] for k in told], [worst[k] for k in told]
     here = _values(design, question.study, terms, cases)
-    for column, one in enumerate(constants):
-        ends = [_values(design, _moved(question.study, one, z), terms, cases) for z in (_STEP, -_STEP)]
+    for column, constant in enumerate(constants):
+        ends = [_values(design, _moved(question.study, constant, z), terms, cases) for z in (_STEP, -_STEP)]
         with np.errstate(divide="ignore", invalid="ignore"):
             effects[told, column] = (ends[0] - ends[1]) / (2 * _STEP) / here
     effects[~np.isfinite(effects)] = np.nan
@@ -87,8 +85,8 @@ def _tells(study: Study, term: Term) -> bool:
     return isinstance(term.measure, WorstCase) and not searched
 
 
-def _moved(study: Study, one: Constant, z: float) -> Study:
-    return uncertainty.moved(study, [one], np.array([z]))
+def _moved(study: Study, constant: Constant, z: float) -> Study:
+    return uncertainty.moved(study, [constant], np.array([z]))
 
 
 def _values(design: Designs, study: Study, terms: Sequence[Term], cases: Sequence[Mapping[str, float]]) -> Array:

@@ -56,7 +56,7 @@ def _outline(path: str) -> str:
     parts: list[str] = []
     here = (0, 0)
     for letter, rest in _STEP.findall(path):
-        places = [round(100 * float(one)) for one in rest.split()]
+        places = [round(100 * float(place)) for place in rest.split()]
         if letter == "L" and parts:
             numbers = [places[0] - here[0], places[1] - here[1]]
             letter = "l"

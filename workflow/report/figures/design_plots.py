@@ -7,7 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from solver.names import FIELDS, POINT_FIELDS
+from approximation.arrays import Array
+from solver.fields import FIELDS, POINT_FIELDS
 from workflow.design.search.contact_fields import SURFACE
 from workflow.design.verdict.answer import Answer
 from workflow.language import titles
@@ -21,7 +22,6 @@ from workflow.report.figures.style import (
     GREY,
     NEAR_EDGE,
     ORANGE,
-    Array,
     by_ratio,
     factor_scale,
     field_label,
@@ -60,8 +60,8 @@ def _map(answer: Answer) -> Figure:
         ax.contourf(x, y, excess, [0.0, float(excess.max())], colors="none", hatches=["////"])
         if excess.min() < 0:
             ax.contour(x, y, excess, [0.0], colors="white", linewidths=1.6)
-    best = [answer.variable(name).value / one for name, one in zip(names, sizes, strict=True)]
-    ax.plot(*([one] for one in best), "*", ms=15, mfc=ORANGE, mec="white", label=_star(answer))
+    best = [answer.variable(name).value / size for name, size in zip(names, sizes, strict=True)]
+    ax.plot(*([coordinate] for coordinate in best), "*", ms=15, mfc=ORANGE, mec="white", label=_star(answer))
     for name, axis, which in zip(names, axes, ("x", "y"), strict=True):
         _factor_axis(ax, which, name, axis.values)
     attach_map(ax, x, y, values / size, words)

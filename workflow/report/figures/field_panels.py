@@ -9,11 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
-from solver.names import POINT_FIELDS
+from approximation.arrays import Array
+from solver.fields import POINT_FIELDS
 from workflow.dataset.effects import HALF_PLANE
 from workflow.language import numbers, titles
 from workflow.report.figures.contours import below
-from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, Array, field_label, styled
+from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, field_label, styled
 from workflow.report.svg import INK
 from workflow.study import coupling
 
@@ -93,15 +94,16 @@ def interior(data: xr.Dataset) -> Figure:
     """Contours below the punch: a row for each field, on one scale, a column for each value of the factor."""
     varied = next(str(dim) for dim in data.dims if dim not in ("x", "y"))
     names, values = data.attrs["fields"].split(), data[varied]
+    across, down = ("x/a", "y/a") if "force" in data.coords else ("(x - c)/h", "y/h")
     size = (3.3 * len(values) + 1.0, 0.4 + 2.0 * len(names))
     figure, axes = plt.subplots(len(names), len(values), figsize=size, squeeze=False, sharex=True, sharey=True)
     for row, name in zip(axes, names, strict=True):
         below(figure, row, [data[name].isel({varied: number}) for number in range(len(values))])
-        row[0].set_ylabel("y/h")
+        row[0].set_ylabel(down)
     for ax, value in zip(axes[0], values, strict=True):
         ax.set_title(f"{titles.title(varied)} {_said(value)}")
     for ax in axes[-1]:
-        ax.set_xlabel("(x - c)/h")
+        ax.set_xlabel(across)
     return figure
 
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from approximation.arrays import Array
 
 _DIGITS = 4
 _KEPT = 41  # points of one curve
@@ -24,7 +24,7 @@ def attach_map(ax: Axes, x: Array, y: Array, values: Array, label: str) -> None:
     _maps[ax] = {
         "x": _rounded(x[columns]),
         "y": _rounded(y[rows]),
-        "values": [None if np.isnan(one) else one for one in _rounded(values[np.ix_(rows, columns)].ravel())],
+        "values": [None if np.isnan(value) else value for value in _rounded(values[np.ix_(rows, columns)].ravel())],
         "label": _plain(label),
     }
 

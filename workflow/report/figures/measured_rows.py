@@ -27,7 +27,7 @@ def figure(rows: Sequence[dict[str, Any]]) -> Figure:
     ax.xaxis.set_major_locator(FixedLocator(_TICKS))
     ax.xaxis.set_minor_locator(NullLocator())
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
-    ax.set_yticks(range(len(rows)), [row["name"].replace("_", " ") for row in rows])
+    ax.set_yticks(range(len(rows)), [row["short"] for row in rows])
     ax.set_ylim(len(rows) - 0.4, -0.6)
     ax.set_xlabel("value over the measured one")
     return made
@@ -38,12 +38,12 @@ def _row(ax: Axes, place: int, row: dict[str, Any]) -> None:
     error = (row["error"] or 0) / size
     ax.barh(place, 2 * error, left=1 - error, height=0.55, color=GREY, alpha=0.3)
     ax.plot([1, 1], [place - 0.28, place + 0.28], color=GREY, lw=1.5)
-    for one in row["rivals"]:
-        ax.plot(one["value"] / size, place, "x", color=GREY, ms=5)
+    for rival in row["rivals"]:
+        ax.plot(rival["value"] / size, place, "x", color=GREY, ms=5)
     filled = colour if row["verdict"] != "cannot be told" else "none"
-    for one in row["model"]:
-        spread = one["deviation"] / size
-        ax.errorbar(one["value"] / size, place, xerr=spread, fmt="o", ms=5, color=colour, mfc=filled, capsize=2)
+    for value in row["model"]:
+        spread = value["deviation"] / size
+        ax.errorbar(value["value"] / size, place, xerr=spread, fmt="o", ms=5, color=colour, mfc=filled, capsize=2)
     ax.annotate(
         row["verdict"], (1.01, place), xycoords=("axes fraction", "data"), va="center", color=colour, fontsize=8
     )

@@ -6,6 +6,8 @@ from typing import Any
 
 import matplotlib as mpl
 
+from approximation.arrays import Array
+
 mpl.use("Agg")
 
 import matplotlib.pyplot as plt
@@ -14,7 +16,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-from numpy.typing import NDArray
 
 from storage.files import write_bytes, write_text
 from workflow.language import numbers, titles
@@ -23,8 +24,6 @@ from workflow.language.wordings import TITLES
 from workflow.report.figures import hover
 from workflow.report.figures.compact import compacted
 from workflow.report.svg import INK, PAPER
-
-Array = NDArray[np.float64]
 
 #: Style of every figure of the report.
 STYLE: dict[Any, Any] = {

@@ -1,0 +1,79 @@
+"""Names, units and meanings of fields on the surface and inside a body."""
+
+from solver.described import Described, on_datum
+
+#: Attributes of the positions of surface fields, along lines and across points.
+ALONG = {"units": "1", "long_name": "surface position X = (x - c)/h"}
+ACROSS = {"units": "1", "long_name": "surface position r/a from the middle of the contact"}
+
+#: Surface fields over (case factors..., position).
+FIELDS: dict[str, Described] = {
+    "contact_pressure": Described("Pa", "contact pressure p = -sigma_yy"),
+    "shear_traction": Described("Pa", "surface shear stress sigma_xy"),
+    "electric_displacement_y": Described("C m-2", "normal electric displacement D_y"),
+    "magnetic_induction_y": Described("T", "normal magnetic induction B_y"),
+    "stress_xx": Described("Pa", "in-plane surface stress sigma_xx"),
+    "electric_displacement_x": Described("C m-2", "tangential electric displacement D_x"),
+    "magnetic_induction_x": Described("T", "tangential magnetic induction B_x"),
+}
+
+#: Fields with a square-root singularity at the edges, also given times sqrt|1 - X^2| as ``<name>_regular``.
+SINGULAR = tuple(FIELDS)[2:]
+
+#: Surface fields of point contacts over (case factors..., position), positions r/a; stresses need c12.
+POINT_FIELDS: dict[str, Described] = {
+    "contact_pressure": FIELDS["contact_pressure"],
+    "electric_displacement": Described("C m-2", "normal electric displacement D_y at a point contact"),
+    "magnetic_induction": Described("T", "normal magnetic induction B_y at a point contact"),
+    "radial_stress": Described("Pa", "radial surface stress sigma_rr"),
+    "hoop_stress": Described("Pa", "hoop stress of the surface sigma_tt"),
+}
+
+#: Those with a square-root singularity at the edge.
+POINT_SINGULAR = tuple(POINT_FIELDS)[1:]
+
+#: What is given of them then.
+REGULAR: dict[str, Described] = {
+    f"{name}_regular": Described(field.units, f"{field.long_name}, times sqrt|1 - X^2|")
+    for name, field in (FIELDS | POINT_FIELDS).items()
+    if name in SINGULAR + POINT_SINGULAR
+}
+
+#: Every surface field there is.
+EVERY_FIELD = FIELDS | POINT_FIELDS | REGULAR
+
+#: Fields inside the body over (case factors..., y, x), as :func:`solver.solve_interior` gives them unasked.
+INTERIOR: dict[str, Described] = {
+    "stress_xx": Described("Pa", "stress sigma_xx"),
+    "stress_yy": Described("Pa", "stress sigma_yy"),
+    "stress_xy": Described("Pa", "shear stress sigma_xy"),
+    "stress_zz": Described("Pa", "out-of-plane stress sigma_zz"),
+    "von_mises": Described("Pa", "von Mises stress"),
+    "electric_displacement_x": Described("C m-2", "electric displacement D_x"),
+    "electric_displacement_y": Described("C m-2", "electric displacement D_y"),
+    "magnetic_induction_x": Described("T", "magnetic induction B_x"),
+    "magnetic_induction_y": Described("T", "magnetic induction B_y"),
+    "electric_field_x": Described("V m-1", "electric field E_x"),
+    "electric_field_y": Described("V m-1", "electric field E_y"),
+    "magnetic_field_x": Described("A m-1", "magnetic field H_x"),
+    "magnetic_field_y": Described("A m-1", "magnetic field H_y"),
+}
+
+#: Fields inside the body that are given when asked for by name.
+INTERIOR_ON_REQUEST: dict[str, Described] = {
+    "electric_potential": on_datum("V", "electric potential relative to the datum"),
+    "magnetic_potential": on_datum("A", "magnetic potential relative to the datum"),
+    "principal_tension": Described("Pa", "largest principal stress"),
+    "strain_xx": Described("1", "strain epsilon_xx"),
+    "strain_yy": Described("1", "strain epsilon_yy"),
+    "strain_xy": Described("1", "tensor shear strain epsilon_xy"),
+}
+
+#: Every field inside the body there is.
+EVERY_INTERIOR = {**INTERIOR, **INTERIOR_ON_REQUEST}
+
+#: Fields inside the body that need c12.
+NEED_C12 = ("stress_zz", "von_mises", "principal_tension")
+
+#: The same of point contacts, whose surface turns with the direction.
+POINT_NEED_C12 = ("stress_xx", *NEED_C12)

@@ -1,0 +1,65 @@
+"""What the layers of a film add to the stresses in its surface, over windows of radii (points, 5).
+
+The half-space of the top answers the tractions at their place; what the layers below add is smooth in the place and in
+log a: sums over wavenumbers at the nodes of a window, once for each set of places.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from approximation.chebyshev import coefficients
+from solver.arrays import Array
+from solver.point.body import Film
+from solver.point.density import Density
+from solver.point.inside import Inside, Tractions
+from solver.point.pressed import Contact
+from solver.point.table import PointKind, Window, window
+
+_STRESSES = ("stress_xx", "stress_zz")
+_KEPT = 16  # of a hundred places 0.1 MB each
+
+
+def added_stresses(contact: Contact, positions: Array) -> Array:
+    """What the layers add to sigma_rr and sigma_tt at r/a, SI; (case, 2, position).
+
+    Parameters
+    ----------
+    contact
+        Contacts on films whose materials have c12, none of them graded.
+    positions
+        r/a; (position,).
+
+    Raises
+    ------
+    StackError
+        Positions farther from the contact than is resolved.
+    """
+    body = contact.pressed.body
+    if not isinstance(body, Film):
+        return np.zeros((contact.radius.size, 2, 1))
+    places = tuple(positions.tolist())
+    read = body.gathered(contact.radius, lambda of, at, _: of.polynomials(at) @ _series(of.kind, of.number, places))
+    causes = contact.state.causes * (contact.size / contact.radius)[:, None]
+    return np.asarray(np.einsum("ckd,cd->ck", read.reshape(len(read), -1, 4), causes)).reshape(len(read), 2, -1)
+
+
+@lru_cache(_KEPT)
+def _series(kind: PointKind, number: int, positions: tuple[float, ...]) -> Array:
+    """Chebyshev coefficients per (u0, g) over C a^e; (node, stress and position and cause)."""
+    of, inside, places = window(kind, number), Inside(kind.film.stack()), np.array(positions)
+    found = [
+        inside.of_layers(Tractions(np.full(4, ratio), density, np.zeros(4)), places, _STRESSES)
+        for ratio, density in zip(np.exp(of.nodes).tolist(), _densities(of), strict=True)
+    ]
+    return coefficients(np.moveaxis(np.stack(found), 1, -1).reshape(len(found), -1))
+
+
+def _densities(of: Window) -> list[Density]:
+    """Of the four causes at every node."""
+    kind, edges = of.kind, of.kind.stiffness(of.read(of.nodes)).edges
+    form = np.eye(4)[:, 3:] * (-2 / np.pi * np.linalg.inv(kind.compliance)[:, 0])
+    return [
+        Density(kind.shape, strengths.T, form, np.moveaxis(added, -1, 0))
+        for strengths, added in zip(edges, of.added, strict=True)
+    ]
