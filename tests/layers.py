@@ -29,6 +29,7 @@ PROCESSES = (
     "tests/test_benchmarks.py",
     "tests/test_documents.py",
     "tests/test_public_names.py",
+    "tests/test_recipes.py",
     "tests/test_tutorials.py",
     "tests/workflow/calculator/test_calculated.py",
 )

@@ -5,7 +5,17 @@ Each group gives its findings; pytest asserts them and the page of ``make run ST
 
 from collections.abc import Callable
 
-from verification import balance, digits, film_air, film_elements, films, finite_elements, integral_equations, limits
+from verification import (
+    balance,
+    digits,
+    film_air,
+    film_elements,
+    films,
+    finite_elements,
+    integral_equations,
+    limits,
+    points,
+)
 from verification.findings import Findings, Sizes
 
 #: The groups by name, those of ``workflow.study.model``, in the order of the page.
@@ -17,6 +27,7 @@ GROUPS: dict[str, Callable[[Sizes], Findings]] = {
     "films": films.run,
     "film_elements": film_elements.run,
     "film_air": film_air.run,
+    "points": points.run,
     "digits": digits.run,
 }
 

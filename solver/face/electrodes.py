@@ -37,6 +37,8 @@ def reading_of(cases: Cases) -> Reading | None:
     shapes = np.asarray(cases.values.get("patch", np.array(usual)))
     of_shape = flat(sum(place * (shapes == name) for place, name in enumerate(CHOICES["patch"])))
     other = sum(flat(cases.values.get(own, 0.0) * (shapes == name)) for name, own in _OWN.items())
+    if cases.kind.contact == "line":  # a rectangle has, of the force on its length, what a strip has
+        of_shape, other = np.full_like(of_shape, CHOICES["patch"].index("strip")), np.zeros_like(of_shape)
     position = flat(cases.number("patch_position"))
     return Reading(
         flat(cases.number("collector")), of_shape, position, np.asarray(other), size, pitch, floating, voltage
@@ -83,7 +85,8 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
         refuse(arrays, "floating_neighbours", points & no_discs, "below a point contact, of patches that are no discs")
     if "patch" in arrays:
         lines = kinds.isin([kind.name for kind in KINDS.values() if kind.contact == "line"])
-        refuse(arrays, "patch", (plain["patch"] != "strip") & lines, "below a contact along a line; must be strip")
+        round_ = plain["patch"].isin(["disc", "ring"])
+        refuse(arrays, "patch", round_ & lines, "below a contact along a line; must be strip or rectangle")
         for shape, own in _OWN.items():
             there = plain["patch"] == shape
             if own not in arrays:

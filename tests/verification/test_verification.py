@@ -18,6 +18,7 @@ from verification import (
     finite_elements,
     integral_equations,
     limits,
+    points,
 )
 from verification.cases import SIH_SONG, constants
 from verification.findings import check
@@ -30,7 +31,7 @@ SMALLEST = Sizes(elements=12, timed=0)
 
 @cache
 def findings(group: str) -> Findings:
-    return GROUPS[group](SMALLEST if group in ("film_elements", "film_air") else SMALL)
+    return GROUPS[group](SMALLEST if group in ("film_elements", "film_air", "points") else SMALL)
 
 
 def test_the_study_knows_the_groups() -> None:
@@ -49,6 +50,15 @@ def test_finite_elements_converge() -> None:
     assert {curve.figure for curve in curves} == {"fem_fields", "fem_contact"}  # without curves the rest would pass
     for curve in curves:
         assert all(fine < coarse for coarse, fine in zip(curve.error, curve.error[1:], strict=False)), curve.label
+
+
+def test_finite_elements_of_points_converge_and_a_wrong_answer_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stiffness of the film that is off by 1 % is seen by them."""
+    for curve in findings("points").curves:
+        assert curve.error[-1] < curve.error[0] / 100
+    stiffer = replace(solver.find("PZT-4"), c33=solver.find("PZT-4").c33 * 1.01)
+    monkeypatch.setattr(points, "_FILM", points._FILM | {"material": stiffer})
+    assert points.elements("rigid", 6) > 1e-3
 
 
 def test_finite_elements_of_films_converge() -> None:

@@ -15,16 +15,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import block_array, coo_array, csr_array, eye_array
-from scipy.sparse.linalg import splu
 from scipy.special import eval_jacobi, gamma
 
 from verification.oracles.fem import STIFFNESS, UNITS
 from verification.oracles.fem_film import ELECTRIC, MAGNETIC, Layer, Punch
 from verification.oracles.film_mesh import layered_mesh
+from verification.oracles.gap_response import VACUUM, Dry, along, contact, lagrange, lobatto, sides
 from verification.oracles.spectral import Body, Index
 from verification.oracles.surface_response import Array, surface_response
 
-VACUUM = {ELECTRIC: 8.8541878128e-12, MAGNETIC: 4e-7 * np.pi}
 _FORCES = STIFFNESS / UNITS
 _STEPS = 60
 _CLOSE = 1e-7  # change of the punch's place and potentials from one step to the next, each over itself
@@ -79,7 +78,7 @@ class GapContact:
 
     @cached_property
     def _below(self) -> Index:
-        return _contact(self.body)
+        return contact(self.body)
 
     def _held(self) -> NDArray[np.bool_]:
         """Which of (u_x, u_y, phi, psi) of the body's nodes are given, and all of the punch's that are not its u."""
@@ -117,7 +116,7 @@ class GapContact:
         entries = [(body, body + 1, -self.punch.friction)]
         slaves: list[tuple[Index, Index, float]] = []
         if self._upper is not None:
-            mine = count + 4 * _contact(self._upper)
+            mine = count + 4 * contact(self._upper)
             entries += [(mine, body + 1, self.punch.friction), (mine + 1, body + 1, -1.0)]
             slaves = [(body + 1, mine + 1, -1.0)]
         rows, columns = (csr_array(eye_array(size) + _sparse(triples, size)) for triples in (entries, slaves))
@@ -160,7 +159,7 @@ class GapContact:
 
     # -- the solution --------------------------------------------------------------------------------------------------
     @cached_property
-    def _dry(self) -> "Dry":
+    def _dry(self) -> Dry:
         """The system without air."""
         conducted, below = self.punch.conducted, self._below
         u = np.zeros((self._stiffness.shape[0], 3 + len(conducted)))
@@ -261,7 +260,7 @@ class GapContact:
         profile = weights[0] + weights[1] * x + weights[2] * x**2
         if self._upper is not None:
             mine = u.reshape(-1, 4)[len(self.body.places) :, 1]
-            raised = raised + _along(self._upper, mine, x)
+            raised = raised + along(self._upper, mine, x)
         return np.asarray((profile - raised) / self.half_length)
 
     # -- what is asked of it -------------------------------------------------------------------------------------------
@@ -292,102 +291,6 @@ class GapContact:
         phi = u.reshape(-1, 4)[self._edges, ELECTRIC] @ shapes.T * UNITS[ELECTRIC]
         wide = gap > 1e-7 * np.max(gap[np.isfinite(gap)])
         return float(np.max(np.where(wide, np.abs(self.potential(ELECTRIC) - phi) / gap, 0.0)) / self.half_length)
-
-
-@dataclass(frozen=True, eq=False)
-class Dry:
-    """What the bodies answer without air, and to charges on the surface beside the contact.
-
-    Attributes
-    ----------
-    given : ndarray, shape (unknowns, states)
-        u of the states without air.
-    airy, touched, raised : ndarray of int
-        Unknowns: potentials beside the contact, all four of the contact, u_y beside it.
-    given_there, given_loads : ndarray
-        Potentials beside the contact and loads of the contact in the states.
-    flexibility, lift, pressed : ndarray
-        What unit charges on ``airy`` make there, of ``raised`` and of the loads on ``touched``.
-    """
-
-    given: Array
-    airy: Index
-    touched: Index
-    raised: Index
-    given_there: Array
-    given_loads: Array
-    flexibility: Array
-    lift: Array
-    pressed: Array
-
-    @classmethod
-    def of(
-        cls, stiffness: "csr_array[np.float64]", rows: "csr_array[np.float64]", columns: "csr_array[np.float64]",
-        free: NDArray[np.bool_], u: Array, airy: Index, touched: Index, raised: Index,
-    ) -> "Dry":  # fmt: skip
-        """From the assembled bodies, their joints, what is free, and the given u of the states."""
-        matrix = (rows @ stiffness @ columns)[free]
-        factors = splu(matrix[:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.001,
-                       options={"SymmetricMode": True})  # fmt: skip
-        u[free] = -factors.solve(np.asarray(matrix @ u))
-        given = np.asarray(columns @ u)
-        place = np.cumsum(free) - 1
-        contact = stiffness[touched]
-        flexibility, lift, pressed = (np.empty((len(dofs), len(airy))) for dofs in (airy, raised, touched))
-        for some in np.array_split(np.arange(len(airy)), max(len(airy) // 64, 1)):
-            unit = np.zeros((int(free.sum()), len(some)))
-            unit[place[airy[some]], np.arange(len(some))] = 1.0
-            moved = np.zeros((len(free), len(some)))
-            moved[free] = factors.solve(unit)
-            moved = np.asarray(columns @ moved)
-            flexibility[:, some], lift[:, some] = moved[airy], moved[raised]
-            pressed[:, some] = np.asarray(contact @ moved)
-        return cls(given, airy, touched, raised, given[airy], contact @ given, flexibility, lift, pressed)
-
-
-def _contact(body: Body) -> Index:
-    x, y = body.places.T
-    found = np.flatnonzero((y == 0) & (np.abs(x) <= 1))
-    return found[np.argsort(x[found])]
-
-
-def sides(body: Body) -> Index:
-    """Nodes of elements' sides on y = 0 with |x| >= 1, by rising x."""
-    p, nodes = body.order, body.nodes
-    found = []
-    for side in range(4):
-        inner = nodes[:, 4 + side * (p - 1) : 4 + (side + 1) * (p - 1)]
-        whole = np.concatenate([nodes[:, [side]], inner, nodes[:, [(side + 1) % 4]]], axis=1)
-        x, y = np.moveaxis(body.places[whole], -1, 0)
-        found.append(whole[np.all(y == 0, axis=1) & np.all(np.abs(x) >= 1, axis=1)])
-    every = np.concatenate(found)
-    order = np.argsort(body.places[every, 0], axis=1)
-    return np.take_along_axis(every, order, axis=1)
-
-
-def _along(body: Body, values: Array, x: Array) -> Array:
-    """Values of nodes of the surface, between them by the elements' polynomials, at x beside the contact."""
-    every = sides(body)
-    ends = body.places[every][:, [0, -1], 0]
-    line, found = lobatto(body.order), np.empty_like(x)
-    for nodes, (low, high) in zip(every, ends, strict=True):
-        here = (x >= low) & (x <= high)
-        found[here] = lagrange(line, (2 * x[here] - low - high) / (high - low)) @ values[nodes]
-    outside = np.abs(x) > ends.max()
-    found[outside] = 0.0
-    return found
-
-
-def lobatto(order: int) -> Array:
-    """Gauss-Lobatto-Legendre points."""
-    inner = np.real(np.polynomial.Legendre.basis(order).deriv().roots())
-    return np.concatenate([[-1.0], inner, [1.0]])
-
-
-def lagrange(line: Array, x: Array) -> Array:
-    """Values at x of the Lagrange polynomials on ``line``; (len(x), len(line))."""
-    legendre = np.linalg.inv(np.polynomial.legendre.legvander(line, len(line) - 1))
-    return np.asarray(np.polynomial.legendre.legvander(x, len(line) - 1) @ legendre)
 
 
 def _sparse(triples: Sequence[tuple[Index, Index, float]], size: int) -> "csr_array[np.float64]":

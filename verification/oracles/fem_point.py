@@ -17,8 +17,8 @@ from scipy.special import gamma
 
 from verification.oracles.fem import STIFFNESS, UNITS
 from verification.oracles.fem_film import ELECTRIC, Layer
-from verification.oracles.fem_gap import VACUUM, Dry, lagrange, lobatto, sides
 from verification.oracles.film_mesh import FAR, assemble, growing
+from verification.oracles.gap_response import VACUUM, Dry, lagrange, lobatto, sides
 from verification.oracles.spectral import Body, Index, Quadrilaterals
 from verification.oracles.surface_response import Array, surface_response
 

@@ -21,6 +21,8 @@ _STEPS = {
     "card": "describing the data set",
     "cases": "solving random cases",
     "calibration": "solving random cases for the intervals",
+    "asked": "asking for further cases, round {round}",
+    "further": "solving further cases, round {round}, part {slab}",
     "surrogate": "fitting the surrogate",
     "surface": "fitting the fields under the punch",
     "validation": "comparing the surrogate with exact cases",

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from approximation.arrays import Array
+from approximation.arrays import Array, Indices
+from approximation.sobol import sobol_points
 from solver import solve
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers
 from surrogate import Group, Grouping, Input, Scaling
@@ -18,6 +19,8 @@ from workflow.study.reading import InputError
 from workflow.study.representatives import middles
 
 _GAIN = 0.5  # of the predicted error, from which on a logarithm is worth it
+_LEAST = 1e-8  # what a process leaves of values, over their range, however fast their coefficients fall
+_PLACES = 512  # of the box at which errors are weighed
 #: Lengths by which a case is measured, the first that it has; a cone has its slope, which no length changes.
 _LENGTHS = ("thickness", "radius", "width", "datum", "slope")
 
@@ -105,19 +108,34 @@ def _replaced(grouping: Grouping, signs: Mapping[str, int]) -> Grouping:
 
 
 def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> dict[str, float]:
-    """Predicted interpolation error of every output on the factorial's levels, over the range of its scaled values."""
+    """Predicted error of every output within the box, over its range there.
+
+    What is learned may span decades that the box never brings together with a large scale, or always does: an error
+    over its range says little of that of the output.
+    """
     if not names:
         return {}
     axes = {axis.name: learned[axis.name] for axis in grouping.axes}
     data = grouping.reduced(learned, names).assign_coords(axes)
-    found = {}
-    for name, along in decays(data, grouping.axes, names).items():
-        values, sign = data[name].values, grouping.scalings[name].logarithm
-        # an error of the logarithm is one of the value, relative
-        sizes = np.exp(sign * values)
-        size = sizes.max() * np.ptp(values) / np.ptp(sizes) if sign and np.ptp(values) else 1.0
-        found[name] = float(size * sum(line.error(len(line.coefficients)) for line in along.values()))
+    scales, nearest, found = *_within(grouping, learned, names), dict[str, float]()
+    for number, (name, along) in enumerate(decays(data, grouping.axes, names).items()):
+        values, sign, scale_ = data[name].transpose(*axes).values, grouping.scalings[name].logarithm, scales[number]
+        outputs = (sign * np.exp(sign * values) if sign else values)[nearest] * scale_
+        # an error of the logarithm is one of the output, relative
+        size = np.abs(outputs) if sign else scale_
+        error = max(sum(line.error(len(line.coefficients)) for line in along.values()), _LEAST) * np.ptp(values)
+        found[name] = float(error * size.max() / (np.ptp(outputs) or 1.0))
     return found
+
+
+def _within(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> tuple[Array, tuple[Indices, ...]]:
+    """At places of the box: scales of outputs (output, place), and the next level of every axis."""
+    unit = 2 * sobol_points(_PLACES, len(grouping.inputs)).T - 1
+    points = np.stack([one.from_unit(t) for one, t in zip(grouping.inputs, unit, strict=True)], -1)
+    at = grouping.products.values(points)
+    levels = [learned[axis.name].values for axis in grouping.axes]
+    nearest = tuple(np.abs(own[:, None] - x).argmin(0) for own, x in zip(levels, at.T, strict=True))
+    return grouping.scales(names).values(points), nearest
 
 
 def scale(study: Study, quantity: str) -> dict[str, float]:

@@ -31,7 +31,8 @@ class Contact:
     C is what takes the charge Q, at P, from zero volts to the open circuit: -Q over the open-circuit voltage. So the
     charge is exact at zero volts and at zero charge; between, it is so where the contact does not widen by the voltage,
     as on half-spaces. On films the capacitance of a contact held fixed differs from it by about one percent. That of a
-    patch is that of plates, whatever presses: its edges, and other patches, are left out.
+    patch is that of plates, whatever presses: its edges, and other patches, are left out; that of a disc whose
+    neighbours float is its own.
 
     Attributes
     ----------
@@ -99,7 +100,11 @@ class Contact:
             area = size * across
             if shape in ("disc", "ring"):
                 area = np.pi * (size**2 - float(case.get("patch_hole", 0.0)) ** 2) / 4
+            if kind.contact == "line" and shape == "rectangle":
+                charge = charge * across / length
             plates = Electrode(body, int(case["collector"])).capacitance * area
+            if "disc_capacitance" in answer:
+                plates = float(answer["disc_capacitance"].max())
             return cls(most, coefficients(np.stack([charge, 0 * charge]), axis=1), plates)
         if "charge_sensitivity" not in answer:
             raise FactorError("electric: a punch that does not conduct has no charge to be read")

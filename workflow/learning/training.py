@@ -15,7 +15,7 @@ from surrogate.intervals.sharing import sharing
 from surrogate.levels import counts, lines
 from surrogate.transforms.transformed import groups_of
 from surrogate.use import edge, validation
-from workflow.dataset import batches, factorial, holes
+from workflow.dataset import asked, batches, factorial, holes
 from workflow.learning import curves, filled
 from workflow.run.joblog import log
 from workflow.study.model import Study
@@ -23,6 +23,8 @@ from workflow.study.refusals import REASON, REFUSAL
 
 #: Error allowed to the compressed mean of a cross approximation, of its tolerance.
 COMPRESSION = 0.02
+# Random cases of which one in so many, that with the widest intervals, is a place to ask near.
+_TRIED, _WIDEST = 4096, 20
 
 
 def compression(study: Study) -> float:
@@ -160,6 +162,21 @@ def calibrated(study: Study, model: GaussianProcess, quantities: xr.Dataset, cas
         model.region_ = _region(study, model, quantities, cases)
         cases = answered(study, cases, model)[1]
     return model.calibrate(curves.learned(study, cases))
+
+
+def widest(study: Study, model: GaussianProcess, number: int) -> asked.Place:
+    """Where 95 % intervals are widest, of random cases: mean over the outputs, each over its own mean width."""
+    points = factorial.points(study, _TRIED, (study.validation.seed, 6, number), together=1)
+    X = np.stack([points[name].values for name in study.factors], axis=-1)
+    X = X[model.has_answers(X)]
+    lower, upper = model.interval_array(X)
+    wide = upper - lower
+    sizes = wide.mean(axis=0)
+    share = (wide / np.where(sizes > 0, sizes, 1.0)).mean(axis=1)
+    most = np.argsort(-share, kind="stable")[: max(1, len(X) // _WIDEST)]
+    spread = np.ptp(model.predict_array(X), axis=0)
+    doubt = float((wide[most] / np.where(spread > 0, spread, 1.0)).max() / 2)
+    return asked.Place("widest intervals", doubt, dict(zip(study.factors, X[most].T, strict=True)))
 
 
 def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases: xr.Dataset) -> Region:

@@ -7,13 +7,13 @@ import sys
 from functools import cache
 from itertools import count
 
-from workflow.dataset import batches
+from workflow.dataset import asked, batches
 from workflow.design.told import unreached
 from workflow.report import sections as page_sections
 from workflow.run import crate, lock, provenance, sources
 from workflow.study import coupling, location, partition, planned
 from workflow.study import model as studies
-from workflow.study.contents import BOX, PHYSICS
+from workflow.study.digest import BOX, PHYSICS
 from workflow.study.sections import CHECK_GROUPS
 
 # jobs look for modules where this process does
@@ -136,6 +136,18 @@ def batches_of(wildcards, rounds=None):
         if not slabs:
             break
         files += expand("results/{study}/cross/{round}_{slab}.nc", study=wildcards.study, round=number, slab=slabs)
+    return files
+
+
+def asked_of(wildcards, rounds=asked.ROUNDS):
+    """The cases that the surrogate asks for, of the first rounds or of all; none of a study without a budget for them."""
+    files = []
+    for number in range(rounds if study_of(wildcards).surrogate.budget else 0):
+        cases = checkpoints.asked.get(study=wildcards.study, round=number).output[0]
+        slabs = range(asked.slabs(study_of(wildcards), cases))
+        if not slabs:
+            break
+        files += expand("results/{study}/asked/{round}_{slab}.nc", study=wildcards.study, round=number, slab=slabs)
     return files
 
 

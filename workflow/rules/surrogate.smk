@@ -33,11 +33,50 @@ rule calibration:
         "../scripts/cases.py"
 
 
+# Cases beside the factorial, asked for round by round where designs are from what is known by then.
+checkpoint asked:
+    input:
+        levels=levels_of,
+        quantities="results/{study}/quantities.nc",
+        calibration="results/{study}/cases/calibration.nc",
+        further=lambda wildcards: asked_of(wildcards, int(wildcards.round)),
+    output:
+        "results/{study}/asked/{round}.nc",
+    priority: 1
+    params:
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation", "device", "design"),
+        code=provenance.code("workflow/scripts/asked.py"),
+    log:
+        "logs/{study}/asked/{round}.log",
+    benchmark:
+        "logs/{study}/asked/{round}.tsv"
+    script:
+        "../scripts/asked.py"
+
+
+rule further:
+    input:
+        "results/{study}/asked/{round}.nc",
+    output:
+        "results/{study}/asked/{round}_{slab}.nc",
+    priority: 2
+    params:
+        study=sections(BOX, "dataset.slabs"),
+        code=provenance.code("workflow/scripts/further.py"),
+    log:
+        "logs/{study}/further/{round}_{slab}.log",
+    benchmark:
+        "logs/{study}/further/{round}_{slab}.tsv"
+    script:
+        "../scripts/further.py"
+
+
 rule surrogate:
     input:
         slabs=curves_of,
         quantities="results/{study}/quantities.nc",
         calibration="results/{study}/cases/calibration.nc",
+        further=asked_of,
     output:
         "results/{study}/surrogate.nc",
     priority: 1

@@ -1,16 +1,14 @@
-"""What a study holds and what follows from it: its cases, quantities, outputs, materials and hashes."""
+"""What follows from what a study holds: its cases, quantities, outputs, materials and hashes."""
 
-import hashlib
-import json
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import prod
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Any, Self
 
 import xarray as xr
-from pydantic import Field, PrivateAttr
+from pydantic import PrivateAttr
 
 from solver import Material
 from solver.body import Kind, kind_of
@@ -24,72 +22,14 @@ from workflow.study import grouped, layered
 from workflow.study.borne import MADE_OF, Borne, borne
 from workflow.study.categories import Kinds, combinations, output
 from workflow.study.device import Device
-from workflow.study.measurement import Measurement
-from workflow.study.pressing import Pressing
-from workflow.study.readout import Readout
-from workflow.study.sections import Axis, DataSet, Effects, Group, Surrogate, Validation, Verification
+from workflow.study.digest import PHYSICS, digest
+from workflow.study.keys import Keys, Origin
+from workflow.study.sections import Axis
 from workflow.study.target import Target
-from workflow.study.types import BY_FACTOR, CategoryName, FactorName, InputName, Number, Strict
-
-#: Sections that decide what a case is and what the solver answers.
-PHYSICS = ("phases", "materials", "fixed", "factors", "categories", "body", "groups")
-#: The same without the numbers of levels, for `Contents.digest`.
-BOX = "box"
 
 
-@dataclass(frozen=True)
-class Origin:
-    """What a study has beside the content of its file: where that is, and the study's own materials by name.
-
-    Of one that was checked before, also the names of the quantities that some cases lack: of films it costs seconds to
-    ask the solver. And those that depend on a datum that is in none of its groups.
-    """
-
-    path: Path
-    materials: dict[str, Material]
-    absent: frozenset[str] | None = None
-    hanging: frozenset[str] = frozenset()
-
-
-class Contents(Strict):
-    """Everything that a run can be asked for, and what follows from it; unchecked but for each part alone."""
-
-    title: str = Field(min_length=1, max_length=200, description="headline of the report")
-    description: str = Field("", description="what the study is for")
-    materials: list[str] = Field(default_factory=list, description="files of own materials, relative to the study")
-    phases: Annotated[list[str], Field(min_length=2, max_length=2)] = Field(
-        default_factory=lambda: ["BaTiO3", "CoFe2O4"], description="phase one (fibres) and phase two (matrix)"
-    )
-    fixed: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
-        default_factory=dict, description="factors with one value"
-    )
-    factors: Annotated[dict[FactorName, Axis], BY_FACTOR] = Field(
-        default_factory=dict, description="the axes of the factorial"
-    )
-    categories: dict[CategoryName, Annotated[list[str], Field(min_length=2, max_length=8)]] = Field(
-        default_factory=dict, description="factors that take one of a few names; every case is solved for each"
-    )
-    groups: dict[str, Group] = Field(
-        default_factory=dict,
-        description="axes of the data set, each a product of powers of factors, as load * radius / thickness^2",
-    )
-    body: list[layered.BodyLayer] = Field(
-        default_factory=list, description="layers from the top down, in place of one material and a film's factors"
-    )
-    dataset: DataSet = Field(default_factory=DataSet, description="what is stored of the factorial")
-    surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
-    validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
-    device: Device | None = Field(None, description="what the punch is connected to, for figures of a device")
-    design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
-    signal: Pressing | None = Field(None, description="a press in time on a design, as its amplifier reads it")
-    readout: dict[str, Readout] = Field(default_factory=dict, description="what measurements tell, by name")
-    effects: Effects | None = Field(None, description="one factor at a time, as figures")
-    verification: Verification | None = Field(None, description="checks of the solver against independent methods")
-    measurements: dict[str, Measurement] = Field(
-        default_factory=dict,
-        max_length=100,
-        description="published measurements that the model is held against, by name",
-    )
+class Contents(Keys):
+    """Everything that a run can be asked for, and what follows from it."""
 
     _origin: Origin = PrivateAttr()
     _absent: frozenset[str] = PrivateAttr()
@@ -377,27 +317,7 @@ class Contents(Strict):
         A part of a section, as ``validation.seed`` or ``design.sensor``, may stand in its place, and `BOX` in that of
         the physics: all of it but the numbers of levels, which no case depends on that is drawn at random.
         """
-        whole = [name for section in sections for name in (PHYSICS if section == BOX else (section.partition(".")[0],))]
-        content = self.model_dump(mode="json", include=set(whole))
-        parts = {name: content[name.partition(".")[0]].get(name.partition(".")[2]) for name in sections if "." in name}
-        content = {
-            name: section
-            for name, section in content.items()
-            if name in {*sections, *(PHYSICS if BOX in sections else ())}
-        }
-        content |= parts
-        if BOX in sections:
-            for axis in (*content["factors"].values(), *content["groups"].values()):
-                del axis["levels"]
-        for name in ("body", "groups"):  # which studies had before there were any
-            if not content.get(name):
-                content.pop(name, None)
-        if self.surrogate.method == "factorial" and "surrogate" in content:  # the same
-            content["surrogate"].pop("method")
-        text = json.dumps(content, sort_keys=True)
-        if {"phases", BOX} & set(sections):
-            text += json.dumps(self._plain_materials(), sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()[:16]
+        return digest(self, sections, self._plain_materials())
 
     @property
     def physics(self) -> str:

@@ -14,7 +14,8 @@ from solver import Material
 from solver.film.powerlaw import SMOOTH
 from workflow.study import layered
 from workflow.study.asked import check_quantities
-from workflow.study.contents import Contents, Origin
+from workflow.study.contents import Contents
+from workflow.study.keys import Origin
 from workflow.study.location import location
 from workflow.study.messages import first_problem
 from workflow.study.reading import InputError, read_material, read_yaml

@@ -20,10 +20,11 @@ MOST_LEARNED = 20_000_000
 _MOST_CURVES, _MOST_POINTS, _MOST_GRID = 200, 200_000, 250_000
 #: Groups of checks in verification/, in the order of the page.
 CHECK_GROUPS = (
-    "limits", "balance", "integral_equations", "finite_elements", "films", "film_elements", "film_air", "digits",
+    "limits", "balance", "integral_equations", "finite_elements", "films", "film_elements", "film_air", "points",
+    "digits",
 )  # fmt: skip
 #: Those with convergence curves.
-CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements", "film_air")
+CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements", "film_air", "points")
 
 
 class Axis(Strict):
@@ -110,6 +111,18 @@ class Surrogate(Strict):
     level: Number | None = Field(
         None, gt=0, le=0.999, description="share of the cases that intervals hold where none is said; null: 0.95"
     )
+    budget: int | None = Field(
+        None,
+        ge=20,
+        le=100_000,
+        description="further exact cases, asked for where designs are, or else where intervals are widest; null: none",
+    )
+    until: Number | None = Field(
+        None,
+        gt=0,
+        description="of that budget no more cases once 95 % intervals at all designs are within this share of the "
+        "goal's value and of the limits; null: all of them",
+    )
     curves: bool = Field(
         True, description="learn largest stresses by the curves that they follow from, which have no kinks as they have"
     )
@@ -118,6 +131,12 @@ class Surrogate(Strict):
         description="over groups, quantities whose logarithm is learned; null: those whose coefficients fall faster so",
     )
     fields: int = Field(0, ge=0, le=200, description="angles at which the fields under a cylinder are learned; 0: none")
+
+    @model_validator(mode="after")
+    def _asked(self) -> Self:
+        if self.until is not None and self.budget is None:
+            raise ValueError("until: needs a budget of cases that may be asked for")
+        return self
 
 
 class Validation(Strict):

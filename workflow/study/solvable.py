@@ -239,6 +239,8 @@ def check_size(study: Contents) -> None:
         raise ValueError(
             f"surrogate: fields: {cases} cases x {study.surrogate.fields} angles are more than {MOST_LEARNED}"
         )
+    if study.surrogate.budget and study.dataset.peaks:
+        raise ValueError("surrogate: budget: a data set with largest stresses asks for no cases; must be null")
     level, held_out = study.surrogate.level, study.validation.calibration
     if level is not None and level > 1 - 2 / (held_out + 1):
         raise ValueError(

@@ -96,6 +96,13 @@ def test_strips_sum_to_the_electrode(punch: dict[str, Any]) -> None:
     assert charge(endless, "patch_charge_per_force") == pytest.approx(charge(endless), rel=1e-10)
 
 
+def test_a_rectangle_below_a_roller_has_of_the_force_on_its_length_what_a_strip_has() -> None:
+    case = ROLLER | {"body": ACTIVE, "collector": 2, "patch_size": 2e-4, "patch_position": 5e-5}
+    found = solver.solve(case | {"patch": "rectangle", "patch_length": [1e-3, 1.0]})
+    strip = float(solver.solve(case)["patch_charge_per_force"])
+    np.testing.assert_allclose(charge(found, "patch_charge_per_force"), strip, rtol=1e-14)
+
+
 def test_strips_below_a_roller_collect_the_jump_of_the_field_inside() -> None:
     plain = solver.solve(ROLLER | {"body": ACTIVE})
     half = float(plain["contact_trailing"] + plain["contact_leading"]) / 2

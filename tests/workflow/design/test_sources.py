@@ -11,7 +11,7 @@ from solver import Material
 from surrogate import GridGP, Input
 from tests.surrogate import curved
 from workflow.design.asking.sources import Exact, Predicted
-from workflow.study.contents import Origin
+from workflow.study.keys import Origin
 from workflow.study.model import Study, remade
 
 

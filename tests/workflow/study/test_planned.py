@@ -15,7 +15,7 @@ from tests.workflow.conftest import SMALL, Project
 from workflow.run import lock
 from workflow.run.provenance import ROOT
 from workflow.study import partition, planned
-from workflow.study.contents import BOX, PHYSICS
+from workflow.study.digest import BOX, PHYSICS
 from workflow.study.model import Study, load, named, thawed
 from workflow.study.reading import InputError
 
@@ -172,7 +172,7 @@ def rerun(before: Study, after: Study) -> set[str]:
     return changed
 
 
-SOLVED = {"slab", "batch", "cases", "calibration"}
+SOLVED = {"slab", "batch", "cases", "calibration", "further"}
 LEARNED = {"surrogate", "validation", "levels"}
 TARGETS = {"target sensor", "target actuator", "figure_design sensor", "figure_design actuator"}
 PAGE = {"report", "solved"}

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import solver
 from solver.body import HALF_SPACE
@@ -14,7 +15,9 @@ from storage.netcdf import read_whole, write_whole
 from workflow.dataset import datacard, effects, factorial, quantities, similar
 from workflow.dataset import slabs as dataset
 from workflow.language.constants import DEVICE, FIGURES_BY
+from workflow.learning import training
 from workflow.report.figures import field_panels
+from workflow.run.provenance import ROOT
 from workflow.study import representatives
 from workflow.study.model import Study, load, remade
 from workflow.study.reading import InputError
@@ -195,3 +198,20 @@ def test_the_data_set_holds_the_radial_fields(study: Study, tmp_path: Path) -> N
         np.testing.assert_allclose(one[name], exact[name], rtol=1e-10, atol=1e-10 * size, err_msg=name)
     sliding = study.model_copy(update={"fixed": study.fixed | {"friction": 0.2}})
     assert not sliding.stores_fields
+
+
+def test_the_surrogate_of_a_probe_is_right_to_1e_5_of_the_range_within_its_box() -> None:
+    """A pressure over force / thickness^2 spans eight decades, apart in the box: by its logarithm."""
+    whole = load(ROOT / "config/probe.yaml")
+    asked = whole.surrogate.model_copy(update={"outputs": ["peak_pressure", "depth"]})
+    probe = whole.model_copy(update={"surrogate": asked})
+    model = training.fit(probe, factorial.exact(probe, dict(factorial.levels(probe))))
+    shares, boxes = np.random.default_rng(5).uniform(size=(3, 60)), probe.factors.items()
+    points = {
+        name: xr.DataArray(axis.low * (axis.high / axis.low) ** share, dims="case")
+        for (name, axis), share in zip(boxes, shares, strict=True)
+    }
+    exact, answered = factorial.learned(probe, factorial.exact(probe, dict(points))), model.predict(points)
+    for name in model.outputs_:
+        size = float(np.ptp(exact[name].values))
+        np.testing.assert_allclose(answered[name], exact[name], rtol=0, atol=1e-5 * size, err_msg=name)

@@ -19,6 +19,7 @@ _CONVERGENCE = {
     "film_resolution": ("load on a film, default resolution", True),
     "film_elements": ("spectral elements, load on a film", False),
     "film_air": ("spectral elements, voltage of a film in air", False),
+    "points": ("spectral elements, a ball on a film", False),
 }
 
 

@@ -1,0 +1,205 @@
+"""Point contacts: textbook limits, 50 digits, films by two integral equations and by finite elements, reciprocity."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+import solver
+from solver.names import POINT_QUANTITIES
+from verification.cases import constants
+from verification.findings import Curve, Findings, Sizes, check, off, off_each
+from verification.oracles import point
+from verification.oracles.fem_film import Layer
+from verification.oracles.fem_point import PointContact
+
+_MODULUS, _POISSON = 210e9, 0.3
+_PLANE = _MODULUS / (1 - _POISSON**2)
+_BODY = solver.Material.isotropic(_MODULUS, _POISSON)
+_BARE: dict[str, Any] = {"material": _BODY, "electric": "insulating", "magnetic": "insulating", "force": 10.0}
+_BALL: dict[str, Any] = {"profile": "sphere", "radius": 5e-3}
+_CONE: dict[str, Any] = {"profile": "cone", "slope": 0.05}
+_DISC: dict[str, Any] = {"profile": "disc", "width": 1e-4}
+_POWER: dict[str, Any] = {"profile": "power", "exponent": 4.0, "coefficient": 1e9}
+#: Exponent and coefficient of each, as the oracle in 50 digits has them.
+_PROFILES = ((_BALL, 2.0, 100.0), (_CONE, 1.0, 0.05), (_DISC, 0.0, 5e-5), (_POWER, 4.0, 1e9))
+#: P (1 - nu) / (4 G a d) of a disc on a bonded layer, nu = 0.3, at a/h: Hayes et al. (1972), solved anew to six digits.
+_HAYES = {0.2: 1.20656, 0.4: 1.47261, 1.0: 2.48352, 2.0: 4.35324}
+_FILM: dict[str, Any] = {"material": "PZT-4", "thickness": 1e-4, "magnetic": "insulating", "force": 10.0} | _BALL
+_BASES = {"rigid": "a rigid base", "silicon": "silicon"}
+_TENSE = ("stress_xx", "stress_yy", "stress_zz")
+
+
+def run(sizes: Sizes) -> Findings:
+    """All that is known of points."""
+    orders = range(4, max(7, 3 + sizes.elements // 6), 2)
+    checks = [
+        check("Hertz, sphere", "radius, depth, largest pressure and pressure", 1e-13, hertz),
+        check("Sneddon, cone and disc", "radius and depth; depth and pressure", 1e-13, sneddon),
+        check("Huber, inside", "stresses on the axis below a sphere (Johnson 1985, 3.4)", 1e-11, huber),
+        check("Hamilton, sliding sphere", "tension behind the trailing edge (1983)", 1e-12, hamilton),
+        *(check(f"50 digits: {punch['profile']}", "quantities of a charged half-space", 1e-12, precise, punch, *power)
+          for punch, *power in _PROFILES),
+        check("Film of its base's own material, points", "every quantity of a half-space", 1e-11, own_base),
+        check("Hayes, Keer, Herrmann and Mockros", "stiffness of a disc on a bonded layer", 4e-6, hayes),
+        check("Thin films below balls", "P R h/a^4 to (pi/4) c33, T/P to e33/c33, extrapolated", 5e-3, thin),
+        check("Charge per force of half-spaces", "-r_1 for every profile and force, and stroke per volt", 1e-12, alike),
+        check("Reciprocity, discs on films", "charge per force and stroke per volt", 1e-12, fixed_edge),
+        check("Tangents, film", "stroke per volt and stiffness against differences of solutions", 1e-7, tangents),
+    ]  # fmt: skip
+    curves = []
+    for base, words in _BASES.items():
+        errors = [elements(base, order) for order in orders]
+        name, tolerance = f"Finite elements: a ball on a film on {words}", 3e-7 * 10 ** (0.75 * (10 - orders[-1]))
+        checks.append(check(name, "force, depth and voltage, a/h = 0.76", tolerance, max, errors[-1:]))
+        curves.append(Curve("points", words, "order of the polynomials", list(map(float, orders)), errors))
+    return Findings(
+        "Points",
+        "Balls, cones, discs and powers on half-spaces and films against closed forms, 50 digits, published values, "
+        "limits, reciprocity, and axisymmetric spectral elements of body and contact, which are given the "
+        f"solver's radius and must find its force. Order {orders[-1]}.",
+        checks,
+        curves,
+    )
+
+
+def hertz() -> float:
+    """Largest relative error."""
+    r = np.array([0.0, 0.4, 0.9])
+    found = solver.solve(_BARE | _BALL, r)
+    a = (3 * _BARE["force"] * _BALL["radius"] / (4 * _PLANE)) ** (1 / 3)
+    p0 = 3 * _BARE["force"] / (2 * np.pi * a**2)
+    numbers = off_each(
+        [found["contact_radius"], found["depth"], found["peak_pressure"]], [a, a**2 / _BALL["radius"], p0]
+    )
+    return max(numbers, off(found["contact_pressure"], p0 * np.sqrt(1 - r**2)))
+
+
+def sneddon() -> float:
+    """Largest relative error."""
+    cone, disc = solver.solve(_BARE | _CONE), solver.solve(_BARE | _DISC, [0.0, 0.7])
+    force, a = _BARE["force"], _DISC["width"] / 2
+    radius = np.sqrt(2 * force / (np.pi * _PLANE * _CONE["slope"]))
+    pressure = force / (2 * np.pi * a**2 * np.sqrt(1 - np.array([0.0, 0.49])))
+    numbers = [cone["contact_radius"], cone["depth"], disc["depth"]]
+    exact = [radius, np.pi / 2 * radius * _CONE["slope"], force / (2 * a * _PLANE)]
+    return max(off_each(numbers, exact), off(disc["contact_pressure"], pressure))
+
+
+def huber() -> float:
+    """Largest error over the largest pressure."""
+    z = np.array([0.04, 0.3, 0.48, 1.0, 6.0])
+    inside = solver.solve_interior(_BARE | _BALL, [0.0], -z, fields=_TENSE)
+    p0 = float(solver.solve(_BARE | _BALL)["peak_pressure"])
+    radial = -(1 + _POISSON) * (1 - z * np.arctan(1 / z)) + 0.5 / (1 + z**2)
+    exact = {"stress_xx": radial, "stress_yy": -1 / (1 + z**2), "stress_zz": radial}
+    return max(float(np.abs(inside[name].values.ravel() / p0 - value).max()) for name, value in exact.items())
+
+
+def hamilton() -> float:
+    """Largest relative error, of three frictions."""
+    eta = np.array([0.0, 0.25, 0.5])
+    found = solver.solve(_BARE | _BALL | {"punch": _BODY, "friction": eta})
+    share = (1 - 2 * _POISSON) / 3 + eta * np.pi * (4 + _POISSON) / 8
+    return off_each(found["trailing_tension"] / found["peak_pressure"], share)
+
+
+def precise(case: Mapping[str, Any], exponent: float, coefficient: float) -> float:
+    """Largest relative error of every quantity that the oracle tells."""
+    charges = {"total_charge": 3e-10, "total_flux": -2e-8}
+    found = solver.solve({"material": "BaTiO3-CoFe2O4 50:50", "force": 10.0} | charges | dict(case))
+    exact = point.quantities(
+        constants(solver.find("BaTiO3-CoFe2O4 50:50")), exponent=exponent, coefficient=coefficient, force=10.0,
+        charge=charges["total_charge"], magnetic_charge=charges["total_flux"],
+    )  # fmt: skip
+    names = [name for name in exact if name in found and (name != "peak_pressure" or exponent <= 2)]
+    return off_each([found[name] for name in names], [exact[name] for name in names])
+
+
+def own_base() -> float:
+    """Largest relative difference, sphere and disc, both fields."""
+    bonded = {"thickness": 1e-4, "base": "BaTiO3", "interface_electric": "bonded", "interface_magnetic": "bonded"}
+    worst = 0.0
+    for punch in (_BALL, _DISC):
+        case: dict[str, Any] = {"material": "BaTiO3", "force": 10.0} | punch
+        film, alone = solver.solve(case | bonded), solver.solve(case)
+        names = [name for name in POINT_QUANTITIES if name in alone and float(np.abs(alone[name])) > 0]
+        worst = max(worst, off_each([film[name] for name in names], [alone[name] for name in names]))
+    return worst
+
+
+def hayes() -> float:
+    """Largest relative error."""
+    layer = _BARE | {"thickness": 1e-3, "base": "rigid", "force": 1.0} | _DISC
+    shear = _MODULUS / (2 * (1 + _POISSON))
+    found = [
+        float(solver.solve(layer | {"width": 2e-3 * ratio})["contact_stiffness"])
+        * (1 - _POISSON)
+        / (4 * shear * ratio * 1e-3)
+        for ratio in _HAYES
+    ]
+    return off_each(found, list(_HAYES.values()))
+
+
+def thin() -> float:
+    """Largest relative error of both limits, what goes like h/a taken off by two radii, (h/a)^2 left."""
+    body, h, R, ratios = solver.find("PZT-4"), 1e-4, 10.0, np.array([20.0, 40.0])
+    film: dict[str, Any] = {"profile": "sphere", "radius": R, "thickness": h, "base": "rigid"}
+    forces = np.pi / 4 * float(_BODY.c33) * (ratios * h) ** 4 / (R * h)
+    stiff, charged = (
+        solver.solve(_BARE | film | {"force": forces}),
+        solver.solve({"material": body, "force": forces} | film),
+    )
+    of_force = np.pi / 4 * float(_BODY.c33) * stiff["contact_radius"].values ** 4 / (R * h * forces)
+    of_charge = np.abs(charged["charge_sensitivity"].values) * float(body.c33 / body.e33)
+    errors = []
+    for found, wide in ((of_force, stiff["contact_radius"].values), (of_charge, charged["contact_radius"].values)):
+        errors.append(abs((found[1] * wide[1] - found[0] * wide[0]) / (wide[1] - wide[0]) - 1))
+    return float(max(errors))
+
+
+def alike() -> float:
+    """Largest relative difference from the material's own constant."""
+    found = [
+        solver.solve({"material": "BaTiO3", "force": force} | punch)[name]
+        for punch, *_ in _PROFILES
+        for force in (1e-3, 10.0)
+        for name in ("charge_sensitivity", "stroke_per_volt")
+    ]
+    return off_each(found, np.full(len(found), float(found[0])))
+
+
+def fixed_edge() -> float:
+    """Relative difference of charge per force and stroke per volt of a disc on films of both bases."""
+    disc = {key: value for key, value in _FILM.items() if key not in _BALL} | _DISC
+    found = [solver.solve(disc | {"base": base}) for base in _BASES]
+    return max(off_each(one["charge_sensitivity"], one["stroke_per_volt"]) for one in found)
+
+
+def tangents() -> float:
+    """Relative difference of stroke per volt and stiffness and what solutions beside each other differ by.
+
+    On films the edge of a conductor is singular at V = 0 too and moves: what it releases is no work of the force, so
+    that the slopes of charge over force and of depth over voltage differ, by some percent.
+    """
+    weights, steps = np.array([1, -8, 8, -1]) / 12, np.array([-2, -1, 1, 2]) * 1e-3
+    case, charge = _FILM | {"base": "silicon"}, 1e-9
+    at = solver.solve(case | {"total_charge": charge})
+    moved = solver.solve(case | {"total_charge": charge * (1 + steps)})
+    stroke = np.sum(weights * moved["depth"].values) / np.sum(weights * moved["voltage"].values)
+    pressed = solver.solve(case | {"total_charge": charge, "force": case["force"] * (1 + steps)})
+    open_ = case["force"] * 1e-3 / np.sum(weights * pressed["depth"].values)
+    return off_each([at["stroke_per_volt"], at["contact_stiffness_open"]], [stroke, open_])
+
+
+def elements(base: str, order: int) -> float:
+    """Largest relative error of force, depth and voltage at the solver's radius."""
+    case = _FILM | {"base": base, "total_charge": 2e-9}
+    ours = solver.solve(case)
+    layer = Layer(constants(solver.find("PZT-4")), case["thickness"])
+    below = None if base == "rigid" else constants(solver.find(base))
+    other = PointContact(
+        [layer], below, case["radius"], float(ours["contact_radius"]), case["total_charge"], 0.0, order=order
+    )
+    found = [other.force, other.depth, other.voltage]
+    return off_each(found, [case["force"], float(ours["depth"]), float(ours["voltage"])])

@@ -1,0 +1,112 @@
+"""Further exact cases that a surrogate asks for, round by round: where they lie, and their files."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from approximation.arrays import Array
+from storage.described import described
+from storage.netcdf import read_whole, write_whole
+from surrogate.data.meanings import MEANINGS, SOURCE
+from surrogate.data.points import EVEN
+from workflow.dataset import factorial, holes
+from workflow.run.joblog import log
+from workflow.study import partition
+from workflow.study.model import Study
+
+#: Rounds in which the cases of ``surrogate: budget`` are asked for, each from all that is known by then.
+ROUNDS = 3
+#: How far from a place cases are drawn, in half-widths of the box, and how many share the factors that need tables.
+AROUND, TOGETHER = 0.05, 20
+_SEED = 5
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where something wants a surer surrogate.
+
+    Attributes
+    ----------
+    name
+        What does.
+    doubt
+        How unsure it is, by which places are asked for.
+    factors
+        Every factor of the study at the cases on which it rests, (n,) each.
+    """
+
+    name: str
+    doubt: float
+    factors: Mapping[str, Array]
+
+
+def near(study: Study, places: Sequence[Place], number: int) -> dict[str, xr.DataArray]:
+    """Random factors of a round's cases over dimension ``case``, near cases on which places rest, by their doubt.
+
+    Where one factor is the same in all cases of a place, cases differ in it by `AROUND` only; along its other factors
+    they are spread over the place's range, and as far beyond. Of films, some cases share what needs tables of its own.
+    """
+    random = np.random.default_rng([study.validation.seed, _SEED, number])
+    count, together = _count(study, number), TOGETHER if study.tabled else 1
+    doubts = np.array([place.doubt for place in places])
+    shares = doubts / doubts.sum() if doubts.any() else np.full(len(places), 1 / len(places))
+    drawn: dict[str, list[Array]] = {name: [] for name in study.factors}
+    for which in random.choice(len(places), -(-count // together), p=shares):
+        case = random.integers(next(iter(places[which].factors.values())).size)
+        for axis in factorial.inputs(study):
+            t = axis.to_unit(places[which].factors[axis.name][[case]])
+            away = random.uniform(-AROUND, AROUND, 1 if axis.name in study.tabled else together)
+            # what would lie beyond the box is drawn inside of its end instead
+            shifted = np.where(np.abs(t + away) > 1, t - away, t + away)
+            drawn[axis.name].append(np.broadcast_to(axis.from_unit(np.clip(shifted, -1, 1)), together))
+    return {name: xr.DataArray(np.concatenate(parts)[:count], dims="case") for name, parts in drawn.items()}
+
+
+def _count(study: Study, number: int) -> int:
+    whole = study.surrogate.budget or 0
+    return whole * (number + 1) // ROUNDS - whole * number // ROUNDS
+
+
+def enough(study: Study, places: Sequence[Place]) -> bool:
+    """Whether every place is as sure as the study asks for."""
+    until = study.surrogate.until
+    return until is not None and all(place.doubt <= until for place in places)
+
+
+def write(study: Study, places: Sequence[Place], number: int, path: Path) -> None:
+    """Write the factors of a round's cases, or none where there is no doubt left."""
+    for place in places:
+        log.info("%s: 95 %% intervals within %.2g of the value or the limit", place.name, place.doubt)
+    cases = {} if enough(study, places) else near(study, places, number)
+    doubts = {"doubt": ("place", [place.doubt for place in places]), "place": [place.name for place in places]}
+    title = "cases that a surrogate asks for, and how unsure it was where it does"
+    write_whole(described(xr.Dataset({**cases, **doubts}), title, SOURCE, MEANINGS | _MEANINGS), path)
+
+
+_MEANINGS = {"doubt": "largest half-width of a 95 % interval, of the goal over its value, of a limit over its scale"}
+
+
+def slabs(study: Study, path: str | Path) -> int:
+    """Number of files that hold the cases of a round; 0 of one that asks for none."""
+    return min(partition.count(study), -(-read_whole(Path(path)).sizes.get("case", 0) // TOGETHER))
+
+
+def write_slab(study: Study, path_of_cases: Path, index: int, path: Path) -> None:
+    """Solve a part of a round's cases exactly, and write them; those that the solver refuses are masked."""
+    cases = read_whole(path_of_cases)
+    places = np.arange(cases.sizes["case"]) // TOGETHER
+    part = np.isin(places, np.array_split(np.unique(places), slabs(study, path_of_cases))[index])
+    points = {name: xr.DataArray(cases[name].values[part], dims="case") for name in study.factors}
+    found = factorial.exact(study, points, holes=np.inf)
+    write_whole(found.assign_coords({EVEN: ("case", np.zeros(found.sizes["case"], np.int8))}), path)
+
+
+def joined(calibration: xr.Dataset, further: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Cases for calibration with those that were asked for, which are not spread evenly; as they are without any."""
+    if not further:
+        return calibration
+    even = calibration.get(EVEN, xr.DataArray(np.ones(calibration.sizes["case"], np.int8), dims="case"))
+    return holes.joined([calibration.assign_coords({EVEN: even}), *further], "case")

@@ -1,0 +1,20 @@
+"""Rule asked: the cases that the surrogate asks for in a round, from all that it has been given."""
+
+from pathlib import Path
+
+from storage.netcdf import read_whole
+from workflow.dataset import asked, levels
+from workflow.design.search import targets
+from workflow.learning import training
+from workflow.run import joblog
+from workflow.study import planned
+
+snakemake = joblog.start(globals())
+config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
+quantities = read_whole(Path(snakemake.input.quantities))
+further = [read_whole(Path(slab)) for slab in snakemake.input.further]
+known = asked.joined(read_whole(Path(snakemake.input.calibration)), further)
+model = training.calibrated(config, training.fit(config, quantities), quantities, known)
+number = int(snakemake.wildcards.round)
+places = [targets.doubted(config, name, model) for name in config.design] or [training.widest(config, model, number)]
+asked.write(config, places, number, Path(snakemake.output[0]))

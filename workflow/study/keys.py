@@ -1,0 +1,72 @@
+"""The keys of a study's file, each with what it may hold, and what a study has beside that file."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
+
+from solver import Material
+from workflow.study import layered
+from workflow.study.device import Device
+from workflow.study.measurement import Measurement
+from workflow.study.pressing import Pressing
+from workflow.study.readout import Readout
+from workflow.study.sections import Axis, DataSet, Effects, Group, Surrogate, Validation, Verification
+from workflow.study.target import Target
+from workflow.study.types import BY_FACTOR, CategoryName, FactorName, InputName, Number, Strict
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a study has beside the content of its file: where that is, and the study's own materials by name.
+
+    Of one that was checked before, also the names of the quantities that some cases lack: of films it costs seconds to
+    ask the solver. And those that depend on a datum that is in none of its groups.
+    """
+
+    path: Path
+    materials: dict[str, Material]
+    absent: frozenset[str] | None = None
+    hanging: frozenset[str] = frozenset()
+
+
+class Keys(Strict):
+    """Everything that a run can be asked for; unchecked but for each part alone."""
+
+    title: str = Field(min_length=1, max_length=200, description="headline of the report")
+    description: str = Field("", description="what the study is for")
+    materials: list[str] = Field(default_factory=list, description="files of own materials, relative to the study")
+    phases: Annotated[list[str], Field(min_length=2, max_length=2)] = Field(
+        default_factory=lambda: ["BaTiO3", "CoFe2O4"], description="phase one (fibres) and phase two (matrix)"
+    )
+    fixed: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
+        default_factory=dict, description="factors with one value"
+    )
+    factors: Annotated[dict[FactorName, Axis], BY_FACTOR] = Field(
+        default_factory=dict, description="the axes of the factorial"
+    )
+    categories: dict[CategoryName, Annotated[list[str], Field(min_length=2, max_length=8)]] = Field(
+        default_factory=dict, description="factors that take one of a few names; every case is solved for each"
+    )
+    groups: dict[str, Group] = Field(
+        default_factory=dict,
+        description="axes of the data set, each a product of powers of factors, as load * radius / thickness^2",
+    )
+    body: list[layered.BodyLayer] = Field(
+        default_factory=list, description="layers from the top down, in place of one material and a film's factors"
+    )
+    dataset: DataSet = Field(default_factory=DataSet, description="what is stored of the factorial")
+    surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
+    validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
+    device: Device | None = Field(None, description="what the punch is connected to, for figures of a device")
+    design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
+    signal: Pressing | None = Field(None, description="a press in time on a design, as its amplifier reads it")
+    readout: dict[str, Readout] = Field(default_factory=dict, description="what measurements tell, by name")
+    effects: Effects | None = Field(None, description="one factor at a time, as figures")
+    verification: Verification | None = Field(None, description="checks of the solver against independent methods")
+    measurements: dict[str, Measurement] = Field(
+        default_factory=dict,
+        max_length=100,
+        description="published measurements that the model is held against, by name",
+    )
