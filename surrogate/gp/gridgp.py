@@ -15,8 +15,9 @@ from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
 from surrogate.face.plain import plain_inputs, plain_outputs
 from surrogate.gp.correction import Correction, correct
-from surrogate.gp.factors import ChebyshevFactor, Factor, Features, StationaryFactor, cosine_basis, polynomial_basis
+from surrogate.gp.factors import ChebyshevFactor, Factor, Features, cosine_basis, polynomial_basis
 from surrogate.gp.hyperparameters import amplitudes, length_bounds, most_predictive, rho_bounds
+from surrogate.gp.productkernel import factor_of, joined, significant, standardised, unit_variance
 from surrogate.gp.single import Process, SinglePoint
 from surrogate.gp.tensortrain import TensorTrain, compress
 
@@ -148,22 +149,16 @@ class GridGP(GaussianProcess):
         kept = []
         for p, values in enumerate(data.outputs.values()):
             own = [gram[p] for gram in grams]
-            coefficients, self.offset_[p], self.scale_[p] = _transform(values, bases, own)
-            kept.append(_chop(coefficients, own, self._allowed() / len(points)))
+            coefficients, self.offset_[p], self.scale_[p] = standardised(values, bases, own)
+            kept.append(significant(coefficients, own, self._allowed() / len(points)))
         for gram, t in zip(grams, points, strict=True):
             gram /= self._places() / len(t)
         return kept, grams
 
     def _compress(self, coefficients: Sequence[Array]) -> None:
         """Join the outputs' coefficients to one tensor train."""
-        modes = tuple(max(sizes) for sizes in zip(*(own.shape for own in coefficients), strict=True))
-        # contracting the largest factors first keeps the ranks, hence the cost of a query, small
-        self.order_ = tuple(int(k) for k in np.argsort([-m for m in modes], kind="stable"))
-        tensor = np.zeros((*modes, len(coefficients)))
-        for p, own in enumerate(coefficients):
-            tensor[..., p][tuple(map(slice, own.shape))] = own
-        ordered = tensor.transpose(*self.order_, len(modes))
-        weights = [self.factors_[k].weights[: modes[k]] for k in self.order_]
+        self.order_, ordered = joined(coefficients)
+        weights = [self.factors_[k].weights[:size] for k, size in zip(self.order_, ordered.shape, strict=False)]
         self.train_ = compress(ordered, float(np.sqrt(self._allowed()))).scaled(weights)
 
     def _places(self) -> int:
@@ -185,13 +180,7 @@ class GridGP(GaussianProcess):
 
     def make_factor(self, t: Array, parameter: float) -> Factor:
         """Return the kernel of one factor with scaled levels t, shape (n,), and the given hyper-parameter."""
-        if self.kernel == "chebyshev":
-            if not 0 < parameter < 1:
-                raise ValueError(f"rho must lie between 0 and 1, got {parameter}")
-            return ChebyshevFactor(len(t), parameter)
-        if parameter <= 0:
-            raise ValueError(f"a length scale must be positive, got {parameter}")
-        return StationaryFactor(self.kernel, t, parameter, self.nugget)
+        return factor_of(self.kernel, t, parameter, self.nugget)
 
     def state(self) -> xr.Dataset:
         """Return what a file must hold beside inputs, outputs and probes."""
@@ -284,7 +273,7 @@ class GridGP(GaussianProcess):
             mean += self.correction_.values(t)
         if weights is None:
             return mean, None
-        return mean, self._unit_variance(features, weights) * (self.variance_ * self.scale_**2)[:, None]
+        return mean, self._variance(features, weights)
 
     def single(self) -> Single | None:
         """Return the short way of one query alone, None with other kernels than "chebyshev"."""
@@ -351,57 +340,13 @@ class GridGP(GaussianProcess):
         features, slopes = self._features(t), self._features(t, slopes=True)
         if self.correction_ is not None:
             slopes = [self.correction_.steepened(k, slope) for k, slope in enumerate(slopes)]
+        return np.stack([self._variance(features, weights, (k, slope)) for k, slope in enumerate(slopes)])
+
+    def _variance(self, features: list[Features], weights: Array, slope: tuple[int, Features] | None = None) -> Array:
+        """Return the weighted variance, (p, B), of the means, or of their slopes along a factor."""
         size = (self.variance_ * self.scale_**2)[:, None]
-        return np.stack([self._unit_variance(features, weights, (k, slope)) * size for k, slope in enumerate(slopes)])
+        return unit_variance(self.factors_, self.amplitude_, features, weights, slope) * size
 
     def _features(self, t: Array, slopes: bool = False) -> list[Features]:
         modes = dict(zip(self.order_, self.train_.modes, strict=True))
         return [(f.slopes if slopes else f.features)(t[k], modes[k]) for k, f in enumerate(self.factors_)]
-
-    def _unit_variance(
-        self, features: Sequence[Features], weights: Array, slope: tuple[int, Features] | None = None
-    ) -> Array:
-        """Return the posterior variance at unit process variance, (p, B), its parts weighted by (d, p).
-
-        prod_f k_f - prod_f q_f with q_f = k_f - r_f known and r_f unknown parts is the sum over factors of
-        q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative. It is linear in what every factor brings, so
-        that with the slopes of one factor in place of its features it is the variance of the derivative.
-        """
-        shape = (len(self.outputs_), len(features[0].prior))
-        unknown, known = np.zeros(shape), np.ones(shape)
-        for f, (factor, amplitude, weight) in enumerate(zip(self.factors_, self.amplitude_, weights, strict=True)):
-            derived = slope is not None and slope[0] == f
-            feature = slope[1] if slope is not None and derived else features[f]
-            k = amplitude[:, None] * feature.prior + (0.0 if derived else factor.constant)
-            r = amplitude[:, None] * feature.residual
-            unknown *= k
-            unknown += known * r * weight[:, None]
-            k -= r
-            known *= k
-        return unknown
-
-
-def _transform(values: Array, bases: Sequence[Array], grams: Sequence[Array]) -> tuple[Array, float, float]:
-    """Standardise one output and take its coefficients in the factors' bases; fills the Gram matrix of every factor.
-
-    Returns coefficients (n_1, ..., n_d), offset and scale.
-    """
-    offset = float(values.mean())
-    rest: Any = values - offset
-    spread = float(np.sqrt(np.vdot(rest, rest) / values.size))
-    scale = spread if spread > 0 else 1.0
-    # each product transforms the leading axis and moves it to the end, so after all of them the order is the old one
-    for basis, gram in zip(bases, grams, strict=True):
-        rest = rest.reshape(len(basis), -1).T @ (basis / scale)
-        gram[...] = rest.T @ rest
-        scale = 1.0
-    return rest.reshape(values.shape), offset, spread if spread > 0 else 1.0
-
-
-def _chop(coefficients: Array, grams: Sequence[Array], allowed: float) -> Array:
-    """Drop the highest modes of every factor, as long as their sum of squares stays within `allowed` per factor."""
-    sizes = []
-    for gram in grams:
-        tail = np.cumsum(np.diag(gram)[::-1])[::-1]
-        sizes.append(max(1, int(np.count_nonzero(tail > allowed))))
-    return coefficients[tuple(map(slice, sizes))].copy()

@@ -129,7 +129,7 @@ class SinglePoint:
         self._weights = weights * process.size
 
     def _variance(self, T: Array) -> Array:
-        """As `GridGP._unit_variance`, with running products in place of the loop."""
+        """As `productkernel.unit_variance`, with running products in place of the loop."""
         squares = T * T
         both = self._shares @ squares
         d = len(both) // 2

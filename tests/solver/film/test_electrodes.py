@@ -247,6 +247,16 @@ def test_what_a_base_stretches_leads_on_to_the_free_slab_s_d33() -> None:
     assert abs(reached) == pytest.approx(free, rel=1e-9)
 
 
+def test_aluminium_nitride_on_silicon_nearly_stands_still() -> None:
+    """e33/c33 less what the film's pull along itself, e31 - e33 c13/c33, does to a half-space: 1/(c11 + c12) of it."""
+    film, case = solver.find("AlN"), {"material": "AlN", "thickness": 1e-6, "base": "silicon", "electrode": "top"}
+    found = solver.solve(BALL | case | {"force": 0.1, "collector": 1})["electrode_stroke_per_volt"]
+    pull = float(film.e31 - film.e33 * film.c13 / film.c33)
+    exact = float(film.e33 / film.c33) + pull / float(SILICON.c11 + SILICON.c12)
+    assert float(found) == pytest.approx(exact, rel=1e-10)
+    assert 1e12 * exact == pytest.approx(-0.26, abs=0.005)
+
+
 def test_a_thin_metal_on_top_tends_to_the_electrode_without_stiffness() -> None:
     film = {"material": "PZT-4", "thickness": 1e-4, "base": "silicon", "electrode": "top"}
     for punch in (BALL | {"force": 0.1}, ROLLER | {"load": 1e3, "magnetic": "insulating"}):

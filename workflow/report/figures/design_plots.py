@@ -106,7 +106,9 @@ def _slices(answer: Answer) -> Figure:
 def _contact(answer: Answer) -> Figure:
     """Exact fields of the contact on the surface, and stresses below it."""
     fields = answer.pictures
-    surface = [name for name in SURFACE if f"field_{name}" in fields]
+    every = [name for name in SURFACE if f"field_{name}" in fields]
+    # no charge enters an insulating punch: D_y is zero all along
+    surface = [name for name in every if name == every[0] or np.any(fields[f"field_{name}"].values)]
     inside = [name for name in ("von_mises", "stress_xx") if f"inside_{name}" in fields]
     rows = [1, 1.15][: 2 if inside else 1]
     figure = plt.figure(figsize=(10.4, 2.42 * sum(rows)))
@@ -122,7 +124,6 @@ def _contact(answer: Answer) -> Figure:
         for part in (X < -1, np.abs(X) < 1, X > 1):
             ax.plot(X[part], values[part] / size, color=BLUE, lw=1.5)
         ends = np.array([min(values[away].min(), 0.0), max(values[away].max(), 0.0)]) / size
-        # no charge enters an insulating punch: D_y is zero all along
         ax.set_ylim(*(ends + np.array([-0.06, 0.06]) * (np.ptp(ends) or 1.0)))
         ax.set_xlim(-3, 3)
         ax.set_title(words)

@@ -1,0 +1,111 @@
+"""Products of kernels on a grid: coefficients in the factors' bases, and the variance that the levels leave."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from approximation.arrays import Array
+from surrogate.gp.factors import ChebyshevFactor, Factor, Features, StationaryFactor
+
+
+def factor_of(kernel: str, t: Array, parameter: float, nugget: float) -> Factor:
+    """Return the kernel of one factor.
+
+    Parameters
+    ----------
+    kernel : str
+        "chebyshev", or one of the stationary kernels.
+    t : ndarray, shape (n,)
+        Scaled levels.
+    parameter : float
+        rho, or the length scale; ValueError for one out of its range.
+    nugget : float
+        Added to the unit diagonal of a stationary kernel.
+    """
+    if kernel == "chebyshev":
+        if not 0 < parameter < 1:
+            raise ValueError(f"rho must lie between 0 and 1, got {parameter}")
+        return ChebyshevFactor(len(t), parameter)
+    if parameter <= 0:
+        raise ValueError(f"a length scale must be positive, got {parameter}")
+    return StationaryFactor(kernel, t, parameter, nugget)
+
+
+def unit_variance(
+    factors: Sequence[Factor],
+    amplitudes: Array,
+    features: Sequence[Features],
+    weights: Array,
+    slope: tuple[int, Features] | None = None,
+) -> Array:
+    """Return the posterior variance at unit process variance, (p, B), its parts weighted by (d, p).
+
+    prod_f k_f - prod_f q_f with q_f = k_f - r_f known and r_f unknown parts is the sum over factors of
+    q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative. It is linear in what every factor brings, so
+    that with the slopes of one factor in place of its features it is the variance of the derivative.
+
+    Parameters
+    ----------
+    factors : sequence of Factor
+        Kernels, one an input; d of them.
+    amplitudes : ndarray, shape (d, p)
+        Of every factor and output, beside its constant.
+    features : sequence of Features
+        Of the factors at the points.
+    weights : ndarray, shape (d, p)
+        Of the parts of the variance.
+    slope : (int, Features), optional
+        A factor, and its features' derivatives.
+    """
+    shape = (amplitudes.shape[1], len(features[0].prior))
+    unknown, known = np.zeros(shape), np.ones(shape)
+    for f, (factor, amplitude, weight) in enumerate(zip(factors, amplitudes, weights, strict=True)):
+        derived = slope is not None and slope[0] == f
+        feature = slope[1] if slope is not None and derived else features[f]
+        k = amplitude[:, None] * feature.prior + (0.0 if derived else factor.constant)
+        r = amplitude[:, None] * feature.residual
+        unknown *= k
+        unknown += known * r * weight[:, None]
+        k -= r
+        known *= k
+    return unknown
+
+
+def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) -> tuple[Array, float, float]:
+    """Standardise one output and take its coefficients in the factors' bases; fills the Gram matrix of every factor.
+
+    Returns coefficients (n_1, ..., n_d), offset and scale.
+    """
+    offset = float(values.mean())
+    rest: Any = values - offset
+    spread = float(np.sqrt(np.vdot(rest, rest) / values.size))
+    scale = spread if spread > 0 else 1.0
+    # each product transforms the leading axis and moves it to the end, so after all of them the order is the old one
+    for basis, gram in zip(bases, grams, strict=True):
+        rest = rest.reshape(len(basis), -1).T @ (basis / scale)
+        gram[...] = rest.T @ rest
+        scale = 1.0
+    return rest.reshape(values.shape), offset, spread if spread > 0 else 1.0
+
+
+def significant(coefficients: Array, grams: Sequence[Array], allowed: float) -> Array:
+    """Drop the highest modes of every factor, as long as their sum of squares stays within `allowed` per factor."""
+    sizes = []
+    for gram in grams:
+        tail = np.cumsum(np.diag(gram)[::-1])[::-1]
+        sizes.append(max(1, int(np.count_nonzero(tail > allowed))))
+    return coefficients[tuple(map(slice, sizes))].copy()
+
+
+def joined(coefficients: Sequence[Array]) -> tuple[tuple[int, ...], Array]:
+    """Join the outputs' coefficients to one tensor, outputs last, and say in which order its factors stand.
+
+    Contracting the largest factors first keeps the ranks of its tensor train, hence the cost of a query, small.
+    """
+    modes = tuple(max(sizes) for sizes in zip(*(own.shape for own in coefficients), strict=True))
+    order = tuple(int(k) for k in np.argsort([-size for size in modes], kind="stable"))
+    tensor = np.zeros((*modes, len(coefficients)))
+    for p, own in enumerate(coefficients):
+        tensor[..., p][tuple(map(slice, own.shape))] = own
+    return order, tensor.transpose(*order, len(modes))
