@@ -20,6 +20,7 @@ from workflow.report.firstscreen import Case
 from workflow.report.svg import ACCENT, BAD
 from workflow.study.layered import BodyLayer
 from workflow.study.model import load
+from workflow.study.sections import Effects
 
 FILM = Device("cylinder", "leading", 0.05, 6e-4, 5e-4, 1e4, thickness=3e-4, base="steel", grounded=True)
 
@@ -223,9 +224,10 @@ def test_every_section_says_what_its_numbers_say() -> None:
     assert sentences.readout(
         [{"cases": 50, "rows": [{"name": "load", "coverage": 0.96, "width": 0.01, "left": 0.1}]}]
     ) == ("Load is read to 1 %, and its 95 % interval held it in 96 % of 50 cases.")
-    study = load("config/parametric.yaml")
-    assert study.effects is not None
-    assert all(name.replace("_", " ") in sentences.effects(study) for name in study.effects.vary)
+    vary = {"volume_fraction": [0.2, 0.8], "friction": [0.0, 0.3], "composite": ["fibrous", "laminate"]}
+    effects = Effects.model_validate({"baseline": {"radius": 0.05, "load": 1e5}, "vary": vary})
+    study = load("config/quickstart.yaml").model_copy(update={"effects": effects})
+    assert all(name.replace("_", " ") in sentences.effects(study) for name in vary)
 
 
 def test_what_a_goal_depends_on_is_told_of_every_goal_and_category() -> None:
