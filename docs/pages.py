@@ -14,6 +14,7 @@ from mkdocs.structure.files import File
 from pygments.formatters import HtmlFormatter
 
 from docs.notebook import notebook
+from workflow.cli.helping import EXAMPLES
 from workflow.cli.main import main
 
 ROOT = Path(__file__).parents[1]
@@ -71,8 +72,7 @@ def on_post_build(config: Any) -> None:
 
 def commands() -> str:
     """The page of every command with its help."""
-    names = re.findall(r"^    (\w+) ", _help(), re.MULTILINE)
-    parts = [f"## meecontact {name}\n\n```text\n{_help(name)}```\n" for name in names]
+    parts = [f"## meecontact {name}\n\n```text\n{_help(name)}```\n" for name in EXAMPLES]
     opening = "Bad input is one line that names field, value and what is allowed, exit status 2, and nothing written."
     return "\n".join(["# Every command\n", opening + "\n", f"```text\n{_help()}```\n", *parts])
 

@@ -14,6 +14,7 @@ from pathlib import Path
 FOLDER = Path(__file__).parent
 #: Together these studies use every rule but those of the verification.
 TARGETS = ("results/quickstart/report.html", "results/parametric/report.html")
+ASKED = ("snakemake", "--rulegraph", "dot", "--quiet", "all", "--", *TARGETS)
 _WIDTH, _HEIGHT, _GAP_X, _GAP_Y, _EDGE = 132, 30, 44, 16, 12
 
 Arrows = set[tuple[str, str]]
@@ -21,7 +22,7 @@ Arrows = set[tuple[str, str]]
 
 def rulegraph() -> str:
     """What Snakemake says of the rules, as dot."""
-    command = [str(Path(sys.executable).with_name("snakemake")), "--rulegraph", "dot", "--quiet", "all", "--", *TARGETS]
+    command = [str(Path(sys.executable).with_name(ASKED[0])), *ASKED[1:]]
     return subprocess.run(command, cwd=FOLDER.parent, capture_output=True, text=True, check=True).stdout
 
 

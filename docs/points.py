@@ -4,6 +4,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 
 import solver
 from solver.arrays import Array
@@ -60,6 +62,59 @@ def _pressed(profile: str, pressing: str, extent: str) -> xr.Dataset:
     return at(log_force)
 
 
+_WORK = 0.05  # of adhesion [J/m^2], metals in humid air
+
+
+def left_out() -> dict[str, float]:
+    """What limits.md says of points that the solver leaves out, by name."""
+    disc: dict[str, Any] = {"profile": "disc", "width": 1e-4, "force": 1.0, "magnetic": "insulating"}
+    fringe = {name: _FRINGE * 1e-4 / 2 / float(solver.solve(disc | {"material": name})["contact_capacitance"])
+              for name in ("BaTiO3", "PVDF")}  # fmt: skip
+    ball: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": RADIUS}
+    thick = numbers()["BaTiO3", 0.2, "charge per force"]["ball"], numbers()["BaTiO3", 0.2, "depth"]["ball"]
+    alone = solver.solve(ball | {"force": 1.0})
+    constant = abs(float(alone["charge_sensitivity"])) * 1e12
+    depth = float(alone["depth"] * RADIUS / alone["contact_radius"] ** 2)
+    return {
+        "pull-off of a ball [mN]": 1.5e3 * np.pi * _WORK * RADIUS,
+        **{f"adhesion, radius at {force:g} N": _sticking(RADIUS, force) for force in (1.0, 0.01)},
+        "adhesion, radius of a probe": _sticking(1e-6, 1e-5),
+        **{f"ellipse of 1 to {ratio:g}, {name}": off for ratio in (2.0, 10.0) for name, off in _ellipse(ratio).items()},
+        **{f"fringe of a disc on {name}": share for name, share in fringe.items()},
+        "finite body, charge per force": 1 - thick[0] / constant,
+        "finite body, depth": 1 - thick[1] / depth,
+    }
+
+
+_FRINGE = 4 * 8.8541878188e-12  # F per radius of a disc that faces air
+
+
+def _sticking(radius: float, force: float) -> float:
+    """By how much adhesion widens the contact of a ball (Johnson, Kendall, Roberts 1971)."""
+    pull = 3 * np.pi * _WORK * radius
+    return float((1 + (pull + np.sqrt(2 * pull * force + pull**2)) / force) ** (1 / 3) - 1)
+
+
+def _ellipse(ratio: float) -> dict[str, float]:
+    """An ellipsoid's mean radius and largest pressure over those of the ball of the same mean curvature, less 1.
+
+    Hertz, by Johnson (1985), eq. 4.28 to 4.32; the ball's radius is the root of the product of both.
+    """
+
+    def of(e: float) -> tuple[float, float, float]:
+        K, E = float(ellipk(e * e)), float(ellipe(e * e))
+        short = np.sqrt(1 - e * e)
+        return (E / short**2 - K) / (K - E), K, E
+
+    e = float(brentq(lambda e: of(e)[0] - ratio, 1e-3, 1 - 1e-12))
+    _, K, E = of(e)
+    short = np.sqrt(1 - e * e)
+    cube = 4 / (np.pi * e * e) * short**1.5 * np.sqrt((E / short**2 - K) * (K - E))
+    return {"radius": float(cube ** (1 / 3) - 1), "pressure": float(cube ** (-2 / 3) - 1)}
+
+
 if __name__ == "__main__":
+    for name, value in left_out().items():
+        print(f"{name:40s} {value:.3g}")
     for key, values in numbers().items():
         print(*key, " ".join(f"{name} {value:.4g}" for name, value in values.items()))

@@ -10,7 +10,7 @@ import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -24,7 +24,15 @@ PAGES = sorted(FOLDER.glob("*.md"))
 ON_QUICKSTART = {"measured", "million"}  # what needs results/quickstart
 
 
-def follow(page: str, folder: Path) -> Iterator[tuple[Part, str]]:
+def command(line: str) -> str:
+    """What a command prints."""
+    program, *words = shlex.split(line)
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+    called = [str(Path(sys.executable).with_name(program)), *words]
+    return subprocess.run(called, env=environment, check=True, capture_output=True, text=True).stdout
+
+
+def follow(page: str, folder: Path, run: Callable[[str], str] = command) -> Iterator[tuple[Part, str]]:
     """Do what a page says, in a folder: every part that is done, and what it prints.
 
     Files are written, commands run as processes, and all Python of the page is one session of this process.
@@ -35,7 +43,7 @@ def follow(page: str, folder: Path) -> Iterator[tuple[Part, str]]:
             printed = io.StringIO()
             if part.kind == "sh":
                 for line in part.text.splitlines():
-                    printed.write(_command(line))
+                    printed.write(run(line))
             elif part.kind == "python":
                 with contextlib.redirect_stdout(printed):
                     exec(compile(part.text, "tutorial", "exec"), session)
@@ -44,22 +52,14 @@ def follow(page: str, folder: Path) -> Iterator[tuple[Part, str]]:
             yield part, printed.getvalue()
 
 
-def told(page: str, folder: Path) -> str:
+def told(page: str, folder: Path, run: Callable[[str], str] = command) -> str:
     """The page with what its commands and its Python print in the blocks that show it."""
     last = ""
-    for part, printed in follow(page, folder):
+    for part, printed in follow(page, folder, run):
         if part.kind == "text":
             page = page.replace(f"```text\n{part.text}\n```", f"```text\n{last}```")
         last = printed or last
     return page
-
-
-def _command(line: str) -> str:
-    """What a command prints."""
-    program, *words = shlex.split(line)
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-    command = [str(Path(sys.executable).with_name(program)), *words]
-    return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
 
 
 def write() -> None:

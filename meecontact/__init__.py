@@ -19,11 +19,31 @@ from importlib import import_module
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from importlib.metadata import version
+from importlib.util import find_spec
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-import solver
-import surrogate
+_ROOMS = ("approximation", "solver", "storage", "surrogate", "verification", "workflow")
+
+
+def _check_rooms() -> None:
+    """Refuse modules of others under the names of the rooms, which a file `solver.py` of one's own is enough for."""
+    here = Path(__file__).parents[1]
+    for room in _ROOMS:
+        spec = find_spec(room)
+        origin = None if spec is None else spec.origin
+        if origin is None or not Path(origin).is_relative_to(here):
+            raise ImportError(
+                f"meecontact: the module {room!r} that Python finds is {origin or 'none'}, not that of {here}; "
+                "rename that file, or give meecontact an environment of its own"
+            )
+
+
+_check_rooms()
+
+import solver  # noqa: E402
+import surrogate  # noqa: E402
 
 if TYPE_CHECKING:
     from solver import *  # noqa: F403
@@ -31,8 +51,6 @@ if TYPE_CHECKING:
 
 __version__ = version("meecontact")
 __all__ = [*solver.__all__, *surrogate.__all__]
-
-_ROOMS = ("approximation", "solver", "storage", "surrogate", "verification", "workflow")
 
 
 class _Same(Loader):

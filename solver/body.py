@@ -58,7 +58,7 @@ class Kind:
     layered
         Whether it has a top layer with a thickness, on a base.
     air
-        Whether the air beside its contact carries charge; its fields are not given.
+        Whether the air beside its contact carries charge; fields of points are then not given.
     factors
         Factors that no other kind has.
     tabled
@@ -92,12 +92,12 @@ class Kind:
     @property
     def fields(self) -> Mapping[str, Described]:
         """Fields that its surface may have."""
-        return {} if self.air else POINT_FIELDS if self.contact == "point" else FIELDS
+        return FIELDS if self.contact == "line" else {} if self.air else POINT_FIELDS
 
     @property
     def inside(self) -> bool:
         """Whether fields inside it are given."""
-        return not self.air
+        return not self.air or self.contact == "line"
 
     @property
     def slides(self) -> bool:
@@ -146,8 +146,6 @@ FILM_IN_AIR = replace(
     FILM,
     name="film with air beside the contact",
     quantities=_OF_A_LINE | FILM_QUANTITIES | GAP_QUANTITIES,
-    peaks={},
-    regions=(),
     air=True,
     method=FILM.method + _IN_AIR,
 )

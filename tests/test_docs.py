@@ -2,12 +2,10 @@
 
 import html
 import io
-import os
 import re
 import shlex
 import shutil
 import subprocess
-import sys
 import tokenize
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,6 +18,7 @@ import yaml
 import solver
 import surrogate
 from docs import picture, rooms, tutorial
+from tests.workflow import nursery
 from tests.workflow.conftest import Project
 from workflow.design.told import words
 from workflow.design.verdict import netcdf
@@ -84,11 +83,7 @@ def test_the_first_run_ends_with_designs_that_can_be_built(quickstart_run: Proje
 
 @pytest.mark.parametrize(("page", "text"), [*blocks("python")], ids=lambda part: part if part.endswith(".md") else "")
 def test_every_block_of_python_runs(page: str, text: str, project: Project) -> None:
-    environment = {**os.environ, "PYTHONPATH": str(project.folder)}
-    command = [sys.executable, "-W", "error", "-c", text]
-    done = subprocess.run(command, cwd=project.folder, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.strip()
+    assert project.run("python", "-W", "error", "-c", text).stdout.strip()
 
 
 @pytest.mark.parametrize(("page", "text"), [*blocks("yaml")], ids=lambda part: part if part.endswith(".md") else "")
@@ -107,7 +102,8 @@ def test_there_are_commands_and_python_to_run() -> None:
 
 @pytest.mark.process
 def test_the_picture_of_the_pipeline_is_the_code_s() -> None:
-    assert (ROOT / "docs/pipeline.svg").read_text(encoding="utf-8") == picture.draw(picture.arrows(picture.rulegraph()))
+    graph = nursery.run(picture.ASKED, ROOT, ROOT).stdout
+    assert (ROOT / "docs/pipeline.svg").read_text(encoding="utf-8") == picture.draw(picture.arrows(graph))
 
 
 def test_a_picture_leaves_out_what_a_longer_way_implies() -> None:
@@ -269,7 +265,7 @@ def test_a_tutorial_is_a_notebook_too(site: Path) -> None:
 @pytest.mark.parametrize("name", sorted(tutorial.ON_QUICKSTART))
 def test_a_tutorial_on_the_quickstart_says_what_is_printed(name: str, project: Project) -> None:
     page = (tutorial.FOLDER / f"{name}.md").read_text(encoding="utf-8")
-    assert tutorial.told(page, project.folder) == page
+    assert tutorial.told(page, project.folder, nursery.printed) == page
 
 
 def test_every_page_is_in_the_navigation() -> None:

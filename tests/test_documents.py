@@ -1,12 +1,11 @@
 """The documents say what is so: the README's Python runs as it stands, its commands exist."""
 
-import os
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 from docs import badges
+from tests.workflow import nursery
 from workflow.run.provenance import ROOT
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -14,9 +13,7 @@ BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
 
 
 def python(code: str, folder: Path) -> str:
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-W", "error", "-c", code]
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    done = nursery.run(["python", "-W", "error", "-c", code], folder, ROOT)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -2,6 +2,7 @@
 
 import sys
 from importlib import import_module
+from pathlib import Path
 from subprocess import run
 
 import pytest
@@ -20,3 +21,12 @@ def test_every_public_name_is_there_and_no_other(room: str) -> None:
 def test_names_of_quantities_are_had_without_the_solution() -> None:
     code = "import solver.names, sys; sys.exit('scipy' in sys.modules or 'numpy' in sys.modules)"
     assert run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_module_of_another_under_a_room_s_name_is_named(tmp_path: Path) -> None:
+    (tmp_path / "solver.py").write_text("", encoding="utf-8")
+    told = run([sys.executable, "-c", "import meecontact"], check=False, cwd=tmp_path, capture_output=True, text=True)
+    last = told.stderr.splitlines()[-1]
+    assert last.startswith(
+        f"ImportError: meecontact: the module 'solver' that Python finds is {tmp_path / 'solver.py'}"
+    )

@@ -112,3 +112,17 @@ def test_figures_of_a_ball_in_air_are_the_solver_s(name: str, own: dict[str, Any
     stored = [float(one["contact_capacitance"]) * 1e12 for one in (bare, air)]
     assert capacitance == f"{stored[0]:.3f}, air {stored[1]:.3f}"
     assert voltage == f"x {float(air['voltage'] / bare['voltage']):.3f}"
+
+
+def test_what_limits_md_says_of_what_is_left_out_is_computed() -> None:
+    found = points.left_out()
+    said = {"pull-off of a ball [mN]": "pulled off by {} mN", "adhesion, radius at 1 N": "wider by {} % at 1 N",
+            "adhesion, radius at 0.01 N": "by {} % at 10 mN", "adhesion, radius of a probe": "at 10 uN by {} %",
+            "ellipse of 1 to 2, pressure": "pressure {} % more", "ellipse of 1 to 2, radius": "mean radius {} % less",
+            "ellipse of 1 to 10, pressure": "as 1 to 10 {} %", "ellipse of 1 to 10, radius": "and {} % (Hertz)",
+            "fringe of a disc on BaTiO3": "adds {} %", "fringe of a disc on PVDF": "BaTiO3, {} % on PVDF",
+            "finite body, charge per force": "force {} % less", "finite body, depth": "depth {} % less"}  # fmt: skip
+    assert said.keys() == found.keys()
+    for name, words in said.items():
+        value = abs(found[name]) * (1 if "mN" in words and "pull" in words else 100)
+        assert words.format(f"{value:.3g}") in LIMITS, name

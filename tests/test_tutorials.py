@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from docs import notebook, tutorial
+from tests.workflow import nursery
 
 # the others are followed by tests/test_docs.py
 PAGES = [page for page in tutorial.PAGES if page.stem not in tutorial.ON_QUICKSTART]
@@ -13,7 +14,7 @@ PAGES = [page for page in tutorial.PAGES if page.stem not in tutorial.ON_QUICKST
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
 def test_a_tutorial_says_what_is_printed(path: Path, tmp_path: Path) -> None:
     page = path.read_text(encoding="utf-8")
-    assert tutorial.told(page, tmp_path) == page
+    assert tutorial.told(page, tmp_path, nursery.printed) == page
     assert page.count("```text\n") >= 2
     drawn = {figure.name for figure in tmp_path.glob("*.svg")}
     assert {name for name in drawn if f"({name})" in page and (path.parent / name).is_file()} == drawn

@@ -5,12 +5,15 @@ from typing import NoReturn
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.body import HALF_PLANE_IN_AIR
 from solver.face.film import OnFilm
 from solver.face.filmbodies import Bodies, HalfPlanes
 from solver.face.halfplane import contact_of
 from solver.face.refusal import FactorError
+from solver.film.similar import Films
+from solver.surroundings.fields import curves, fields, inside, peaks
 from solver.surroundings.quantities import quantities
 
 
@@ -23,33 +26,29 @@ class FilmInAir(OnFilm):
         As without air; a punch or a film that the theory of air does not cover.
     """
 
-    #: No fields are given.
-    hollow = False
-
     def quantities(self) -> dict[str, Array]:
         """Those of ``solver.body.FILM_IN_AIR`` that every case has; (...)."""
-        permittivity = self.cases.number("gap_permittivity")
-        return self._put_together(lambda films, places: quantities(films, self._chosen(permittivity, places)))
+        return self._put_together(lambda films, places: quantities(films, self._medium(places)))
 
-    def peaks(self, asked: Set[str]) -> dict[str, Array]:
-        """None: what is inside a body with air beside the contact is not given."""
-        return {}
+    def _peaks(self, films: Films, places: Indices, asked: Set[str]) -> dict[str, Array]:
+        return peaks(films, self._medium(places), asked)
 
-    def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """None: as the peaks."""
-        refuse_fields("curves")
+    def _curves(self, films: Films, places: Indices, regions: Sequence[str]) -> dict[str, Array]:
+        return curves(films, self._medium(places), regions)
 
-    def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """Refused: fields of contacts with air beside them are not given."""
-        refuse_fields("positions")
+    def _fields(self, films: Films, places: Indices, positions: Array) -> dict[str, Array]:
+        return fields(films, self._medium(places), positions)
 
-    def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """Refused, as those on the surface."""
-        refuse_fields("fields")
+    def _inside(self, films: Films, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+        return inside(films, self._medium(places), x, y, names)
+
+    def _medium(self, places: Indices) -> Array:
+        """Relative permittivity of what fills the gaps of some cases; (place,)."""
+        return self._chosen(self.cases.number("gap_permittivity"), places)
 
 
 class HalfPlaneInAir(FilmInAir):
-    """The same on half-planes.
+    """The same on half-planes, whose peaks and curves are not given.
 
     Its half-length is that of the closed form: a half-plane's pressure does not know what charges lie beside it.
     """
@@ -63,13 +62,21 @@ class HalfPlaneInAir(FilmInAir):
         """Those of a half-plane in air that every case has; (...)."""
         return {name: value for name, value in super().quantities().items() if name in HALF_PLANE_IN_AIR.quantities}
 
+    def peaks(self, asked: Set[str]) -> dict[str, Array]:
+        """None: those of a half-plane are searched for in its closed form."""
+        return {}
 
-def refuse_fields(name: str) -> NoReturn:
-    """Refuse fields of contacts with air beside them, by the argument that asks for them.
+    def curves(self, regions: Sequence[str]) -> dict[str, Array]:
+        """Refused: as the peaks."""
+        refuse("curves", "stresses of half-planes with air beside their contacts")
+
+
+def refuse(name: str, what: str) -> NoReturn:
+    """Refuse what is not given of contacts with air beside them, by the argument that asks for it.
 
     Raises
     ------
     FactorError
         Always.
     """
-    raise FactorError(f"{name}: fields of contacts with air beside them are not given; ask for quantities alone")
+    raise FactorError(f"{name}: {what} are not given; ask for quantities alone")

@@ -6,7 +6,7 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.face.air import refuse_fields
+from solver.face.air import refuse
 from solver.face.halfspace import OnHalfSpace
 from solver.face.point import OnPoints
 from solver.face.pointfilm import OnPointFilm, with_nominal_field
@@ -15,6 +15,7 @@ from solver.point.pressed import Pressed
 from solver.point.sliding import warn_of_order
 from solver.surroundings.pointquantities import quantities
 
+_FIELDS = "fields of point contacts with air beside them"
 _BESIDE = ("peak_displacement", "gap_field")
 
 
@@ -61,15 +62,15 @@ class _InAir(OnPoints):
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """None: fields of contacts with air beside them are not given."""
-        refuse_fields("curves")
+        refuse("curves", _FIELDS)
 
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
         """Refused: as the curves."""
-        refuse_fields("positions")
+        refuse("positions", _FIELDS)
 
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
         """Refused: as the curves."""
-        refuse_fields("fields")
+        refuse("fields", _FIELDS)
 
 
 class HalfSpaceInAir(_InAir, OnHalfSpace):

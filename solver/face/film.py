@@ -68,21 +68,21 @@ class OnFilm:
         self._refuse_electroded("peaks")
         if (lacks := self._bodies.lacks_c12) is not None and asked & FILM_PEAKS.keys():
             raise MaterialError(f"{lacks}: c12: missing; film_peak_von_mises needs it [Pa]")
-        return self._put_together(lambda films, _: peaks(films, asked))
+        return self._put_together(lambda films, places: self._peaks(films, places, asked))
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """Sizes and curves of regions, see ``solver.curves``, that every case has; (...) and (..., point)."""
         self._refuse_electroded("curves")
         if (lacks := self._bodies.lacks_c12) is not None:
             raise MaterialError(f"{lacks}: c12: missing; stresses inside the film need it [Pa]")
-        return self._put_together(lambda films, _: curves(films, regions))
+        return self._put_together(lambda films, places: self._curves(films, places, regions))
 
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
         """The surface fields at X, the singular ones also in regular form if asked; (..., position)."""
         self._refuse_electroded("fields")
 
-        def found(films: Films, _: Indices) -> dict[str, Array]:
-            values = fields(films, positions)
+        def found(films: Films, places: Indices) -> dict[str, Array]:
+            values = self._fields(films, places, positions)
             if regular:
                 root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
                 values |= {f"{name}_regular": values[name] * root for name in SINGULAR}
@@ -101,10 +101,23 @@ class OnFilm:
                 if name in NEED_C12:
                     raise MaterialError(f"{lacks}: c12: missing; {name} needs it [Pa]")
 
-        def found(films: Films, _: Indices) -> dict[str, Array]:
-            return dict(zip(names, np.moveaxis(inside(films, x, y, names), 1, 0), strict=True))
+        def found(films: Films, places: Indices) -> dict[str, Array]:
+            return dict(zip(names, np.moveaxis(self._inside(films, places, x, y, names), 1, 0), strict=True))
 
         return self._put_together(found)
+
+    # -- what is beside the contact has its part in ------------------------------------------------------------------
+    def _peaks(self, films: Films, _: Indices, asked: Set[str]) -> dict[str, Array]:
+        return peaks(films, asked)
+
+    def _curves(self, films: Films, _: Indices, regions: Sequence[str]) -> dict[str, Array]:
+        return curves(films, regions)
+
+    def _fields(self, films: Films, _: Indices, positions: Array) -> dict[str, Array]:
+        return fields(films, positions)
+
+    def _inside(self, films: Films, _: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+        return inside(films, x, y, names)
 
     @np.errstate(all="ignore")  # what is not finite is named in the outputs
     def _put_together(self, output: Callable[[Films, Indices], dict[str, Array]]) -> dict[str, Array]:

@@ -14,6 +14,7 @@ from solver.halfplane.interior import LINEAR, principal_tension, von_mises
 from solver.halfplane.potentials import POTENTIALS
 from solver.halfplane.pressing import ContactError
 from solver.material.constants import MaterialError
+from solver.point.gradedinside import GradedInside
 from solver.point.inside import Inside
 from solver.point.peaks import peaks
 from solver.point.pressed import Pressed
@@ -94,8 +95,12 @@ class OnPoints:
                 values = slid[SURFACE[name]][..., 0, :]
                 found[name] = values if SURFACE[name] in POINT_NEED_C12 else np.where(inside, values, 0.0)
             found["contact_pressure"] = 0.0 - found["contact_pressure"]
+        return self.with_regular(found, positions) if regular else found
+
+    def with_regular(self, found: dict[str, Array], positions: Array) -> dict[str, Array]:
+        """Fields, and those that are singular at the edge times its root; (..., position) each."""
         root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
-        return found | {f"{name}_regular": found[name] * root for name in POINT_SINGULAR if regular and name in found}
+        return found | {f"{name}_regular": found[name] * root for name in POINT_SINGULAR if name in found}
 
     @np.errstate(all="ignore")
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
@@ -110,7 +115,7 @@ class OnPoints:
 
         def found(pressed: Pressed, places: Indices) -> dict[str, Array]:
             tractions = Rubbed(pressed.charged).tractions
-            whole = self._inside(places, pressed).fields(tractions, x, y, linear)
+            whole = self._within(places, pressed).fields(tractions, x, y, linear)
             values = {name: whole[:, number] for number, name in enumerate(linear)}
             for name in POTENTIALS.keys() & values.keys():
                 values[name] = values[name] * pressed.length[:, None, None]
@@ -128,6 +133,10 @@ class OnPoints:
     def _apart(self) -> list[tuple[Indices, Pressed]]:
         """Cases of one body each, lengths apart."""
         return self._parts
+
+    def _within(self, places: Indices, pressed: Pressed) -> Inside | GradedInside:
+        """What fields are asked of: the body, or what stands for one that is graded."""
+        return self._inside(places, pressed)
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         """The body of cases of one body."""

@@ -1,6 +1,6 @@
 """Cases of point contacts on films, by the film and what the punch is: the tables that they share."""
 
-from collections.abc import Sequence, Set
+from collections.abc import Set
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +17,7 @@ from solver.film.stack import Stack
 from solver.film.windows import Kind
 from solver.point.body import Film
 from solver.point.electrodes import electrode_quantities
+from solver.point.gradedinside import GradedInside
 from solver.point.inside import Inside
 from solver.point.pressed import Friction, Pressed
 from solver.point.response import contact_coupling
@@ -96,6 +97,10 @@ class OnPointFilm(OnPoints):
             return None
         return Stretch.of(stack.media[0].halfplane)
 
+    def _within(self, places: Indices, pressed: Pressed) -> Inside | GradedInside:
+        stack = _stack(pressed)
+        return GradedInside(stack) if stack.top.graded else self._inside(places, pressed)
+
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         self._refuse_electroded("fields")
         return Inside(_stack(pressed))
@@ -105,12 +110,15 @@ class OnPointFilm(OnPoints):
         self._refuse_graded("peaks: are not given of a film that is graded")
         return super().peaks(asked)
 
-    def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """As in a half-space; not inside a film that is graded."""
-        self._refuse_graded(
-            "fields: are not given inside a film that is graded, under a point; those at its surface are"
-        )
-        return super().interior(x, y, asked)
+    def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
+        """As on a half-space; stresses on a film that is graded are those inside it, at its surface."""
+        found = super().surface(positions, regular=regular)
+        if self._lacks_c12 is None and any(_stack(pressed).top.graded for _, pressed in self._parts):
+            inside = self.interior(positions, np.zeros(1), ["stress_xx", "stress_zz"])
+            for name, own in (("radial_stress", "stress_xx"), ("hoop_stress", "stress_zz")):
+                found[name] = inside[own][..., 0, :]
+            found = self.with_regular(found, positions) if regular else found
+        return found
 
     def _refuse_graded(self, why: str) -> None:
         if any(_stack(pressed).top.graded for _, pressed in self._parts):

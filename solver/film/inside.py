@@ -1,5 +1,6 @@
 """Fields inside films of any thickness and their bases, in blocks of cases and points: bounded memory."""
 
+from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
@@ -29,20 +30,26 @@ def inside(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
     StackError
         Positions farther from the contact than is resolved, the magnetic potential over an insulated base.
     """
-    across = min(x.size, _ALONG)
-    down = min(y.size, max(_POINTS // across, 1))
-    together = max(_VALUES // (across * down), 1)
+    blocks = list(in_blocks(x, y))
+    together = max(_VALUES // (y[blocks[0][0]].size * x[blocks[0][1]].size), 1)
     out = np.empty((films.load.size, len(names), y.size, x.size))
     for places, number, contact in films.parts:
         tractions, datum = _window(films.kind, number).read(contact), np.broadcast_to(contact.datum, places.shape)
         for start in range(0, places.size, together):
             some = slice(start, start + together)
-            for first in range(0, y.size, down):
-                for left in range(0, x.size, across):
-                    rows, columns = slice(first, first + down), slice(left, left + across)
-                    found = fields_of(tractions.part(some), x[columns], y[rows], names, datum[some])
-                    out[places[some], :, rows, columns] = found
+            for rows, columns in blocks:
+                found = fields_of(tractions.part(some), x[columns], y[rows], names, datum[some])
+                out[places[some], :, rows, columns] = found
     for number, name in enumerate(names):
         if name in POTENTIALS:
             out[:, number] *= films.thickness[:, None, None]
     return out
+
+
+def in_blocks(x: Array, y: Array) -> Iterator[tuple[slice, slice]]:
+    """Rows and columns of a grid, some at a time."""
+    across = min(x.size, _ALONG)
+    down = min(y.size, max(_POINTS // across, 1))
+    for first in range(0, y.size, down):
+        for left in range(0, x.size, across):
+            yield slice(first, first + down), slice(left, left + across)

@@ -16,7 +16,7 @@ from solver.arrays import Array, BoolArray, ComplexArray
 from solver.film.contact import FilmContact
 from solver.film.fourier import Medium
 from solver.film.grading import Graded, staircase
-from solver.film.kernel import strip, wavenumbers
+from solver.film.kernel import strip
 from solver.film.reflection import LayerWaves, held, waves
 from solver.film.stack import Stack, StackError
 from solver.film.tractions import Tractions, TractionTable
@@ -159,7 +159,7 @@ class Interior:
                 f"x: {np.max(np.abs(X)):g} is farther from the contact than the fields inside this film are resolved, "
                 f"{FARTHEST * width / tractions.longest - 1:.3g}"
             )
-        return wavenumbers(self.body, reach, width)
+        return tractions.wavenumbers(self.body, reach, width)
 
     def _summed(self, X: Array, Y: Array, rows: list[Array], *, integrated: bool = False) -> Array:
         """Rows, those of each body, of [u,x; t] in the units of the body; (member, y, row, x, column).

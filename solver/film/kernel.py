@@ -11,7 +11,6 @@ where U' = K gives displacements. They are analytic in the strip |Im x| < b = 2 
 
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
@@ -219,8 +218,14 @@ def graded_strip(stack: Stack) -> float:
 
 def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
     """Nodes and weights in k for what decays like exp(-width k), at distances up to reach [m]; (k,) each."""
+    ends = panels(stack, width)
+    return on_panels(ends, np.full(ends.size - 1, reach))
+
+
+def on_panels(ends: Array, reaches: Array) -> tuple[Array, Array]:
+    """Nodes and weights in k on panels, each for distances up to a reach of its own [m]; (k,) each."""
     nodes, weights = [], []
-    for start, end in pairwise(panels(stack, width)):
+    for start, end, reach in zip(ends[:-1], ends[1:], reaches, strict=True):
         parts = int(np.ceil((end - start) * reach / _PHASE))
         half = (end - start) / max(parts, 1) / 2
         x, w = _gauss(_NODES + int(2 * half * reach / 3.2))

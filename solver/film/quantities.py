@@ -20,6 +20,9 @@ from solver.film.windows import Kind, peak_window
 _STEPS = 20
 _CLOSE = 1e-9  # of a charge: the next step is of its square
 
+#: Cases, a table of their stresses, and their contacts in it.
+PeakTables = Iterator[tuple[Indices, PeakTable, FilmContact]]
+
 #: Of each field: potential, sensitivity, charge per load that makes it zero, stroke and blocked load.
 _RESPONSES = (
     ("voltage", "voltage_sensitivity", "charge_sensitivity", "stroke_per_volt", "blocked_load_per_volt"),
@@ -110,11 +113,16 @@ def peaks(films: Films, asked: Set[str]) -> dict[str, Array]:
     StackError
         A graded film, whose stresses are not tabulated.
     """
+    return peaks_of(films, asked, _peak_tables(films))
+
+
+def peaks_of(films: Films, asked: Set[str], tables: PeakTables) -> dict[str, Array]:
+    """The same from tables of some of the cases each."""
     bodies = [body for body in _bodies(films.kind) if any(name.startswith(f"{body}_") for name in asked)]
     names = [*_INTERFACE] if asked & set(_INTERFACE) else []
     names += [f"{body}_peak_{of}" for body in bodies for of in ("von_mises", "principal_tension")]
     out = {name: np.empty(films.load.size) for name in names}
-    for places, of, own in _peak_tables(films) if names else ():
+    for places, of, own in tables if names else ():
         found: list[Array] = []
         if _INTERFACE[0] in out:
             interface = of.interface(own)
@@ -133,13 +141,17 @@ def curves(films: Films, regions: Sequence[str]) -> dict[str, Array]:
     Raises as :func:`peaks`.
     """
     films.require_one_length()
-    half_length = films.thickness * films.gather(lambda c: c.half_width)
-    out = {
-        "mean_pressure": films.load / (2 * half_length),
-        "half_length": half_length,
-        "load_over_thickness": films.load / films.thickness,
-    }
-    for places, of, own in _peak_tables(films):
+    return curves_of(films, regions, _peak_tables(films))
+
+
+def curves_of(films: Films, regions: Sequence[str], tables: PeakTables) -> dict[str, Array]:
+    """The same from tables of some of the cases each."""
+    sizes = ("mean_pressure", "half_length")
+    out = {name: np.empty(films.load.size) for name in sizes} | {"load_over_thickness": films.load / films.thickness}
+    for places, of, own in tables:
+        half_length = films.thickness[places] * own.half_width
+        out["half_length"][places] = half_length
+        out["mean_pressure"][places] = films.load[places] / (2 * half_length)
         for region in regions:
             if region == "interface" or region in _bodies(films.kind):
                 for name, values in region_curves(of, own, region).items():
@@ -147,19 +159,30 @@ def curves(films: Films, regions: Sequence[str]) -> dict[str, Array]:
     return out
 
 
-def _peak_tables(films: Films) -> Iterator[tuple[Indices, PeakTable, FilmContact]]:
+def _peak_tables(films: Films) -> PeakTables:
     """Cases with the table of stresses of their window, and their contacts in it."""
-    stack = films.kind.stack()
-    if stack.top.graded:
+    if films.kind.stack().top.graded:
         raise StackError("peaks: are not given of a film that is graded")
     for places, number, contact in films.parts:
-        if np.any(contact.half_width > 0.99 / DEPTH * stack.thickness):
-            widest = np.max(contact.half_width) / stack.thickness
-            raise RangeError(
-                f"contact: half-length over thickness {widest:g} is too wide for peaks; must be < {1 / DEPTH:g}"
-            )
+        require_depth(films.kind, contact.half_width)
         of = peak_window(films.kind, number)
         yield places, of, replace(contact, table=of.table)
+
+
+def require_depth(kind: Kind, half_lengths: Array) -> None:
+    """Refuse contacts so wide that the film has no depth below 0.1 h; half-lengths over the top layer's thickness.
+
+    Raises
+    ------
+    RangeError
+        With the widest.
+    """
+    thickness = kind.stack().thickness
+    if np.any(half_lengths > 0.99 / DEPTH * thickness):
+        widest = np.max(half_lengths) / thickness
+        raise RangeError(
+            f"contact: half-length over thickness {widest:g} is too wide for peaks; must be < {1 / DEPTH:g}"
+        )
 
 
 def _bodies(kind: Kind) -> list[str]:

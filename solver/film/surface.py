@@ -69,25 +69,30 @@ class SurfaceTable:
 
     def fields(self, contact: FilmContact) -> FilmFields:
         """Fields of contacts that were read from the same table."""
-        half, scale = self.table.system.sliding.halfplane, contact.scale
         read = np.tensordot(self.table.polynomials(np.log(contact.half_width)), self.series, 1)
         whole = np.einsum("cfpq,cq->cfp", read, contact.causes.values)
-        t = whole[:, _TRACTIONS] / scale[1:, None]
-        gradient = whole[:, _GRADIENTS] * np.array([scale[2], scale[3], scale[0]])[:, None]
-        shear = self.table.system.coefficients.friction * t[:, 0]
-        flux = -np.einsum("fg,cgp->cfp", half.transverse_permittivity, gradient[:, :2])
-        flux = flux + half.transverse_shear_share[:, None] * shear[:, None]
-        stretch = half.in_plane_stiffness * gradient[:, 2] + np.einsum("f,cfp->cp", half.in_plane_share, t)
-        return FilmFields(
-            contact_pressure=-t[:, 0],
-            shear_traction=shear,
-            electric_displacement_y=t[:, 1],
-            magnetic_induction_y=t[:, 2],
-            stress_xx=stretch,
-            electric_displacement_x=flux[:, 0],
-            magnetic_induction_x=flux[:, 1],
-            root=np.sqrt(np.abs((1 - self.positions) * (1 + self.positions))),
-        )
+        return of_local(self.table.system, whole, self.positions)
+
+
+def of_local(system: System, whole: Array, positions: Array) -> FilmFields:
+    """Fields of what :func:`local_fields` tells, summed over the unknowns; (case, 6, position), units of the stack."""
+    half, scale = system.sliding.halfplane, system.kernel.stack.scale
+    t = whole[:, _TRACTIONS] / scale[1:, None]
+    gradient = whole[:, _GRADIENTS] * np.array([scale[2], scale[3], scale[0]])[:, None]
+    shear = system.coefficients.friction * t[:, 0]
+    flux = -np.einsum("fg,cgp->cfp", half.transverse_permittivity, gradient[:, :2])
+    flux = flux + half.transverse_shear_share[:, None] * shear[:, None]
+    stretch = half.in_plane_stiffness * gradient[:, 2] + np.einsum("f,cfp->cp", half.in_plane_share, t)
+    return FilmFields(
+        contact_pressure=-t[:, 0],
+        shear_traction=shear,
+        electric_displacement_y=t[:, 1],
+        magnetic_induction_y=t[:, 2],
+        stress_xx=stretch,
+        electric_displacement_x=flux[:, 0],
+        magnetic_induction_x=flux[:, 1],
+        root=np.sqrt(np.abs((1 - positions) * (1 + positions))),
+    )
 
 
 def surface_fields(contact: FilmContact, positions: Array) -> FilmFields:

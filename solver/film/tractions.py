@@ -14,6 +14,8 @@ from solver.film.antiderivatives import Antiderivatives
 from solver.film.assembly import Assembly
 from solver.film.basis import Basis
 from solver.film.contact import FilmContact
+from solver.film.kernel import wavenumbers
+from solver.film.stack import Stack
 from solver.film.system import System
 from solver.film.table import BATCH, Table
 from solver.film.transforms import Transforms
@@ -71,6 +73,10 @@ class Tractions:
             pressures=self.pressures[members],
             charges=self.charges[members],
         )
+
+    def wavenumbers(self, body: Stack, reach: float, width: float) -> tuple[Array, Array]:
+        """Nodes and weights in k of what decays like exp(-width k) in a body, as far as reach [m]; (k,) each."""
+        return wavenumbers(body, reach, width)
 
     def _vector(self, normal: ComplexArray, fields: Sequence[ComplexArray]) -> list[ComplexArray]:
         """(sigma_xy, sigma_yy, D_y, B_y) from sigma_yy and the terms of D_y and B_y."""

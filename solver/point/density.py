@@ -11,6 +11,7 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
+from solver.point.pieces import Pieces
 from solver.point.profile import Shape
 
 _HALF = 40  # nodes of the integral that a kink leaves beside the logarithm
@@ -30,26 +31,36 @@ class Density:
         Sizes of the half-space's bounded part; (column, 3).
     series
         Coefficients that the layers add; (column, 3, n).
+    pieces
+        On which they stand where the top is graded; None: of Legendre functions.
     """
 
     shape: Shape
     strengths: Array
     form: Array
     series: Array
+    pieces: Pieces | None = None
 
     @property
     def kinked(self) -> bool:
         """Whether the profile is no polynomial of r^2."""
-        return not self.shape.flat and self.shape.exponent % 2 != 0
+        return self.pieces is not None or (not self.shape.flat and self.shape.exponent % 2 != 0)
 
     def part(self, columns: Indices) -> "Density":
         """Some of the columns."""
-        return Density(self.shape, self.strengths[columns], self.form[columns], self.series[columns])
+        return Density(self.shape, self.strengths[columns], self.form[columns], self.series[columns], self.pieces)
+
+    def times(self, units: Array) -> "Density":
+        """In other units of the channels; (3,)."""
+        form, series = self.form * units, self.series * units[:, None]
+        return Density(self.shape, self.strengths * units, form, series, self.pieces)
 
     def at(self, b: Array) -> Array:
         """phi; (column, 3, b)."""
-        legendre = np.polynomial.legendre.legvander(b, 2 * max(self._count - 1, 0))[:, ::2][:, : self._count]
         own = self.strengths[..., None] + self._rise * self.form[..., None] * (1 - self._power(b))
+        if self.pieces is not None:
+            return np.asarray(own + self.series[..., :-1] @ self.pieces.shares(b).T - self.series[..., -1:])
+        legendre = np.polynomial.legendre.legvander(b, 2 * max(self._count - 1, 0))[:, ::2][:, : self._count]
         return np.asarray(own + self._signed @ (legendre - 1).T)
 
     def falling(self, b: Array) -> Array:

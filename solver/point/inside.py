@@ -12,6 +12,8 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, ComplexArray
+from solver.film.fourier import Medium
+from solver.film.grading import Graded
 from solver.film.kernel import strip, wavenumbers
 from solver.film.reflection import LayerWaves, sideways, waves
 from solver.film.stack import Layer, Stack, StackError
@@ -90,10 +92,13 @@ class Inside:
         Layers and base; a half-space is a layer on itself, see :func:`whole`.
     plain
         Whether it is a half-space.
+    graded
+        The layer that the upper layers are the steps of; None: they are themselves.
     """
 
     stack: Stack
     plain: bool = False
+    graded: Graded | None = None
 
     def fields(self, tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
         """Fields of ``solver.halfplane.interior.LINEAR``, SI, NaN in a rigid base; (column, field, y, x).
@@ -197,20 +202,36 @@ class Inside:
                         X * ratio, depth[rows], number, names, reflected=reflected
                     )
 
+    def rows(self, number: int, depth: Array, names: tuple[str, ...], *, sliding: bool) -> Array:
+        """:func:`rows_of` at depths within one body, the base the last, of the material there; (depth, n, field, 8)."""
+        stack, layer = self.stack, self.graded
+        if layer is None or number >= self._steps:
+            medium = [*stack.media, stack.base_medium][number]
+            assert medium is not None
+            own = rows_of(medium, stack.scale, names, sliding=sliding)
+            return np.broadcast_to(own, (depth.size, *own.shape))
+        materials = [layer.profile(np.array(share)) for share in np.clip(depth / layer.thickness, 0.0, 1.0).tolist()]
+        return np.array([rows_of(Medium(one, stack.scale), stack.scale, names, sliding=sliding) for one in materials])
+
+    @cached_property
+    def _steps(self) -> int:
+        """Number of layers that are steps of the graded one."""
+        ends = np.cumsum([layer.thickness for layer in self.stack.layers])
+        return 0 if self.graded is None else int(np.searchsorted(ends, self.graded.thickness * (1 - 1e-9))) + 1
+
     # -- near the surface ----------------------------------------------------------------------------------------------
     def _closed(self, tractions: Tractions, X: Array, depth: Array, names: tuple[str, ...], potentials: bool) -> Array:
         """The half-space's part, potentials over a; (column, field, depth, x)."""
         medium, scale = self.stack.media[0], self.stack.scale
         rates, parts = medium.modes
         answers: ComplexArray = np.concatenate([medium.compliance, np.eye(4)]) @ parts  # (rate, 8, 4)
-        plain = rows_of(medium, scale, names, sliding=False)
-        moved = rows_of(medium, scale, names, sliding=True)
         sliding = tractions.sines is not None
         shear = self._shear if sliding else None
         if shear is not None:
             rates = np.append(rates, shear.rate)
         count = len(answers)
         depth, continued = _from_below(depth)
+        plain, moved = (self.rows(0, depth * float(tractions.ratio[0]), names, sliding=of) for of in (False, True))
         out = np.empty((tractions.ratio.size, len(names), len(continued), X.size))
         for place, x in enumerate(X.tolist()):
             at = hankel.nodes(abs(x), float(np.min(depth)), kinked=tractions.kinked)
@@ -219,7 +240,7 @@ class Inside:
             if x < 0:
                 cosines[1::2], sines[1::2] = -cosines[1::2], -sines[1::2]
             first, second = tractions.vectors(at.b, np.arange(tractions.ratio.size))
-            own = _applied(plain[:3], answers, cosines[:3, :count], first * weights)
+            own = _applied(plain[:, :3], answers, cosines[:3, :count], first * weights)
             if second is not None:
                 second = second * weights
                 own = own + _applied(moved, answers[..., :1], cosines[:, :count], second[:, :1])
@@ -247,10 +268,13 @@ def _from_below(depth: Array) -> tuple[Array, Array]:
 
 
 def _applied(rows: Array, answers: ComplexArray, integrals: ComplexArray, density: Array) -> Array:
-    """Real part of rows (n, field, 8) of answers (rate, 8, channel) to densities; (column, field, depth)."""
+    """Real part of rows (depth, n, field, 8) of answers (rate, 8, channel) to densities; (column, field, depth)."""
     moments = np.tensordot(integrals, density, (3, 2))  # (n, rate, z, column, channel)
-    coefficients = np.einsum("nfs,rsi->nrfi", rows, answers)
-    return np.asarray(np.einsum("nrfi,nrzci->cfz", coefficients, moments, optimize=True).real)
+    if rows.strides[0] == 0:  # of one material
+        coefficients = np.einsum("nfs,rsi->nrfi", rows[0], answers)
+        return np.asarray(np.einsum("nrfi,nrzci->cfz", coefficients, moments, optimize=True).real)
+    coefficients = np.einsum("znfs,rsi->znrfi", rows, answers)
+    return np.asarray(np.einsum("znrfi,nrzci->cfz", coefficients, moments, optimize=True).real)
 
 
 @dataclass(frozen=True, eq=False)
@@ -291,8 +315,6 @@ class _Block:
     def summed(self, x: Array, depth: Array, number: int, names: tuple[str, ...], *, reflected: bool) -> Array:
         """Fields at depths within one body, the base the last; (column, field, depth, x)."""
         stack = self.inside.stack
-        medium = [*stack.media, stack.base_medium][number]
-        assert medium is not None
         out = np.zeros((len(self.columns), len(names), depth.size, x.size))
         orders = bessel_orders(self.k, x, 3 if self._tops[1] is None else ORDERS) * self.shares[:, None]
         parts = [(part, orders / self.k[:, None] if potentials else orders) for part, potentials in parted(names)]
@@ -300,17 +322,17 @@ class _Block:
             if top is None:
                 continue
             states = self._states(top, depth, number, reflected=reflected)
-            rows = rows_of(medium, stack.scale, names, sliding=bool(sliding))
+            rows = self.inside.rows(number, depth, names, sliding=bool(sliding))
             for part, weighted in parts:
                 for n, J in enumerate(weighted):
-                    _add(out, part, rows[n, part], states, J)
+                    _add(out, part, rows[:, n, part], states, J)
             if sliding and self.inside._shear is not None:
                 waved = ShearWaves(stack, self.k).at(number, depth, reflected=reflected)
                 pulled = np.einsum("skz,kc->kzsc", waved, -top[:, 0]) / stack.scale[0]
                 material = stack.layers[number].material if number < len(stack.layers) else stack.base
                 assert isinstance(material, Material)
                 for n, J in enumerate(orders):
-                    _add(out, np.arange(len(names)), shear_rows(Sheared.of(material), names)[n], pulled, J)
+                    _add(out, np.arange(len(names)), shear_rows(Sheared.of(material), names)[None, n], pulled, J)
         return out
 
     def _states(self, top: Array, depth: Array, number: int, *, reflected: bool) -> Array:
@@ -337,10 +359,12 @@ def _real(turned: ComplexArray) -> Array:
 
 
 def _add(out: Array, fields: Indices, rows: Array, states: Array, J: Array) -> None:
-    """Add rows (field, s) of states (k, depth, s, column) times a Bessel function (k, x) to some fields."""
-    there = np.flatnonzero(rows.any(1))
+    """Add rows (depth, field, s) of states (k, depth, s, column) times a Bessel function (k, x) to some fields."""
+    there = np.flatnonzero(rows.any((0, 2)))
     if there.size:
-        taken = np.einsum("fs,kzsc->cfzk", rows[there], states, optimize=True)
+        same = rows.strides[0] == 0 or len(rows) == 1  # of one material
+        form, own = ("fs,kzsc->cfzk", rows[0, there]) if same else ("zfs,kzsc->cfzk", rows[:, there])
+        taken = np.einsum(form, own, states, optimize=True)
         out[:, fields[there]] += taken @ J
 
 

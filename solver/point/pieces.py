@@ -150,6 +150,15 @@ class Pieces:
         """Of int_0^1 phi db; (node,)."""
         return np.concatenate([piece.weights for piece in self.pieces])
 
+    def shares(self, b: Array) -> Array:
+        """Of the nodes in phi at 0 <= b <= 1; (b, node)."""
+        found = np.zeros((b.size, self.count))
+        which = np.searchsorted([_INNER, _OUTER], b)
+        for number, (piece, span) in enumerate(zip(self.pieces, self._columns, strict=True)):
+            there = np.flatnonzero(which == number)
+            found[there, span] = piece.shares(piece.u(b[there]))
+        return found
+
     @cached_property
     def _rule(self) -> tuple[Array, csr_array]:
         """Distances at which a kernel is asked for, of all places, and what it sums to; (point,), (place node, point).

@@ -22,6 +22,7 @@ from solver.halfplane.pressing import ContactError
 from solver.point import hankel
 from solver.point.body import Film
 from solver.point.density import Density
+from solver.point.gradedterms import pieces
 from solver.point.inside import Tractions
 from solver.point.pressed import Contact, Friction, Pressed
 from solver.point.response import Response, legendre
@@ -58,7 +59,8 @@ class Rubbed:
         form = np.broadcast_to(-2 / np.pi * inverse[..., :, 0], contact.state.strengths.shape)
         series = _series(contact) if isinstance(body, Film) else np.zeros((*form.shape, 0))
         unit = self._unit[:, None]
-        return Density(body.shape, contact.state.strengths * unit, form * unit, series * unit[..., None])
+        own = pieces(kinked=body.shape.exponent % 2 != 0) if _graded(contact) else None
+        return Density(body.shape, contact.state.strengths * unit, form * unit, series * unit[..., None], own)
 
     @property
     def ratio(self) -> Array:
@@ -191,6 +193,11 @@ def warn_of_order(pressed: Pressed) -> None:
             FirstOrderWarning,
             stacklevel=2,
         )
+
+
+def _graded(contact: Contact) -> bool:
+    body = contact.pressed.body
+    return isinstance(body, Film) and body.kind.film.stack().top.graded
 
 
 def _series(contact: Contact) -> Array:

@@ -203,7 +203,7 @@ class _Assembled:
             out, edges = part[: 2 * count], part[2 * count : 2 * count + 2]
             inside, mirrored = part[2 * count + 2 : -nodes.size], part[-nodes.size :]
             mirror = np.r_[count : 2 * count, :count]
-            sign = np.array([-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0])[:, None]  # gradients are odd, displacements even
+            sign = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])[:, None]  # gradients are odd, displacements even
             inside = np.concatenate([inside, sign * mirrored], -1)
             edges = np.concatenate([edges, sign * edges[::-1]], -1)
             out = np.concatenate([out, sign * out[mirror]], -1)

@@ -72,6 +72,15 @@ def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
     return out
 
 
+def states(films: Films, permittivity: Array) -> Iterator[tuple[int, State]]:
+    """Every case with its solution; arguments and refusals of :func:`quantities`."""
+    require_gap(films.kind)
+    films.require_one_length()
+    for place, (number, contact) in _contacts(films):
+        air = np.array([VACUUM_PERMITTIVITY * permittivity[place], VACUUM_PERMEABILITY])
+        yield place, _in_air(films.kind, number, contact, air).state
+
+
 def _in_air(kind: Kind, number: int, contact: FilmContact, air: Array) -> AirContact:
     return AirContact(_air_window(kind, number, farthest(contact, air)), contact, air)
 

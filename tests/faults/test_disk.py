@@ -1,8 +1,6 @@
 """Disks that fill and folders that cannot be written: one clear error, nothing half-written, and a rerun completes."""
 
-import os
 import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,12 +9,10 @@ import pytest
 
 from tests.faults.conftest import RESULTS, contents
 from tests.faults.processes import wait_for_orphans
+from tests.workflow import nursery
 from tests.workflow.conftest import Project
 
 Maker = Callable[[str], Project]
-
-# root may write everywhere, unless it gives up the right to
-PLAIN_USER = [] if os.geteuid() else ["setpriv", "--bounding-set=-dac_override", "--inh-caps=-dac_override"]
 
 
 @contextmanager
@@ -39,16 +35,7 @@ def small_disk(folder: Path, kilobytes: int) -> Iterator[Callable[[], None]]:
 
 def as_plain_user(project: Project, *command: str) -> subprocess.CompletedProcess[str]:
     """Run a command that permissions bind."""
-    program = str(Path(sys.executable).with_name(command[0]))
-    environment = {**os.environ, "PYTHONPATH": str(project.folder), "PYTHONDONTWRITEBYTECODE": "1"}
-    return subprocess.run(
-        [*PLAIN_USER, program, *command[1:]],
-        cwd=project.folder,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    return nursery.run(command, project.folder, project.folder, user=nursery.PLAIN_USER)
 
 
 def leaves_whole_files(full: subprocess.CompletedProcess[str], project: Project, expected: dict[str, bytes]) -> int:
@@ -65,7 +52,7 @@ def test_a_full_disk_stops_the_run_and_a_rerun_completes(tiny: Maker, undisturbe
     project, expected = tiny("disk"), contents(undisturbed)
     target = str(RESULTS / "validation.nc")
     with small_disk(project.folder / "results", 900) as enlarge:  # for random cases, not for slabs beside them
-        full = as_plain_user(project, "snakemake", "--cores", "1", target)
+        full = project.run("snakemake", "--cores", "1", target, check=False)
         assert leaves_whole_files(full, project, expected) > 0
         enlarge()
         project.snakemake(target)
@@ -79,7 +66,7 @@ def test_a_full_disk_stops_the_run_and_a_rerun_completes(tiny: Maker, undisturbe
 def test_a_full_disk_for_results_at_any_step(kilobytes: int, tiny: Maker, undisturbed: Project) -> None:
     project, expected = tiny(f"disk{kilobytes}"), contents(undisturbed)
     with small_disk(project.folder / "results", kilobytes) as enlarge:
-        full = as_plain_user(project, "meecontact", "run", "tiny", "--cores", "2")
+        full = project.run("meecontact", "run", "tiny", "--cores", "2", check=False)
         leaves_whole_files(full, project, expected)  # none on the smallest disks
         enlarge()
         project.run("meecontact", "run", "tiny", "--cores", "2")

@@ -29,7 +29,7 @@ def test_slurm_and_a_local_run_give_the_same_bytes(copy: Callable[[str], Project
     local.run("meecontact", "run", "quickstart")  # nothing where `make run` has done it
     expected = data(local)
     with cluster(tmp_path / "slurm"):
-        remote.run("meecontact", "run", "quickstart", "--profile", "slurm")
+        remote.run("meecontact", "run", "quickstart", "--profile", "slurm", cold=True)
         jobs = subprocess.run(["scontrol", "-o", "show", "jobs"], capture_output=True, text=True, check=True).stdout
     assert jobs.count("JobState=COMPLETED") > 8  # it did go there
     found = data(remote)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.workflow import plans, warm
+from tests.workflow import nursery, plans
 from workflow.run.provenance import ROOMS, ROOT
 
 SMALL = """\
@@ -57,20 +57,20 @@ class Project:
     def run(
         self, *command: str, check: bool = True, said: str = "", cold: bool = False
     ) -> subprocess.CompletedProcess[str]:
-        """Run a command of the virtual environment inside the copy; a run's jobs are forks, unless it is cold."""
-        program = [Path(sys.executable).with_name(command[0])]
-        if (command[0] == "snakemake" or command[:2] == ("meecontact", "run")) and not cold and not self.modules:
-            program = [Path(sys.executable), Path(warm.__file__), program[0]]
-        environment = {**os.environ, "PYTHONPATH": str(self.modules or self.folder), "OMP_NUM_THREADS": "1"}
-        done = subprocess.run(
-            [*program, *command[1:]],
-            cwd=self.folder,
-            env=environment,
-            input=said,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        """Run a command of the virtual environment inside the copy; a fork of a warm process, unless it is cold."""
+        packages = self.modules or self.folder
+        if command[0] in nursery.PROGRAMS and not cold:
+            done = nursery.run(command, self.folder, packages, said)
+        else:
+            done = subprocess.run(
+                [Path(sys.executable).with_name(command[0]), *command[1:]],
+                cwd=self.folder,
+                env={**os.environ, "PYTHONPATH": str(packages), "OMP_NUM_THREADS": "1"},
+                input=said,
+                capture_output=True,
+                text=True,
+                check=False,
+            )
         assert not check or done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
         return done
 

@@ -1,21 +1,30 @@
-"""`python warm.py meecontact run small`: a run whose jobs are forks of a process that has imported what they need.
+"""Commands and runs whose Pythons are forks of one that has imported what they need: imports are paid once a worker.
 
-Snakemake, the rules and the scripts are those of any run. Only that each job begins with a Python of its own, which
-imports for a second or two, is not. Runs that are killed or that two start at once stay as users start them
-(tests/faults), so do an installed program's and one of designs (test_pipeline): their bytes are compared with these.
+`python warm.py ROOT` imports what commands, Snakemake and scripts import, forgets the project's own modules (a copy
+has its own), and then reads orders: each is a process of its own, in its folder, with its environment, its standard
+input and output, and its end. In it Snakemake's jobs are forks again. Snakemake, the rules and the scripts are those
+of any run; only that a Python begins by itself, which takes a second or three, is not. Runs that are killed or that
+two start at once stay as users start them (tests/faults), so do an installed program's and one of designs
+(test_pipeline): their bytes are compared with these.
 """
 
 import ast
 import contextlib
+import gc
 import importlib
+import io
+import json
 import os
 import runpy
 import sys
 import threading
+import warnings
 from pathlib import Path
 from subprocess import CalledProcessError
+from tempfile import TemporaryDirectory
 from typing import Any
 
+ROOMS = ("approximation", "meecontact", "solver", "storage", "surrogate", "verification", "workflow")
 SCRIPTS = Path("workflow/scripts")
 
 #: Jobs begin in threads, and the first of them waits for the modules.
@@ -61,17 +70,84 @@ def execute(self: Any, fname: str, edit: bool = False) -> None:
         raise CalledProcessError(os.waitstatus_to_exitcode(status), fname)
 
 
-def main(program: str) -> None:
-    """Run a program of the virtual environment so, with the rest of the command line."""
-    from snakemake.cli import main as snakemake
+def meecontact() -> None:
+    """The program of that name."""
+    from workflow.cli.main import main
+
+    sys.exit(main())
+
+
+def snakemake() -> None:
+    """The program of that name."""
+    from snakemake.cli import main
+
+    sys.exit(main())
+
+
+def python() -> None:
+    """What `python` would run: a module, a piece of code or a file; `-W error` before it acts."""
+    first = sys.argv.pop(0)
+    if first == "-W":
+        warnings.simplefilter(sys.argv.pop(0))  # type: ignore[arg-type]  # an action's name
+        first = sys.argv.pop(0)
+    sys.path.insert(0, "")
+    if first == "-m":
+        runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)
+    elif first == "-c":
+        exec(compile(sys.argv[0], "<string>", "exec"), {"__name__": "__main__"})
+    else:
+        sys.argv.insert(0, first)
+        sys.path[0] = str(Path(first).parent)
+        runpy.run_path(first, run_name="__main__")
+
+
+def preload() -> None:
+    """Import what they need and draw a first figure; of the project's own modules nothing stays."""
+    from snakemake.cli import main
     from snakemake.script import PythonScript
 
-    from workflow.cli.main import main as meecontact
-
     PythonScript.execute_script = execute
-    sys.exit({"meecontact": meecontact, "snakemake": snakemake}[Path(program).name]())
+    with TemporaryDirectory() as empty, contextlib.chdir(empty), contextlib.suppress(SystemExit):
+        Path("Snakefile").write_text("rule nothing:\n    output: 'a'\n    shell: ''\n", encoding="utf-8")
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+            main(["--cores", "1", "-n"])
+    bring()
+    importlib.import_module("workflow.cli.main")
+    for name in [name for name in sys.modules if name.partition(".")[0] in ROOMS]:
+        del sys.modules[name]
+
+
+def ordered() -> str:
+    """Fork for each order on standard input and write how it ended; only in a fork this returns, with its program."""
+    for line in sys.stdin:
+        order = json.loads(line)
+        process = os.fork()
+        if process == 0:
+            break
+        print(os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]), flush=True)
+    else:
+        sys.exit()
+    os.environ.clear()
+    os.environ.update(order["environment"])
+    os.chdir(order["folder"])
+    sys.path.insert(0, order["environment"]["PYTHONPATH"])
+    for number, (name, way) in enumerate(zip(order["streams"], (os.O_RDONLY, os.O_WRONLY, os.O_WRONLY), strict=True)):
+        stream = os.open(name, way)
+        os.dup2(stream, number)
+        os.close(stream)
+    sys.stdin = os.fdopen(0, encoding="utf-8", closefd=False)  # what was read ahead of the orders is not its input
+    program, *sys.argv[:] = order["command"]
+    return str(program)
 
 
 if __name__ == "__main__":
-    del sys.path[0], sys.argv[0]  # this file and its folder
-    main(sys.argv[0])
+    paths = sys.path[1:]  # without this file's folder
+    sys.path.insert(0, sys.argv[1])
+    os.chdir(sys.argv[1])
+    preload()
+    sys.path[:] = paths
+    gc.freeze()
+    program = ordered()
+    if program != "python":
+        sys.argv.insert(0, program)
+    {"meecontact": meecontact, "snakemake": snakemake, "python": python}[program]()

@@ -283,6 +283,11 @@ class GapContact:
         """V [V] (``ELECTRIC``) or Psi [A] (``MAGNETIC``) on a rigid base."""
         return float(self._solved[2][3 + self.punch.conducted.index(which)] * UNITS[which])
 
+    def beside(self, which: int) -> tuple[Array, Array]:
+        """(x - c)/h of nodes beside the contact, and phi [V] (``ELECTRIC``) or psi [A] (``MAGNETIC``); (node,) each."""
+        nodes = np.setdiff1d(self._edges, self._below)
+        return self.body.places[nodes, 0], self._solved[0].reshape(-1, 4)[nodes, which] * UNITS[which]
+
     @property
     def gap_field(self) -> float:
         """Largest field in the gap [V/m], at Gauss's points."""

@@ -58,7 +58,8 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
         _choose_levels(name, options)
     report, *others = [f"results/{name}/{file}" for file in study.final_files]
     if dry:
-        return _snakemake([*options, "--dry-run", "--quiet", "host", "--", report, *others])
+        with progress.followed(study, sys.stdout):
+            return _snakemake([*options, "--dry-run", "--quiet", "host", "reason", "--", report, *others])
     unreached.leave([name])  # the table says it
     with progress.followed(study):
         status = _snakemake([*options, "--quiet", "host", "reason", "--", report, *others])

@@ -4,44 +4,32 @@ import argparse
 import os
 import sys
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from importlib.metadata import version
-from itertools import product
 from pathlib import Path
-from typing import Any, NoReturn, TextIO
+from typing import TextIO
 
 import numpy as np
-import xarray as xr
 
-from solver import FactorError, Material, MaterialError, PrecisionWarning, solve, solve_interior
-from solver.body import kind_of
-from solver.names import ALL_QUANTITIES, CHOICES, ELECTRODE_QUANTITIES, STRIP_QUANTITIES
+from solver import FactorError, MaterialError, PrecisionWarning
 from storage.files import output, write_text
-from storage.netcdf import write_whole
 from surrogate import FormatError, OutOfBoxError
-from workflow.cli import calculating, learn, materials, sensing, serving, studies
-from workflow.cli.casetable import read_cases
+from workflow.cli import calculating, learn, materials, sensing, serving, studies, tabled
+from workflow.cli.helping import Parser, exemplify
 from workflow.cli.launch import launch
 from workflow.cli.progress import busy
 from workflow.cli.query import query
-from workflow.cli.solving import as_csv, solved
-from workflow.cli.words import cores, numbers, say, surrogate_file, written_as
-from workflow.language.spelling import nearest
-from workflow.study.reading import InputError, one_line, read_material
+from workflow.cli.words import cores, say, surrogate_file, written_as
+from workflow.study.reading import InputError, one_line
 
-_NAMED = 8  # quantities that a message names
-_OF_ELECTRODES = (*ELECTRODE_QUANTITIES, *STRIP_QUANTITIES)  # told of only where one is read
+_ABOUT = """\
+How much charge, how many volts and which stroke a contact on a piezoelectric,
+piezomagnetic or magneto-electro-elastic body gives.
 
-
-class _Parser(argparse.ArgumentParser):
-    """Complains in one line, and says what a command may have been meant to be."""
-
-    def _check_value(self, action: argparse.Action, value: Any) -> None:
-        if action.choices is not None and value not in action.choices:
-            raise argparse.ArgumentError(action, f"{value!r} is none; {nearest(str(value), list(action.choices))}")
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {one_line(message)}\n")
+  meecontact run quickstart          a study to its page, in half a minute
+  meecontact init mine               a study of one's own, with a comment on every line
+  meecontact COMMAND --help          every option, and an example to paste
+"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -90,26 +78,42 @@ def _warned(
     say(f"meecontact: warning: {message}")
 
 
-def _parser() -> _Parser:
-    parser = _Parser(prog="meecontact", description=__doc__)
+def _parser() -> Parser:
+    parser = Parser(prog="meecontact", description=_ABOUT)
     parser.add_argument("--version", action="version", version=f"%(prog)s {version('meecontact')}")
     parser.set_defaults(run=lambda options: parser.print_help())
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
 
-    command = commands.add_parser("solve", help="exact quantities (and surface fields) of a table of cases")
-    _add_cases(command)
-    command.add_argument("--positions", metavar="X1,X2,...", help="surface positions X = (x - c)/h, any but -1 and 1")
+    command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
+    command.add_argument("study", help="name of a study in config/, or path of a study's file (.yaml)")
+    command.add_argument("--cores", default="all", type=cores, metavar="N", help="cores to use at most; default: all")
     command.add_argument(
-        "--peaks", action="store_true", help="also the largest stresses of the body (milliseconds each)"
+        "--profile", default="default", metavar="NAME", help="slurm, or a folder of your own profiles/"
     )
-    command.set_defaults(run=_solve)
+    command.add_argument("-n", "--dry-run", action="store_true", help="only say what would be done")
+    command.set_defaults(run=_run)
 
-    command = commands.add_parser("interior", help="exact fields inside the body of a table of cases, on a grid")
-    _add_cases(command)
-    command.add_argument("--x", required=True, metavar="X1,X2,...", help="(x - c)/h")
-    command.add_argument("--y", required=True, metavar="Y1,Y2,...", help="y/h <= 0")
-    command.add_argument("--fields", metavar="NAME,...", help="these fields only; strains and potentials by name too")
-    command.set_defaults(run=_interior)
+    command = commands.add_parser("init", help="write a commented study of one's own, which runs as it is")
+    command.add_argument("name", metavar="NAME", help="of the study: config/NAME.yaml")
+    command.add_argument("--like", metavar="STUDY", help="begin with a copy of one that comes with the program")
+    command.set_defaults(run=_init)
+
+    command = commands.add_parser("list", help="what studies may name: studies, factors, quantities, materials")
+    command.add_argument("kind", nargs="?", metavar="KIND", help="one of these; default: all of them")
+    command.set_defaults(run=_list)
+
+    command = commands.add_parser(
+        "material", help="check a material, print roots and compliance; or list what is built in"
+    )
+    command.add_argument(
+        "material",
+        nargs="?",
+        metavar="FILE.yaml",
+        help="a material's file, or the name of a built-in one; none: a list",
+    )
+    command.set_defaults(run=_material)
+
+    tabled.add_solve(commands)
 
     command = commands.add_parser(
         "query",
@@ -133,21 +137,6 @@ def _parser() -> _Parser:
         "--exact", metavar="STUDY", help="also the exact answers, by the formula: the study that it came from"
     )
     command.set_defaults(run=query)
-
-    calculating.add(commands)
-    serving.add(commands)
-    sensing.add(commands)
-
-    command = commands.add_parser(
-        "material", help="check a material, print roots and compliance; or list what is built in"
-    )
-    command.add_argument(
-        "material",
-        nargs="?",
-        metavar="FILE.yaml",
-        help="a material's file, or the name of a built-in one; none: a list",
-    )
-    command.set_defaults(run=_material)
 
     command = commands.add_parser("design", help="answer a design question from a trained surrogate, in seconds")
     command.add_argument("results", type=Path, metavar="results/STUDY")
@@ -177,81 +166,18 @@ def _parser() -> _Parser:
     _add_si(command)
     command.set_defaults(run=_invert)
 
+    sensing.add(commands)
+    calculating.add(commands)
+
+    tabled.add_interior(commands)
     learn.add(commands)
-
-    command = commands.add_parser("init", help="write a commented study of one's own, which runs as it is")
-    command.add_argument("name", metavar="NAME", help="of the study: config/NAME.yaml")
-    command.set_defaults(run=_init)
-
-    command = commands.add_parser("list", help="what studies may name: studies, factors, quantities, materials")
-    command.add_argument("kind", nargs="?", metavar="KIND", help="one of these; default: all of them")
-    command.set_defaults(run=_list)
-
-    command = commands.add_parser("run", help="check a study and run it to its report with Snakemake")
-    command.add_argument("study", help="name of a study in config/, or path of a study's file (.yaml)")
-    command.add_argument("--cores", default="all", type=cores, metavar="N", help="cores to use at most; default: all")
-    command.add_argument(
-        "--profile", default="default", metavar="NAME", help="slurm, or a folder of your own profiles/"
-    )
-    command.add_argument("-n", "--dry-run", action="store_true", help="only say what would be done")
-    command.set_defaults(run=_run)
+    serving.add(commands)
+    exemplify(commands)
     return parser
 
 
 def _add_si(command: argparse.ArgumentParser) -> None:
     command.add_argument("--si", action="store_true", help="print in units of the SI without prefixes")
-
-
-def _add_cases(command: argparse.ArgumentParser) -> None:
-    command.add_argument("cases", type=Path, metavar="CASES.csv", help="one row a case, columns are factors")
-    command.add_argument(
-        "-o", "--output", type=written_as(nc="netCDF", csv="CSV"), required=True, metavar="OUT.nc|.csv"
-    )
-    command.add_argument(
-        "--materials", type=Path, action="append", default=[], metavar="FILE.yaml", help="own material"
-    )
-
-
-def _solve(options: argparse.Namespace) -> None:
-    positions = None if options.positions is None else numbers("--positions", options.positions)
-    points = len(positions or [0.0])
-    out = _solved(options, lambda factors, own: solve(factors, positions, materials=own, peaks=options.peaks), points)
-    names = [str(name) for name in out.coords]
-    around = out["surroundings"].values.flat if "surroundings" in names else [CHOICES["surroundings"][0]]
-    pressed = out["profile"].values.flat if "profile" in names else [CHOICES["profile"][0]]
-    kinds = [kind_of(names, *pair) for pair in product(dict.fromkeys(pressed), dict.fromkeys(around))]
-    asked = list(dict.fromkeys(name for kind in kinds for name in kind.quantities))
-    missing = [name for name in asked if name not in out and (name not in _OF_ELECTRODES or "collector" in names)]
-    if missing:
-        print(f"left out, as no case has such a quantity: {', '.join(missing)}", file=sys.stderr)
-    partial = [name for name in asked if name in out and bool(out[name].isnull().any())]
-    if partial:
-        more = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""
-        print(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{more}", file=sys.stderr)
-    _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
-
-
-def _interior(options: argparse.Namespace) -> None:
-    x, y = numbers("--x", options.x), numbers("--y", options.y)
-    fields = [name.strip() for name in options.fields.split(",")] if options.fields else None
-    points = len(x) * len(y)
-    out = _solved(options, lambda factors, own: solve_interior(factors, x, y, fields=fields, materials=own), points)
-    _wrote(options, out, f"{len(out.data_vars)} fields on {len(x)} x {len(y)} points")
-
-
-def _solved(
-    options: argparse.Namespace, answer: Callable[[xr.Dataset, Mapping[str, Material]], xr.Dataset], points: int
-) -> xr.Dataset:
-    """The answer to a table of cases."""
-    options.output = output(options.output, options.cases, *options.materials)
-    table = read_cases(options.cases)
-    own = dict(read_material(path) for path in options.materials)
-    return solved(table, lambda factors: answer(factors, own), points)
-
-
-def _wrote(options: argparse.Namespace, out: xr.Dataset, what: str) -> None:
-    (as_csv if options.output.suffix == ".csv" else write_whole)(out, options.output)
-    say(f"wrote {options.output}: {out.sizes['case']} cases, {what}")
 
 
 def _material(options: argparse.Namespace) -> None:
@@ -287,7 +213,7 @@ def _shown(text: str) -> str:
 
 
 def _init(options: argparse.Namespace) -> None:
-    say(f"wrote {studies.begin(options.name)}: meecontact run {options.name}")
+    say(f"wrote {studies.begin(options.name, options.like)}: meecontact run {options.name}")
 
 
 def _list(options: argparse.Namespace) -> None:

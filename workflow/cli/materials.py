@@ -46,8 +46,8 @@ def described(name: str) -> str:
     path = Path(name)
     if name in COMPOSITES and not path.exists():
         raise InputError(
-            f"material: {name!r} is a composite: in cases and studies composite: {name}, "
-            f"{COMPOSITES[name]}: {FACTORS[COMPOSITES[name]].allowed}"
+            f"material: {name!r} is a composition, not one material: a case says composite={name} and "
+            f"{COMPOSITES[name]}, {FACTORS[COMPOSITES[name]].allowed}"
         )
     material = read_material(path)[1] if path.suffix in (".yaml", ".yml") or path.exists() else find(name)
     with np.errstate(all="ignore"):  # what is not finite is named below

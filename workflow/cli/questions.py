@@ -1,5 +1,6 @@
 """Design questions from the command line: words to a target, and its answer."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -31,6 +32,8 @@ from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
 
+_BARE = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
+_SHARED = re.compile(r"[\d.]++(?:[eE][-+]?\d+)?+\s*(?P<unit>[^\d\s%-].*)")  # an error's unit
 _IMPOSSIBLE = 25.0  # five standard deviations
 _UNTOLD = 0.8  # share of its range over which a factor's interval tells nothing: a measurement of nothing leaves 0.95
 
@@ -209,6 +212,9 @@ def _measured(name: str, text: str) -> tuple[float, float]:
         raise InputError(f"{where}: {text!r} is not of the form VALUE+-STD")
     if name not in ALL_QUANTITIES:
         raise InputError(f"{where}: is no quantity; {nearest(name, list(ALL_QUANTITIES))}")
+    shared = _SHARED.fullmatch(std.strip())
+    if shared and _BARE.fullmatch(value.strip()):  # 380+-4 pC/N: one unit for both
+        value = f"{value} {shared['unit']}"
     mean = quantity(where, value, _units(name))
     try:
         absolute, share = size(name, std)

@@ -23,6 +23,7 @@ from solver.fields import ACROSS, ALONG, EVERY_INTERIOR
 from solver.names import ALL_QUANTITIES, CHOICES, FACTORS, OF_A_FILM, OF_A_PUNCH
 from storage.files import write_text
 from workflow.cli.casetable import Table
+from workflow.language.cells import plain
 from workflow.study.reading import InputError
 
 _DEFAULTS: dict[str, float | str | None] = {name: factor.default for name, factor in FACTORS.items()}
@@ -215,5 +216,5 @@ def as_csv(answer: xr.Dataset, path: Path) -> None:
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(name if units[name] == "1" else f"{name} [{units[name]}]" for name in columns)
     cells = [np.broadcast_to(column.values, answer.sizes["case"]).tolist() for column in columns.values()]
-    rows.writerows([["" if cell != cell else cell for cell in row] for row in zip(*cells, strict=True)])
+    rows.writerows([["" if cell != cell else plain(cell) for cell in row] for row in zip(*cells, strict=True)])
     write_text(path, text.getvalue())

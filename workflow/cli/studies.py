@@ -15,13 +15,15 @@ from workflow.study.reading import InputError, one_line
 _BEGINNING = Path(__file__).with_name("study.yaml")
 
 
-def begin(name: str) -> Path:
+def begin(name: str, like: str | None = None) -> Path:
     """Write a commented study that runs as it is.
 
     Parameters
     ----------
     name
         Of the study: its file is ``config/<name>.yaml`` of the current folder.
+    like
+        A study that comes with the program, to begin with a copy of it.
 
     Returns
     -------
@@ -31,15 +33,24 @@ def begin(name: str) -> Path:
     Raises
     ------
     InputError
-        A name that cannot name results, or a file that is there.
+        A name that cannot name results, a file that is there, or another `like`.
     """
     location.check_name(name, f"init: {name!r}")
     path = location.FOLDER / f"{name}.yaml"
     if path.exists():
         raise InputError(f"init: {path} is there already; remove it, or choose another name")
+    text = _beginning(like).read_text(encoding="utf-8").replace("NAME", name, 1)
     path.parent.mkdir(exist_ok=True)
-    write_text(path, _BEGINNING.read_text(encoding="utf-8").replace("NAME", name, 1))
+    write_text(path, text)
     return path
+
+
+def _beginning(like: str | None) -> Path:
+    """The file that a study begins with."""
+    known = {file.stem: file for file in sorted(location.BUNDLED.glob("*.yaml"))}
+    if like is not None and like not in known:
+        raise InputError(f"--like: {like!r} is unknown; {nearest(like, list(known))}")
+    return _BEGINNING if like is None else known[like]
 
 
 def listed(kind: str | None) -> str:
@@ -59,9 +70,12 @@ def listed(kind: str | None) -> str:
 
 
 def _studies() -> str:
-    """Name and title of every study of the current folder, or else of those that come with the program."""
+    """Name and title of every study of the current folder, and then of those that come with the program."""
     rows = {}
-    for file in sorted(location.FOLDER.glob("*.yaml")) or sorted(location.BUNDLED.glob("*.yaml")):
+    here, bundled = (
+        {file.stem: file for file in sorted(folder.glob("*.yaml"))} for folder in (location.FOLDER, location.BUNDLED)
+    )
+    for file in (here | {name: file for name, file in bundled.items() if name not in here}).values():
         lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
         title = next((line.partition(":")[2] for line in lines if line.startswith("title:")), "")
         rows[file.stem] = (one_line(title.strip().strip("\"'")),)

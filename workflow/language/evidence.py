@@ -3,14 +3,17 @@
 import re
 
 _NOT_READ = re.compile(r"\b(recalled|not read|somebody's code)\b")  # words of sources
+_YEAR = re.compile(r"\b(19|20)\d\d\b")
 
 
 def unverified(source: str) -> str:
-    """A mark for a source that says itself that it was not read.
+    """A mark for a source that says itself that it was not read, or that has no year.
 
     Examples
     --------
-    >>> unverified("a vendor's table, recalled"), unverified("a vendor's table, read")
+    >>> unverified("a vendor's table, recalled"), unverified("a vendor's table, read in 2026")
     (' (unverified: not read at its source)', '')
     """
-    return " (unverified: not read at its source)" if _NOT_READ.search(source) else ""
+    if _NOT_READ.search(source):
+        return " (unverified: not read at its source)"
+    return "" if _YEAR.search(source) else " (unverified: no dated source)"

@@ -143,3 +143,14 @@ def value(name: str, number: float, digits: int = 3) -> str:
     '50 mm'
     """
     return shown(number, (FACTORS[name] if name in FACTORS else ALL_QUANTITIES[name]).units, digits)
+
+
+def span(name: str, low: float, high: float, digits: int = 3) -> str:
+    """The ends of a factor's range; zero needs no unit.
+
+    Examples
+    --------
+    >>> span("radius", 0.0, 0.05), span("friction", 0.1, 0.4)
+    ('0 to 50 mm', '0.1 to 0.4')
+    """
+    return f"{value(name, low, digits) if low else 0} to {value(name, high, digits)}"

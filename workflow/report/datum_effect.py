@@ -70,7 +70,7 @@ def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
     """
     limits = [limit for limit in answer.limits if "trailing_tension" in limit.statement.expression.names()]
     own = study.narrowed(answer.kinds)
-    if not limits or not own.kind.inside or own.kind.contact == "point":
+    if not limits or own.kind.air or own.kind.contact == "point":
         return None
     solved = factorial.exact(own, dict(limits[0].worst), [_EDGE], peaks=(), regular=True)
     tension = float(solved["trailing_tension"])

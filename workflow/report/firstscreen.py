@@ -1,5 +1,6 @@
 """The first screen, for the person who decides: each target's drawing to scale and its answer in plain sentences."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -26,6 +27,8 @@ from workflow.study.model import Study
 from workflow.study.target import Target
 
 _LITTLE = 1e-5  # share that is told as less than that
+#: The space between a number and its unit: a sign, or a letter of the SI with or without prefix, and what it is per.
+_UNIT = re.compile(r"(?<=\d) (?=(?:%|[fpnµmkMGT]?(?:m|N|V|A|C|F|K|Pa|s|T|Wb|J|W)(?:[·/²³][^\s,;]*)?)(?:[\s,;.)]|$))")
 Case = Mapping[str, float | str]
 
 
@@ -100,7 +103,7 @@ def answered(
         name=name,
         title=title,
         code=found.goal,
-        build=built + asides.within(found),
+        build=_unbroken(built + asides.within(found)),
         does=_unbroken(good(target, found, hanging(own), reference)),
         doubt=doubted(own),
         stops=_unbroken(capital(told.stops)),
@@ -223,7 +226,10 @@ def good(target: Target, found: Answer, hangs: frozenset[str] = frozenset(), ref
         for goal in found.objectives
     ]
     together = ", the compromise of both" if len(parts) == 2 else ", the compromise of all" if len(parts) > 2 else ""
-    return capital(listed(parts)) + together + _over(target)
+    built = all(
+        {*goal.statement.expression.names()} <= {*found.case} for goal in found.objectives
+    )  # a factor as a goal
+    return capital(listed(parts)) + together + ("" if built else _over(target))
 
 
 def _with_band(goal: Term) -> str:
@@ -239,10 +245,7 @@ def _over(target: Target) -> str:
     }
     if not spans:
         return ""
-    low_to_high = [
-        f"{titles.title(name)} {titles.value(name, low)} to {titles.value(name, high)}"
-        for name, (low, high) in spans.items()
-    ]
+    low_to_high = [f"{titles.title(name)} {titles.span(name, low, high)}" for name, (low, high) in spans.items()]
     return f", {target.statistic.told} over {' and '.join(low_to_high)}"
 
 
@@ -266,8 +269,8 @@ def sure(found: Answer) -> str:
 
 
 def _unbroken(text: str) -> str:
-    """With every per cent sign in one piece with its number."""
-    return text.replace(" %", "\N{NO-BREAK SPACE}%")
+    """With every unit in one piece with its number."""
+    return _UNIT.sub("\N{NO-BREAK SPACE}", text)
 
 
 def _share(part: float) -> str:

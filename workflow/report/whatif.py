@@ -21,7 +21,6 @@ from workflow.language import grammar, titles
 from workflow.language.constants import FIGURES_BY
 from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import shown
 from workflow.report import live
 from workflow.study import coupling
 from workflow.study.categories import Kinds, output
@@ -63,7 +62,7 @@ def content(
     kinds = [study.combinations.index(answer.kinds) for answer in designs]
     start = values[0] if values else {}
     return {
-        "surrogate": stored,
+        "surrogate": stored if _combines(study, designs) else {key: stored[key] for key in stored if key != "together"},
         "quantities": [
             {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs), "title": titles.title(name)}
             for name in coupling.told(study)
@@ -86,6 +85,13 @@ def content(
             float(np.clip(own.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, own in model.box.items()
         ],
     }
+
+
+def _combines(study: Study, designs: Sequence[Answer]) -> bool:
+    """Whether some goal, limit or figure has several quantities, whose errors the page then counts together."""
+    asked = [term.statement.expression.names() for answer in designs for term in answer.terms]
+    asked += [grammar.parse(one["name"], study.meeting).names() for one in figures(study)]
+    return any(len({*names} & {*study.outputs}) > 1 for names in asked)
 
 
 def figures(study: Study) -> list[dict[str, Any]]:
@@ -155,18 +161,14 @@ def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str
                 "held": not term.broken,
             }
         )
-    ranges = target.worst_case | {
-        factor: list(distribution.support) for factor, distribution in target.uncertain.items()
-    }
-    over = [
-        f"{factor.replace('_', ' ')} {' to '.join(shown(end, FACTORS[factor].units, 4) for end in ends)}"
-        for factor, ends in ranges.items()
-    ]
+    ranges = target.worst_case | {factor: list(one.support) for factor, one in target.uncertain.items()}
+    over = [f"{titles.title(factor)} {titles.span(factor, low, high)}" for factor, (low, high) in ranges.items()]
     if target.tolerance:
         over.append(f"the tolerances of {titles.listed([titles.title(name) for name in target.tolerance])}")
     return {
         "name": name,
         "title": study.titles[name],
+        "beyond": bool(answer.beyond),
         "limits": limits,
         "goal": _goal(target, answer, " and ".join(over), constants),
         "variables": target.continuous,

@@ -69,11 +69,13 @@ class Contents(Keys):
     def stores_fields(self) -> bool:
         """Whether the data set holds surface fields, and the page draws them.
 
-        A cross approximation has no factorial to show them over, contacts with air beside them are without, and those
-        of points that slide take the solver milliseconds a case, to which they are left.
+        A cross approximation has no factorial to show them over, those of points that slide take the solver
+        milliseconds a case, to which they are left, and points with air beside them have none. Those of lines in air,
+        which take as long as the contact itself, are stored where positions are asked for.
         """
         slides = self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
-        return not self.crossed and not self.kind.air and not slides
+        asked = self.kind.contact == "line" and "positions" in self.dataset.model_fields_set
+        return not self.crossed and (asked or not self.kind.air) and not slides
 
     @property
     def meeting(self) -> Meeting:

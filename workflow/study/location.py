@@ -71,12 +71,10 @@ def location(name: str) -> Path:
     if name in known:
         check_name(name, f"study: {name!r}")
         return FOLDER / f"{name}.yaml"
-    if known:
-        raise InputError(f"study: {name!r} is unknown; {nearest(name, known)}; or the path of a study's file")
-    bundled = sorted(file.stem for file in BUNDLED.glob("*.yaml"))
+    bundled = sorted({file.stem for file in BUNDLED.glob("*.yaml")} - {*known})
+    where = "" if known else f": {Path.cwd()} has no {FOLDER}/*.yaml; go to a folder that has one"
     raise InputError(
-        f"study: {name!r} is unknown: {Path.cwd()} has no {FOLDER}/*.yaml; go to a folder that has one, "
-        f"give the path of a study's file, or one that comes with the program; {nearest(name, bundled)}"
+        f"study: {name!r} is unknown{where}; {nearest(name, [*known, *bundled])}; or the path of a study's file"
     )
 
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 from approximation.sobol import sobol_points
 from solver import solve
-from solver.names import AIR, ALL_QUANTITIES, PROFILES
+from solver.names import AIR, ALL_QUANTITIES, CHOICES, PROFILES
 from solver.similarity import Weight, weight_of
 from surrogate import Input
 from workflow.language.factors import FACTORS
@@ -194,19 +194,21 @@ def _check_share(study: Contents) -> None:
 
 
 def check_fields(study: Contents) -> None:
-    """Whether cases have the fields and largest stresses that sections ask for: those with air have none."""
+    """Whether cases have the fields and largest stresses that sections ask for."""
     effects = study.effects
     drawn: dict[str, Mapping[str, Any]] = (
         {"effects: baseline": effects.baseline, "effects: vary": effects.vary} if effects else {}
     )
+    pressed = PROFILES.get(str(effects.baseline.get("profile", CHOICES["profile"][0]))) if effects else None
     for where, given in drawn.items():
-        if AIR in np.atleast_1d(given.get("surroundings", "")):
+        if pressed and pressed.contact == "point" and AIR in np.atleast_1d(given.get("surroundings", "")):
             raise ValueError(f"{where}: surroundings: {AIR!r} has no fields, which effects draw; must be insulated")
     if effects and effects.film and study.kind.contact == "point":
         raise ValueError("effects: film: is not drawn of a point; a film stands in the baseline")
     without = f"cases with surroundings: {AIR!r} have none" if study.kind.air else "point contacts have none"
     if study.surrogate.fields and (study.kind.air or study.kind.contact == "point"):
-        raise ValueError(f"surrogate: fields: {without}; must be 0")
+        why = "those of contacts with air beside them are not learned" if study.kind.air else "point contacts have none"
+        raise ValueError(f"surrogate: fields: {why}; must be 0")
     if study.dataset.peaks and not study.kind.peaks:
         raise ValueError(f"dataset: peaks: {without}; must be false")
 

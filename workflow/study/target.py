@@ -219,7 +219,10 @@ class Target(Strict):
     def _check_tolerance(self) -> None:
         for name, given in self.tolerance.items():
             if name not in self.variables:
-                raise ValueError(f"tolerance: {name}: is not one of the design variables: {', '.join(self.variables)}")
+                raise ValueError(
+                    f"tolerance: {name}: is not one of the design variables: {', '.join(self.variables)}; "
+                    "what is given and yet uncertain stands in worst_case, as low and high"
+                )
             try:
                 _, share = self.tolerances[name]
             except ValueError as error:

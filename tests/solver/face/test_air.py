@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import solver
-from solver.names import GAP_QUANTITIES
+from solver.names import FILM_PEAKS, GAP_QUANTITIES
 from solver.similarity import FACTOR_WEIGHTS, QUANTITY_WEIGHTS
 from workflow.run.provenance import ROOT
 
@@ -131,13 +131,44 @@ def test_refused_in_one_line(changed: dict[str, Any], message: str) -> None:
     assert "\n" not in str(refusal.value)
 
 
-def test_fields_are_refused_and_peaks_are_none() -> None:
-    with pytest.raises(solver.FactorError, match="positions: fields of contacts with air beside them are not given"):
-        solver.solve(LINE | AIR, [0.5])
-    with pytest.raises(solver.FactorError, match="fields: fields of contacts with air beside them are not given"):
-        solver.solve_interior(LINE | AIR, [0.0], [-0.5])
-    with pytest.raises(solver.FactorError, match="curves: fields of contacts with air beside them are not given"):
+def test_fields_and_peaks_in_no_air_are_those_without() -> None:
+    """Of half-planes by the closed form, of films by their tables, whose nets are others: peaks to 1e-6."""
+    positions, x, y = [-20.0, -2.0, -0.5, 0.3, 1.4], [-1.5, 0.2, 3.0], [-0.1, -0.7]
+    none = AIR | {"gap_permittivity": 1e-16}
+    for case in (LINE, FILM | {"friction": 0.2, "load": 1e4}):
+        exact, found = (solver.solve(case | own, positions, regular=True) for own in ({}, none))
+        inside = [solver.solve_interior(case | own, x, y) for own in ({}, none)]
+        for one, other in zip((found, inside[1]), (exact, inside[0]), strict=True):
+            for name in (name for name in other.data_vars if other[name].ndim):
+                size = float(np.max(np.abs(other[name])))
+                np.testing.assert_allclose(one[name], other[name], rtol=0, atol=1e-8 * size, err_msg=str(name))
+    case = FILM | {"friction": 0.2, "load": 1e4}
+    exact, found = (solver.solve(case | own, peaks=True) for own in ({}, none))
+    for name in FILM_PEAKS:
+        np.testing.assert_allclose(found[name], exact[name], rtol=1e-6, err_msg=name)
+    curves = [solver.solve_curves(case | own, ["interface"]) for own in ({}, none)]
+    for name in curves[0].data_vars:
+        size = float(np.max(np.abs(curves[0][name])))
+        np.testing.assert_allclose(curves[1][name], curves[0][name], rtol=0, atol=1e-6 * size, err_msg=str(name))
+
+
+def test_peaks_in_air_are_the_largest_of_the_fields() -> None:
+    case = FILM | AIR | {"friction": 0.2}
+    found = solver.solve(case, peaks=["film_peak_von_mises", "interface_shear"])
+    half = float(found["contact_trailing"] + found["contact_leading"]) / 2
+    x, bottom = np.linspace(-2, 2, 81) * 1.001, 2e-4 / half
+    inside = solver.solve_interior(case, x, -np.linspace(0.1, bottom, 15), fields=["von_mises", "stress_xy"])
+    largest = float(inside["von_mises"].max())
+    assert largest <= float(found["film_peak_von_mises"]) * (1 + 1e-9) < largest * 1.01
+    shear = float(np.abs(inside["stress_xy"].isel(y=-1)).max())
+    assert shear <= float(found["interface_shear"]) * (1 + 1e-9) < shear * 1.001
+
+
+def test_what_is_not_given_in_air_is_refused() -> None:
+    with pytest.raises(solver.FactorError, match="curves: stresses of half-planes with air beside their contacts are"):
         solver.solve_curves(LINE | AIR, ["body"])
+    with pytest.raises(solver.FactorError, match="positions: fields of point contacts with air beside them are not"):
+        solver.solve({"material": "PZT-4", "profile": "sphere", "radius": 0.05, "force": 1.0} | AIR, [0.5])
     assert "peak_von_mises" not in solver.solve(LINE | AIR, peaks=True)
 
 

@@ -93,6 +93,7 @@ def test_of_two_hills_of_the_pressure_the_higher_is_given() -> None:
     assert float(solver.solve(case | {"load": 2.495e5})["peak_pressure"]) == pytest.approx(69.682e6, abs=5e2)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("material", "base"), [("BaTiO3", "steel"), ("PZT-5H", "polyimide")])
 def test_a_sweep_of_the_load_has_no_steps_where_tables_change(material: str, base: str) -> None:
     """2,000 loads about the change of tables at a half-length of one thickness: third differences are steps."""

@@ -54,7 +54,7 @@ def searched(case: dict[str, Any], field: str) -> tuple[float, float]:
     return max(found)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: "-".join(map(str, case.values())))
 def test_peaks_are_those_of_a_search(case: dict[str, Any]) -> None:
     found = solver.solve(factors(case), peaks=True)

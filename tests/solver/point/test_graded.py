@@ -1,16 +1,18 @@
 """Points on graded films: Galerkin's equations, a closed multiplier, staircases, Irwin's relation; what is refused."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.integrate import quad
 from scipy.special import gammainc, spherical_jn, xlogy
 
 import solver
 from solver.arrays import Array
+from solver.fields import POINT_FIELDS
 from solver.film.grading import local_tails
 from solver.film.kernel import graded_response
 from solver.film.powerlaw import constants_of
@@ -240,8 +242,79 @@ def test_what_is_not_solved_below_points_is_told_in_one_line(own: dict[str, Any]
     assert "\n" not in str(refusal.value)
 
 
-def test_stresses_inside_are_refused() -> None:
+def test_largest_stresses_inside_are_refused() -> None:
     with pytest.raises(solver.FactorError, match="peaks: are not given of a film that is graded"):
         solver.solve(GRADED, peaks=True)
-    with pytest.raises(solver.FactorError, match="fields: are not given inside a film that is graded, under a point"):
-        solver.solve_interior(GRADED, [0.0], [-1.0])
+
+
+FALLING = solver.Graded(lambda depth: solver.fibrous(BTO, CFO, 0.8 - 0.6 * depth), 1e-4)
+PRESSED: dict[str, Any] = {"profile": "sphere", "radius": 5e-3, "force": 10.0}
+
+
+def inside(layers: Sequence[solver.Layer], x: list[float], y: list[float], fields: Sequence[str]) -> xr.Dataset:
+    """At depths over the thickness."""
+    case = PRESSED | {"body": solver.Stack(layers, base="steel")}
+    a = float(solver.solve(case)["contact_radius"])
+    return solver.solve_interior(case, x, (np.array(y) * 1e-4 / a).tolist(), fields=list(fields)).squeeze()
+
+
+def test_fields_inside_what_is_graded_by_nothing_are_those_of_a_layer() -> None:
+    half = solver.fibrous(BTO, CFO, 0.5)
+    nothing = solver.Graded(lambda depth: solver.fibrous(BTO, CFO, 0.5 + 0.0 * depth), 1e-4)
+    names, places = (
+        ("stress_xx", "stress_xy", "electric_field_x", "electric_potential"),
+        ([-1.3, 0.4], [-0.02, -0.6, -1.4]),
+    )
+    one, other = inside([nothing], *places, names), inside([solver.Layer(half, 1e-4)], *places, names)
+    for name in names:
+        np.testing.assert_allclose(one[name], other[name], rtol=0, atol=1e-9 * float(np.abs(other[name]).max()))
+
+
+def test_fields_inside_obey_the_material_at_their_depth_and_meet_the_surface() -> None:
+    """Hooke's law of the material there; pressure and charge of the punch on top, its potential on the contact."""
+    depth, case = 0.4, PRESSED | {"body": solver.Stack([FALLING], base="steel")}
+    names = (
+        "strain_xx",
+        "strain_yy",
+        "stress_xx",
+        "stress_yy",
+        "stress_zz",
+        "electric_field_y",
+        "electric_displacement_y",
+    )
+    found = {name: float(value) for name, value in inside([FALLING], [0.7], [-depth], names).data_vars.items()}
+    m, E = FALLING.profile(np.array(depth)), found["electric_field_y"]
+    xx, yy = found["strain_xx"], found["strain_yy"]
+    magnetic = solver.solve_interior(case, [0.7], [-depth * 1e-4 / float(solver.solve(case)["contact_radius"])],
+                                     fields=["magnetic_field_y"])  # fmt: skip
+    H = float(magnetic["magnetic_field_y"].squeeze())
+    zz = (found["stress_yy"] - m.c33 * yy + m.e33 * E + m.f33 * H) / m.c13 - xx
+    for name, along, across in (("stress_xx", xx, zz), ("stress_zz", zz, xx)):
+        law = m.c11 * along + m.c12 * across + m.c13 * yy - m.e31 * E - m.f31 * H
+        assert found[name] == pytest.approx(float(law), rel=1e-9)
+    surface = solver.solve(case, [0.3, 1.5])
+    top = solver.solve_interior(
+        case, [0.3, 1.5], [0.0], fields=["stress_yy", "electric_displacement_y", "electric_potential"]
+    )
+    size = float(surface["contact_pressure"].max())
+    np.testing.assert_allclose(top["stress_yy"].squeeze(), -surface["contact_pressure"], atol=1e-6 * size)
+    assert float(top["electric_potential"][0, 0]) == pytest.approx(float(surface["voltage"]), rel=1e-4)
+    assert set(POINT_FIELDS) <= set(surface.data_vars)
+
+
+def test_fields_inside_are_those_of_staircases_extrapolated() -> None:
+    """Stacks of 8 and 16 layers, each with the contact of its own; what is continuous across their steps."""
+    names = ("stress_yy", "stress_xy", "electric_displacement_y", "electric_potential")
+    places = [-1.3, 0.4], [-0.11, -0.52, -1.3]
+
+    def steps(count: int) -> xr.Dataset:
+        own = [FALLING.profile(np.array((i + 0.5) / count)) for i in range(count)]
+        upper = [solver.Layer(one, 1e-4 / count, "bonded", "bonded") for one in own[:-1]]
+        return inside([*upper, solver.Layer(own[-1], 1e-4 / count)], *places, names)
+
+    found, coarse, fine = inside([FALLING], *places, names), steps(8), steps(16)
+    for name in names:
+        other = fine[name].values + (fine[name].values - coarse[name].values) / 3
+        np.testing.assert_allclose(
+            found[name].values, other, rtol=0, atol=2e-3 * float(np.abs(other).max()), err_msg=name
+        )

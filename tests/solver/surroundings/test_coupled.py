@@ -5,9 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from solver.film.interior import fields_of
 from solver.halfplane.punch import Punch
 from solver.material.constants import Material
+from solver.surroundings.charges import FAR
 from solver.surroundings.coupled import AirContact
+from solver.surroundings.tractions import Solved
 from tests.solver.surroundings.airy import BTO, FIBROUS, PZT, RADIUS, THICKNESS, airy, half_plane, on_rigid, on_steel
 from verification.cases import constants
 from verification.oracles.fem_film import ELECTRIC, Layer
@@ -21,7 +24,8 @@ from verification.oracles.surface_response import surface_response
 def test_finite_elements_of_body_gap_and_punch_agree(elastic: bool) -> None:
     """On steel their mesh ends far away; the load and V are those of order 6, whose own misses these are."""
     punch = Punch.isotropic(210e9, 0.3) if elastic else Punch()
-    found = airy(on_steel(PZT), 2e4, friction=0.3, charges=(1e-7, 0.0), conducts=(True, False), punch=punch).state
+    contact = airy(on_steel(PZT), 2e4, friction=0.3, charges=(1e-7, 0.0), conducts=(True, False), punch=punch)
+    found = contact.state
     other = GapContact(
         [Layer(constants(PZT), THICKNESS, (ELECTRIC,))], isotropic(200e9, 0.3),
         Cylinder(RADIUS, 0.3, 1e-7, 0.0, (ELECTRIC,)), found.half * THICKNESS, order=6,
@@ -31,6 +35,11 @@ def test_finite_elements_of_body_gap_and_punch_agree(elastic: bool) -> None:
     assert other.centre == pytest.approx(found.centre * found.half * THICKNESS, rel=1e-4)
     voltage = found.response[1] * found.of.contact.scale[2] * THICKNESS
     assert other.potential(ELECTRIC) == pytest.approx(voltage, rel=1e-4)
+    X, phi = other.beside(ELECTRIC)
+    tractions, datum = Solved(found, np.array([1.0, -1.0]), FAR).tractions, contact.contact.datum
+    some = np.flatnonzero(np.abs(X) < 10)[::3]
+    ours = fields_of(tractions, X[some], np.zeros(1), ("electric_potential",), datum)[0, 0, 0] * THICKNESS
+    np.testing.assert_allclose(phi[some], ours, rtol=0, atol=1e-4 * abs(voltage))
 
 
 @pytest.mark.parametrize("material", [BTO, FIBROUS])

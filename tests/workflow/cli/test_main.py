@@ -291,7 +291,7 @@ def test_query_refuses_what_is_no_surrogate(ran: Project, tmp_path: Path, capsys
 
 def test_the_installed_command_exits_with_the_status(copy: Callable[[str], Project]) -> None:
     project = copy("command")
-    done = project.run("meecontact", "material", "stel", check=False)
+    done = project.run("meecontact", "material", "stel", check=False, cold=True)
     assert done.returncode == 2
     assert done.stderr.startswith("meecontact: material: 'stel' is unknown; did you mean 'steel'?")
     assert project.run("meecontact", "--help").stdout.startswith("usage: meecontact")

@@ -37,7 +37,16 @@ def told(capsys: pytest.CaptureFixture[str], text: str) -> list[float]:
 
 
 @pytest.mark.parametrize(
-    "text", ["-519+-1%", "-519 V +- 1 %", "-0.519kV+-1%", "-0.519 kV+-5.19V", "-519+-5.19", "-519e3mV+-5190 mV"]
+    "text",
+    [
+        "-519+-1%",
+        "-519 V +- 1 %",
+        "-0.519kV+-1%",
+        "-0.519 kV+-5.19V",
+        "-519+-5.19",
+        "-519e3mV+-5190 mV",
+        "-0.519+-0.00519 kV",
+    ],
 )
 def test_one_measurement_in_all_its_forms(text: str, capsys: pytest.CaptureFixture[str]) -> None:
     mean, low, high = told(capsys, text)
@@ -50,7 +59,7 @@ def test_one_measurement_in_all_its_forms(text: str, capsys: pytest.CaptureFixtu
     ("text", "says"),
     [
         ("-0.519kV", "'-0.519kV' is not of the form VALUE+-STD"),
-        ("-519+-5mm", "unit mismatch: '5mm' for a number in V"),
+        ("-519+-5mm", "unit mismatch: 'mm' does not measure what 'V' measures"),
         ("-519mm+-1%", "--measured: voltage"),
         ("-519+-0%", "'0%' is not a positive number with a unit"),
         ("-519+--5", "'-5' is not a positive number with a unit"),

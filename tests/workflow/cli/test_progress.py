@@ -2,12 +2,13 @@
 
 import io
 import logging
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from workflow.cli.progress import Progress, busy, step
+from workflow.cli.progress import Progress, busy, followed, step
 from workflow.study.model import load
 
 
@@ -87,3 +88,10 @@ def test_a_terminal_sees_what_is_done_now_and_in_the_end_nothing(monkeypatch: py
         tell("polishing")
     clear = "\r\x1b[K"
     assert terminal.getvalue() == f"{clear}searching ...{clear}polishing ...{clear}"
+
+
+def test_snakemakes_line_about_its_options_is_left_out(capsys: pytest.CaptureFixture[str]) -> None:
+    with followed(load("config/quickstart.yaml"), io.StringIO()):
+        print("Using workflow specific profile /somewhere for setting default command line arguments.", file=sys.stderr)
+        print("Error: what a reader needs", file=sys.stderr)
+    assert capsys.readouterr().err == "Error: what a reader needs\n"

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from tests.workflow.conftest import Project
 from workflow.cli import main, questions
 from workflow.design.search import targets
 from workflow.design.told.table import as_csv, as_json
+from workflow.design.verdict.answer import Answer
 from workflow.study.reading import InputError
 
 
@@ -24,17 +26,33 @@ def asked(ran: Project, *words: str, check: bool = True) -> str:
     return done.stdout + done.stderr
 
 
-def test_answers_as_a_table_and_as_json(ran: Project) -> None:
+def test_answers_as_a_table_and_as_json(
+    ran: Project, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     words = ["--maximise", "abs(voltage_sensitivity)", "--over", "radius,volume_fraction", "--at", "load=1e4"]
     words += ["--worst-case", "friction=0.1:0.4", "--limit", "trailing_tension<5e7"]
-    table = asked(ran, *words)
-    first, told, *rest = table.splitlines()
+    monkeypatch.chdir(ran.folder)
+    ask = questions.ask
+    answers: list[Answer] = []
+    tables: list[str] = []
+
+    def once(*question: Any) -> Answer:
+        if not answers:
+            answers.append(ask(*question))
+        return answers[0]
+
+    monkeypatch.setattr(questions, "ask", once)
+    for form in ([], ["--json"]):
+        assert main.main(["design", "results/small", *words, *form]) == 0
+        tables.append(capsys.readouterr().out)
+    first, told, *rest = tables[0].splitlines()
     assert first == "maximise abs(voltage_sensitivity)"
     assert told.startswith(
-        "Beyond linear theory; otherwise recommended: tension behind the contact of 50 MPa stops it. "
+        "Beyond linear theory; otherwise recommended: tension behind the contact of 50 MPa stops it."
     )
-    assert rest[:2] == ["feasible; binding: trailing_tension<5e7", "polish: on the exact solver"]
-    found = json.loads(asked(ran, *words, "--json"))
+    assert len(told) <= 100  # columns, for people
+    assert rest.index("polish: on the exact solver") == rest.index("feasible; binding: trailing_tension<5e7") + 1
+    found = json.loads(tables[1])
     assert found["polish"] == "on the exact solver"
     at = {name: one["value"] for name, one in found["factors"].items()}
     friction = np.linspace(0.1, 0.4, 61)

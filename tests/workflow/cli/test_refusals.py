@@ -9,7 +9,7 @@ import pytest
 from snakemake.cli import parse_config
 
 from workflow.cli import main
-from workflow.design.told import table
+from workflow.language.cells import plain
 from workflow.language.spelling import nearest
 from workflow.run.provenance import ROOT
 from workflow.study import layered, location
@@ -29,7 +29,7 @@ def test_cores_are_a_number_from_one_on_or_all(given: str, capsys: pytest.Captur
 def test_netcdf_is_not_written_under_the_name_of_another_format(
     command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    out = tmp_path / "x.csv"
+    out = tmp_path / "x.xlsx"
     with pytest.raises(SystemExit) as ended:
         main.main([*command, str(ROOT / "examples/cases.csv"), "-o", str(out)])
     assert ended.value.code == 2
@@ -46,7 +46,7 @@ def test_the_help_of_query_shows_single_percent_signs(capsys: pytest.CaptureFixt
 def test_a_composite_is_no_misspelt_material(capsys: pytest.CaptureFixture[str]) -> None:
     assert main.main(["material", "AlScN"]) == 2
     told = capsys.readouterr().err
-    assert "is a composite" in told
+    assert "is a composition, not one material: a case says composite=AlScN and scandium_fraction" in told
     assert "scandium_fraction" in told
     assert "did you mean" not in told
 
@@ -91,7 +91,7 @@ def test_a_folder_in_which_no_netcdf_file_can_be_is_refused(
 
 
 def test_no_cell_of_the_designs_is_a_formula() -> None:
-    assert [table.plain(one) for one in ("=1+1", "+x", "-x", "@x", "a,b", -1.0)] == [
+    assert [plain(one) for one in ("=1+1", "+x", "-x", "@x", "a,b", -1.0)] == [
         "'=1+1",
         "'+x",
         "'-x",

@@ -8,6 +8,7 @@ import pytest
 from solver.names import ALL_QUANTITIES
 from workflow.cli import studies
 from workflow.cli.main import main
+from workflow.run.sources import ROOT
 from workflow.study.model import load
 from workflow.study.reading import InputError
 
@@ -31,6 +32,10 @@ def test_what_init_writes_is_a_study_with_a_comment_on_every_part(
     with pytest.raises(InputError, match=r"^init: '\.\./mine': a study's file must be named"):
         studies.begin("../mine")
     assert [file.name for file in tmp_path.rglob("*.yaml")] == ["mine.yaml"]
+    assert main(["init", "balls", "--like", "point_sensor"]) == 0
+    assert load(tmp_path / "config/balls.yaml").design == load(ROOT / "config/point_sensor.yaml").design
+    with pytest.raises(InputError, match=r"^--like: 'point_senor' is unknown; did you mean 'point_sensor'\?"):
+        studies.begin("other", "point_senor")
 
 
 def test_list_tells_every_name_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -49,4 +54,6 @@ def test_list_tells_every_name_once(monkeypatch: pytest.MonkeyPatch, tmp_path: P
     assert studies.listed("studies") == here  # those that come with the program
     (tmp_path / "config").mkdir()
     (tmp_path / "config/mine.yaml").write_text("title: My own\n", encoding="utf-8")
-    assert studies.listed("studies").split() == ["mine", "My", "own"]
+    first, *others = studies.listed("studies").splitlines()
+    assert first.split() == ["mine", "My", "own"]
+    assert [line.split() for line in others] == [line.split() for line in here.splitlines()]

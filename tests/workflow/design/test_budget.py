@@ -184,6 +184,7 @@ def across(friction: float | Array) -> xr.Dataset:
     return solve({**case, "friction": friction}, peaks=True)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("bound", [44.0, 46.0, 47.0])
 def test_a_limit_at_a_kink_is_met(kinked: tuple[Study, GaussianProcess], bound: float) -> None:
     most = Target.model_validate(

@@ -205,8 +205,10 @@ def test_an_exact_value_outside_its_interval_fails_unless_allowed(
             return {name: 1.05 * one for name, one in super().values(factors, names).items()}
 
     monkeypatch.setattr(targets, "Predicted", Wrong)
-    held = {"worst_case": {"friction": [0.1, 0.4]}, "at": {"charge": 0.0, "load": 1e4}}
-    target = TARGETS["worst"].model_copy(update=held)
+    target = Target(
+        maximise="abs(voltage) / depth", over=["radius"], worst_case={"friction": [0.1, 0.4]},
+        at={"charge": 0.0, "load": 1e4, "volume_fraction": 0.5}, subject_to=["trailing_tension <= 50 MPa"],
+    )  # fmt: skip
     with pytest.raises(InputError, match=r"design: mine: .* is outside .* allow_outside_interval: true"):
         targets.answer(study, "mine", target, model)
     allowed = targets.answer(study, "mine", target.model_copy(update={"allow_outside_interval": True}), model)

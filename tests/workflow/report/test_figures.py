@@ -26,7 +26,7 @@ NAMED = f"categories: {{composite: [fibrous, laminate]}}\n{ONE}"
 @pytest.mark.parametrize("factors", [ONE, TWO, NAMED], ids=["one factor", "two factors", "a category and a factor"])
 def test_the_number_of_slabs_does_not_change_the_figure_of_fields(factors: str, tmp_path: Path) -> None:
     drawn = set()
-    for slabs in (1, 2, 3):
+    for slabs in (1, 3):
         file = tmp_path / "some.yaml"
         fixed = {"radius": 0.05, "load": 1e5, "composite": "fibrous", "volume_fraction": 0.5}
         fixed = {name: value for name, value in fixed.items() if name not in factors}

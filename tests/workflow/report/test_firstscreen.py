@@ -20,6 +20,7 @@ from workflow.report.firstscreen import Case
 from workflow.report.svg import ACCENT, BAD
 from workflow.study.layered import BodyLayer
 from workflow.study.model import load
+from workflow.study.sections import Effects
 
 FILM = Device("cylinder", "leading", 0.05, 6e-4, 5e-4, 1e4, thickness=3e-4, base="steel", grounded=True)
 
@@ -88,11 +89,11 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     one = firstscreen.answered(study, "sensor", target, found, exact.contact(study, found), {})
     assert one.reachable
     assert one.title == "Largest voltage per load"
-    assert one.stops == "Tension behind the contact of 50 MPa stops it."
+    assert said(one.stops) == "Tension behind the contact of 50 MPa stops it."
     assert re.fullmatch(
         r"1 % off in .*, tension behind the contact is the first to break: [\d.]+ % beyond\.", said(one.breaks)
     )
-    assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane; R = .*", one.build)
+    assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane; R = .*", said(one.build))
     band = re.fullmatch(
         r"Voltage per load \(ground 1 m away\) ([\d.]+) mV·m/N ± ([\d.]+) %, at worst over friction 0\.1 to 0\.4",
         said(one.does),
@@ -112,7 +113,7 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     ]
     other = replace(found, terms=(goal, *found.terms[1:]), variables=tuple(variables))
     changed = firstscreen.answered(study, "sensor", target, other, exact.contact(study, other), {})
-    assert changed.build.endswith("; R = 50 mm")
+    assert said(changed.build).endswith("; R = 50 mm")
     number = [float(re.findall(r"[\d.]+", text.does)[1]) for text in (one, changed)]
     assert number[1] == pytest.approx(2 * number[0], rel=0.01)
     assert changed.why != one.why
@@ -159,7 +160,7 @@ def test_the_first_limit_to_break_is_that_of_the_least_margin(ran: Project) -> N
 def test_a_source_that_was_not_read_is_unverified(ran: Project) -> None:
     found = netcdf.read(ran.folder / "results/small/design/sensor.nc")
     goal, first, other = found.terms
-    for source, mark in (("a table, recalled", " (unverified: not read at its source)"), ("a table, read", "")):
+    for source, mark in (("a table, recalled", " (unverified: not read at its source)"), ("a table, read in 2026", "")):
         own = replace(first, bound="tensile strength of PZT", source=source)
         assert verdict(replace(found, terms=(goal, own, other))).sources == f"Tensile strength of PZT: {source}{mark}."
 
@@ -223,9 +224,10 @@ def test_every_section_says_what_its_numbers_say() -> None:
     assert sentences.readout(
         [{"cases": 50, "rows": [{"name": "load", "coverage": 0.96, "width": 0.01, "left": 0.1}]}]
     ) == ("Load is read to 1 %, and its 95 % interval held it in 96 % of 50 cases.")
-    study = load("config/parametric.yaml")
-    assert study.effects is not None
-    assert all(name.replace("_", " ") in sentences.effects(study) for name in study.effects.vary)
+    vary = {"volume_fraction": [0.2, 0.8], "friction": [0.0, 0.3], "composite": ["fibrous", "laminate"]}
+    effects = Effects.model_validate({"baseline": {"radius": 0.05, "load": 1e5}, "vary": vary})
+    study = load("config/quickstart.yaml").model_copy(update={"effects": effects})
+    assert all(name.replace("_", " ") in sentences.effects(study) for name in vary)
 
 
 def test_what_a_goal_depends_on_is_told_of_every_goal_and_category() -> None:

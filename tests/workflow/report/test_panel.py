@@ -275,6 +275,6 @@ def test_limits_within_tolerances_are_judged_as_python_judges_them(
     told = (
         "over friction 0.1 to 0.4 and the tolerances of radius and volume fraction, whatever the sliders say of that:"
     )
-    assert seen["over"] == f"Limits of Largest voltage per load, on the surrogate {told}"
+    assert seen["over"] == f"Limits of \u201cLargest voltage per load\u201d, on the surrogate {told}"
     agree(mine, "sensor", model, seen["judged"])
     assert {one["verdict"] for _, said in seen["judged"] for one in said} >= {"held", "broken"}

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.workflow import nursery
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
 
@@ -20,8 +21,8 @@ def test_a_script_alone_makes_what_its_job_makes(ran: Project, tmp_path: Path, s
     for folder in ("config", "results"):
         shutil.copytree(ran.folder / folder, tmp_path / folder)
     made.unlink()
-    alone = [sys.executable, str(ROOT / "workflow/scripts" / script), f"results/small/{file}"]
-    subprocess.run(alone, cwd=tmp_path, check=True)
+    done = nursery.run(["python", str(ROOT / "workflow/scripts" / script), f"results/small/{file}"], tmp_path, ROOT)
+    assert done.returncode == 0, done.stderr
     assert made.read_bytes() == (ran.folder / "results/small" / file).read_bytes()
     assert not (tmp_path / ".snakemake").exists()
     assert not (tmp_path / "logs").exists()

@@ -53,6 +53,13 @@ def test_what_only_some_surroundings_have_is_lacked(both: Study) -> None:
     assert both.narrowed({"surroundings": "insulated"}).kind.air is False
 
 
+def test_fields_of_lines_in_air_are_stored_where_positions_are_given(tmp_path: Path) -> None:
+    told = study(AIR + "dataset: {positions: {inside: 4, outside: 2}}\n", tmp_path)
+    assert told.stores_fields
+    ball = BALL + "dataset: {positions: {inside: 4, outside: 2}}\n"
+    assert not study(ball, tmp_path).stores_fields
+
+
 def test_no_fields_are_stored_where_any_case_is_in_air(alone: Study, both: Study) -> None:
     assert not alone.stores_fields
     assert not both.stores_fields
@@ -65,17 +72,15 @@ def test_no_fields_are_stored_where_any_case_is_in_air(alone: Study, both: Study
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        ("surrogate: {fields: 8}\n", "surrogate: fields: cases with surroundings: 'air' have none; must be 0"),
+        (
+            "surrogate: {fields: 8}\n",
+            "surrogate: fields: those of contacts with air beside them are not learned; must be 0",
+        ),
         ("dataset: {peaks: true}\n", "dataset: peaks: cases with surroundings: 'air' have none; must be false"),
         (
-            "effects:\n  baseline: {material: PZT-4, radius: 0.05, load: 1e4, surroundings: air}\n"
-            "  vary: {friction: [0.0, 0.1]}\n",
+            "effects:\n  baseline: {material: PZT-4, profile: sphere, radius: 0.05, force: 1.0, surroundings: air}\n"
+            "  vary: {force: [1.0, 2.0]}\n",
             "effects: baseline: surroundings: 'air' has no fields, which effects draw; must be insulated",
-        ),
-        (
-            "effects:\n  baseline: {material: PZT-4, radius: 0.05, load: 1e4}\n"
-            "  vary: {surroundings: [insulated, air]}\n",
-            "effects: vary: surroundings: 'air' has no fields, which effects draw; must be insulated",
         ),
     ],
 )

@@ -5,6 +5,7 @@ import io
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -14,11 +15,13 @@ from workflow.design.told.words import verdict
 from workflow.design.verdict import netcdf
 from workflow.design.verdict.answer import Answer
 from workflow.design.verdict.term import Term
+from workflow.language.cells import plain
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.statements import Limit
 
-_FORMULA = tuple("=+-@\t\r")  # with which a spreadsheet begins to calculate
+_WIDE = 100  # columns
+_EXACT = 1e-6  # of a limit: a margin that is none, but for rounding
 _HEAD = ("target", "verdict", "goal", "design")
 _COLUMNS = ("target", "kind", "name", "units", "predicted", "predicted_std", "exact", "limit", "margin", "inside")
 _NUMBERS = ("predicted", "predicted_std", "exact", "limit", "margin")
@@ -26,9 +29,7 @@ _NUMBERS = ("predicted", "predicted_std", "exact", "limit", "margin")
 
 def as_text(answer: Answer, *, si: bool = False) -> str:
     """All that an engineer asks of one design, in lines; in engineering units unless ``si``."""
-    notes = filter(None, (answer.flags, asides.spread(answer)))
-    lines = [answer.goal, str(verdict(answer)), answer.status, f"polish: {answer.polish}"]
-    lines += [f"note: {note}" for note in notes]
+    lines = [answer.goal, *_paragraph(str(verdict(answer)))]
     lines += [f"  {category.category:44s} {category.kind:25s} {category.kind_role}" for category in answer.categories]
     for variable in answer.variables:
         within = f", within {variable.tolerance}" if variable.tolerance else ""
@@ -36,7 +37,7 @@ def as_text(answer: Answer, *, si: bool = False) -> str:
         lines.append(f"  {variable.name:44s} {value:25s} {variable.role}{within}")
     lines.append(f"  {'':44s} {'exact':25s} {'predicted':25s} margin")
     for term in answer.terms:
-        margin = "" if np.isnan(term.margin) else f"{100 * term.margin:.3g} %"
+        margin = "" if np.isnan(term.margin) else f"{100 * term.margin if abs(term.margin) > _EXACT else 0:.3g} %"
         both = (f"{_value(value, term.units, si):25s}" for value in (term.exact, term.predicted))
         lines.append(f"  {term.name:44s} {' '.join(both)} {margin}".rstrip())
     lines += ["best of every choice, on the surrogate"] if answer.choices else []
@@ -44,7 +45,15 @@ def as_text(answer: Answer, *, si: bool = False) -> str:
         flag = "" if choice.choice_feasible else "infeasible"
         units = answer.terms[0].units if answer.terms else ""
         lines.append(f"  {choice.choice:44s} {_value(choice.choice_objective, units, si):25s} {flag}".rstrip())
+    lines += [answer.status, f"polish: {answer.polish}"]
+    for note in filter(None, (answer.flags, asides.spread(answer))):
+        lines += _paragraph(f"note: {note}")
     return "\n".join(lines)
+
+
+def _paragraph(text: str) -> list[str]:
+    """Sentences as lines of a terminal."""
+    return wrap(text, _WIDE, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
 
 
 def _value(value: float, units: str, si: bool) -> str:
@@ -163,11 +172,6 @@ def _outcomes(answers: Mapping[str, Answer]) -> list[tuple[str, str, str, str]]:
         goal = answer.terms[0]
         parts = [category.kind for category in answer.categories if category.kind_role == "variable"]
         parts += [f"{variable.title} {variable.words}" for variable in answer.variables if variable.chosen]
-        value = shown(goal.exact, goal.units, 4)
+        value = shown(goal.exact, goal.units, 3)
         rows.append((name, verdict(answer).kind, f"{goal.title} {value}", ", ".join(parts)))
     return rows
-
-
-def plain(cell: object) -> object:
-    """A cell of CSV: a text that a spreadsheet would calculate stands behind an apostrophe."""
-    return f"'{cell}" if isinstance(cell, str) and cell[:1] in _FORMULA else cell

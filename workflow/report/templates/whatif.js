@@ -100,10 +100,11 @@ function startWhatIf(root) {
     const verdict_ = root.querySelector("[data-verdict]");
     if (!verdict_) return;
     const missed = design === null ? broken : target.limits.some(({ held }) => !held), judged = target.limits.some((one) => one.judged);
+    const beyond = design !== null && !missed && target.beyond; // as its card says
     Object.assign(verdict_.dataset, { verdict: missed ? "broken" : "kept" });
-    verdict_.className = `tile ${missed ? "bad" : "good"}`;
+    verdict_.className = `tile ${missed ? "bad" : beyond ? "edge" : "good"}`;
     verdict_.hidden = !target.limits.length || (design === null && !judged);
-    write(verdict_, missed ? "a limit is broken" : "limits are kept", design === null ? "on the surrogate" : `exact, at the design: ${target.title.toLowerCase()}`);
+    write(verdict_, missed ? "a limit is broken" : beyond ? "beyond linear theory" : "limits are kept", design === null ? "on the surrogate" : `exact, at the design${beyond ? ", which keeps its limits" : ""}: ${target.title.toLowerCase()}`);
   }
 
   // Exact at the design, as workflow/design/verdict/assessment.py has it; elsewhere on the surrogate.
@@ -119,7 +120,7 @@ function startWhatIf(root) {
     if (!list) return;
     const over = target.over ? ` over ${target.over}` : "", name = target.title;
     const how = design === null ? `on the surrogate${over}${over ? ", whatever the sliders say of that" : ""}` : `exact${over}, at its design`;
-    document.getElementById("judged").textContent = target.limits.length ? `Limits of ${name}, ${how}:` : `${name} has no limits.`;
+    document.getElementById("judged").textContent = target.limits.length ? `Limits of \u201c${name}\u201d, ${how}:` : `\u201c${name}\u201d has no limits.`;
     const found = design === null && target.limits.some(({ judged: one }) => one) ? judge.scenarios(target, point) : [];
     list.replaceChildren(...target.limits.map((limit) => {
       const { value, room, words: said_ } = verdict(limit, found), row = document.createElement("li");

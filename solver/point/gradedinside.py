@@ -1,0 +1,45 @@
+"""Fields inside films that are graded, under points: two staircases of homogeneous layers, extrapolated (points, 7).
+
+Displacements, potentials and tractions meet at the steps; what fields take of them is the material's at the depth. The
+tractions on top are those of the graded film.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from solver.arrays import Array
+from solver.film.grading import Graded, staircase
+from solver.film.stack import Stack
+from solver.point.inside import Inside, Tractions
+
+_SUBLAYERS = 24  # and half of them: of second order in their thickness
+
+
+@dataclass(frozen=True, eq=False)
+class GradedInside:
+    """A film with fields inside, its top layer graded.
+
+    Parameters
+    ----------
+    stack
+        Layers and base.
+    """
+
+    stack: Stack
+
+    def fields(self, tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
+        """As :meth:`Inside.fields`; friction is none."""
+        found = np.empty((tractions.ratio.size, len(names), Y.size, X.size))
+        for ratio in np.unique(tractions.ratio):
+            own = np.flatnonzero(tractions.ratio == ratio)
+            part = tractions.part(own)
+            fine, coarse = (self._by(count, part, X, Y, names) for count in (_SUBLAYERS, _SUBLAYERS // 2))
+            found[own] = fine + (fine - coarse) / 3
+        return found
+
+    def _by(self, count: int, tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
+        body, top = staircase(self.stack, count), self.stack.top
+        assert isinstance(top, Graded)
+        own = replace(tractions, density=tractions.density.times(body.scale[1:] / self.stack.scale[1:]))
+        return Inside(body, graded=top).fields(own, X, Y, names)

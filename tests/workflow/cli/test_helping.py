@@ -1,0 +1,41 @@
+"""Help of every command: an example that the command itself takes."""
+
+import shlex
+from pathlib import Path
+
+import pytest
+
+from workflow.cli import main
+from workflow.cli.helping import EXAMPLES
+from workflow.run.sources import ROOT
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_every_command_has_an_example_that_it_takes(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert callable(main._parser().parse_args(example(name, capsys)).run)
+
+
+@pytest.mark.parametrize("name", ["list", "material", "solve", "signal"])
+def test_what_needs_no_results_runs(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    assert main.main(example(name, capsys)) == 0
+
+
+def example(name: str, capsys: pytest.CaptureFixture[str]) -> list[str]:
+    """The words of the example below a command's help."""
+    with pytest.raises(SystemExit):
+        main.main([name, "--help"])
+    told = capsys.readouterr().out
+    program, *words = shlex.split(told.split("example:\n")[1].replace("\\\n", " "))
+    assert (program, words[0]) == ("meecontact", name)
+    return words
+
+
+def test_no_name_of_a_command_stands_alone_on_its_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.main([]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    for name in EXAMPLES:
+        assert any(len(line.split()) > 2 and line.split()[0] == name for line in lines), name
