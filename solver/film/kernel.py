@@ -11,12 +11,12 @@ where U' = K gives displacements. They are analytic in the strip |Im x| < b = 2 
 
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
 from scipy.special import erfc, exp1
 
-from approximation.chebyshev import coefficients, mapped_points
+from approximation.chebyshev import coefficients, mapped_points, polynomials
 from solver.arrays import Array, BoolArray
 from solver.film.electroded import difference, lowest, surface
 from solver.film.grading import GradedResponse, smooth_tails
@@ -114,17 +114,22 @@ class Kernel:
         if flat.size and np.max(distance) > self.reach * (1 + 1e-12):
             raise StackError(f"kernel: distance {np.max(distance):g} m is beyond the resolved {self.reach:g} m")
         asked = np.eye(_ODD.size) if mixing is None else mixing
-        out = np.empty((flat.size, asked.shape[-1]))
         count = len(self.coefficients)
         panel = np.minimum(np.searchsorted(self.edges[1:-1], distance, side="right"), count - 1)
         panel[flat < 0] += count
+        order = np.argsort(panel.astype(np.uint16), kind="stable")
+        bounds = np.searchsorted(panel[order], np.arange(2 * count + 1)).tolist()
+        middle, half = (self.edges[1:] + self.edges[:-1]) / 2, np.diff(self.edges) / 2
+        own = panel[order] % count
+        T = polynomials((distance[order] - middle[own]) / half[own], _DEGREE + 1).T
+        found = np.empty((flat.size, asked.shape[-1]))
         for sign, parity in enumerate((np.ones(_ODD.size), np.where(_ODD, -1.0, 1.0))):
             mixed = self.coefficients @ (parity[:, None] * asked)
-            for p in range(count):
-                inside = np.flatnonzero(panel == p + sign * count)
-                if inside.size:
-                    middle, half = (self.edges[p + 1] + self.edges[p]) / 2, (self.edges[p + 1] - self.edges[p]) / 2
-                    out[inside] = chebvander((distance[inside] - middle) / half, _DEGREE) @ mixed[p]
+            for p, (start, stop) in enumerate(pairwise(bounds[sign * count : (sign + 1) * count + 1])):
+                if stop > start:
+                    found[start:stop] = T[start:stop] @ mixed[p]
+        out = np.empty_like(found)
+        out[order] = found
         return out.reshape(*x.shape, asked.shape[-1])
 
 

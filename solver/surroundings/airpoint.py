@@ -42,6 +42,8 @@ class AirPoint(Read):
         Radius of the punch, at which its gap ends.
     start
         Radius of the contact without air.
+    near
+        Unknowns of a contact next to this one, to begin with; none: those of the contact without air.
     """
 
     operators: RingsByRadius
@@ -52,6 +54,7 @@ class AirPoint(Read):
     media: Array
     end: float
     start: float
+    near: Array | None = None
 
     @cached_property
     def profile(self) -> Array:
@@ -67,17 +70,26 @@ class AirPoint(Read):
         GapError
             The punch would touch the surface beside the contact, or no solution is found.
         """
-        state, last = PointState(self, self._first), np.inf
+        found = None if self.near is None else self._sought(PointState(self, self.near))
+        if found is None or not found.open:  # from afar Newton's iteration may come to a gap that is closed
+            found = self._sought(PointState(self, self._first))
+        if found is None:
+            raise GapError("surroundings: no contact with air beside it is found for this force and these charges")
+        found.require_gap()
+        return found
+
+    def _sought(self, state: "PointState") -> "PointState | None":
+        """What Newton's iteration comes to, its gap open or not; None where it comes to nothing."""
+        last = np.inf
         for _ in range(_STEPS):
             step = np.linalg.solve(state.jacobian, state.residual)
             step /= max(1.0, abs(float(step[0])) / _MOST)
             size = float(np.max(np.abs(step) / state.sizes))
             state = PointState(self, state.unknowns - step)
             if size < _CLOSE or (size < _STALLED and size > last / 2):
-                state.require_gap()
                 return state
             last = size
-        raise GapError("surroundings: no contact with air beside it is found for this force and these charges")
+        return None
 
     @property
     def _first(self) -> Array:
@@ -229,6 +241,11 @@ class PointState:
         largest = np.maximum(largest, 1e-3 * self.of.force / (self.size * self.radius))
         return np.concatenate([[1.0], causes, np.repeat(largest, self.of.rows.nodes)])
 
+    @property
+    def open(self) -> bool:
+        """Whether the gap is open all along."""
+        return bool(np.all(self.gap > 0))
+
     def require_gap(self) -> None:
         """Refuse a gap that closes.
 
@@ -237,7 +254,7 @@ class PointState:
         GapError
             With the place.
         """
-        if not np.all(self.gap > 0):
+        if not self.open:
             worst = self.of.rings.grid.distance[int(np.argmin(self.gap / self.of.profile))]
             raise GapError(
                 f"surroundings: the punch touches the surface beside the contact, at r/a = {worst:.3g}: the gap is "

@@ -1,19 +1,26 @@
 """What the kernels of a stack make of charges on the right side beside a contact.
 
 One rule serves all targets where the kernel is smooth over an interval (:mod:`solver.surroundings.rules`); elsewhere
-intervals end where the kernel's panels do.
+intervals end where the kernel's panels do. About the contact, where densities lie on short panels and targets are many,
+the kernel is smooth over all of them: a few Chebyshev points stand for the panels, and a few for the targets.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray
-from solver.film.kernel import Kernel
-from solver.surroundings.grid import Grid
+from solver.film.assembly import mixing
+from solver.film.kernel import POTENTIAL, Kernel
+from solver.film.reflection import low
+from solver.surroundings.grid import CLOSE, Grid
 from solver.surroundings.rules import RULE, spans
+
+_SAMPLED = 64  # kept: 1 MB each, the half-lengths of some windows
+_DIGITS = 30.0  # exponent of what is left between Chebyshev points: below rounding
 
 #: Pieces of panels: target, panel, start and end of each.
 _Pieces = tuple[NDArray[np.intp], NDArray[np.intp], Array, Array]
@@ -49,16 +56,23 @@ class Densities:
         mix
             From the channels of the kernels to what is asked for; (19, c).
         """
-        grid = self.grid
-        rough = grid.rough_at(X, self.kernel.smoothness / h)
+        grid, strip = self.grid, self.kernel.smoothness / h
+        first = grid.close_panels if enough(strip, CLOSE - 1) < grid.close_panels * RULE else 0
+        rough = grid.rough_at(X, strip)
+        rough[:, :first] = False
         rules = grid.rules
-        target, interval = np.nonzero(~rough)
-        values = np.zeros((X.size, rules.panel.size, RULE, mix.shape[1]))
-        values[target, interval] = self.far(h * (X[target, None] - np.cosh(rules.theta[interval])), mix)
+        target, interval = np.nonzero(~rough[:, first:])
+        values = np.zeros((rules.panel.size - first, X.size, RULE, mix.shape[1]))
+        values[interval, target] = self.far(h * (X[target, None] - np.cosh(rules.theta[first + interval])), mix)
+        parts = np.swapaxes(values, 2, 3) @ rules.shape[first:, None]  # (interval, target, c, node)
         out = np.zeros((X.size, mix.shape[1], grid.panels, grid.count // grid.panels))
-        for place, panel in enumerate(rules.panel):
-            out[:, :, panel] += np.swapaxes(values[:, place], 1, 2) @ rules.shape[place]
+        for panel, part in zip(rules.panel[first:].tolist(), parts, strict=True):
+            out[:, :, panel] += part
         whole: Array = out.reshape(X.size, mix.shape[1], grid.count)
+        if first:
+            points, weights = grid.close_rule(enough(strip, CLOSE - 1))
+            close = self.far(h * (X[:, None] - points), mix)
+            whole[..., : weights.shape[1]] = np.swapaxes(close, 1, 2) @ weights
         return whole + self._by_pieces(h, X, rough, mix) if np.any(rough) else whole
 
     def _by_pieces(self, h: float, X: Array, rough: BoolArray, mix: Array) -> Array:
@@ -114,3 +128,47 @@ class Densities:
             panel = np.minimum(interval[row, place], grid.panels - 1)
             found.append((row, panel, start[row, place], stop[row, place]))
         return found[0], found[1]
+
+
+def enough(strip: float, length: float) -> int:
+    """Number of Chebyshev points on an interval between which what is analytic within a strip about it has all digits.
+
+    Parameters
+    ----------
+    strip, length
+        Half the width of the strip and the length of the interval.
+
+    Examples
+    --------
+    >>> enough(1.0, 2.0), enough(0.1, 2.0)
+    (37, 303)
+    """
+    return 2 + int(_DIGITS / np.arcsinh(2 * strip / length))
+
+
+def far(wide: Kernel, x: Array, mix: Array) -> Array:
+    """Sums of channels at distances x [m], by the logarithm beyond the reach."""
+    values = wide.at(np.clip(x, -wide.reach, wide.reach), mix)
+    beyond = np.abs(x) > wide.reach
+    if np.any(beyond):
+        growth = (wide.stack.media[0].compliance - low(wide.stack))[1:, 1:] / np.pi
+        channels = np.zeros((19,))
+        channels[POTENTIAL[np.triu_indices(3)]] = growth[np.triu_indices(3)]
+        values[beyond] += np.log(np.abs(x[beyond]) / wide.reach)[:, None] * (channels @ mix)
+    return values
+
+
+@lru_cache(_SAMPLED)
+def sampled(
+    wide: Kernel, grid: Grid, fields: tuple[int, ...], h: float, points: tuple[float, ...]
+) -> tuple[Array, Array]:
+    """What the kernels make of densities of the right side; no friction is in it, so that tables of several share it.
+
+    Sums of :func:`mixing` at points about the contact, (point, 7 field, n), and displacements alone at the nodes beyond
+    on the right and on the left, (2 node, 3 field, n).
+    """
+    densities = Densities(grid, wide, partial(far, wide))
+    mix = np.stack([mixing(0.0, np.eye(3)[1 + f]) for f in fields], 1)
+    X = grid.distance[grid.close :]
+    about = densities.integrals(h, np.array(points), mix.reshape(19, -1))
+    return about, densities.integrals(h, np.concatenate([X, -X]), mix[..., 4:].reshape(19, -1))

@@ -17,6 +17,7 @@ from functools import cache, cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from approximation.chebyshev import gauss_points, interpolation
 from solver.arrays import Array, BoolArray
 from solver.surroundings.rules import GRADED, Rules, spans
 
@@ -26,6 +27,7 @@ LEVEL, GROWING = (2,), (0, 1, 2)
 #: Ends of the panels in theta next to the edge: charges vary on the scale on which the gap opens.
 _EDGE = (0.0, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
 _WIDTH = 0.9  # of the panels beyond
+CLOSE = float(np.cosh(_EDGE[-1]))  # X at which those next to the edge end
 _NODES = 7  # a panel
 _NEAR = 0.04  # theta up to which what is integrated from the edge is better than a difference from the value there
 _FINE = 24  # of the rules that integrate over a panel
@@ -179,6 +181,26 @@ class Grid:
         slope = np.where(infinite, (1 - u**2) / 2, np.sinh(u))
         shape = (weights * slope)[..., None] * self.interpolations(panel, u)
         return Rules(panel, start, stop, theta, shape)
+
+    @property
+    def close_panels(self) -> int:
+        """Number of panels next to the edge, up to X = CLOSE."""
+        return len(_EDGE) - 1
+
+    @property
+    def close(self) -> int:
+        """Number of nodes on them."""
+        return self.close_panels * _NODES
+
+    def close_rule(self, count: int) -> tuple[Array, Array]:
+        """Chebyshev points of [1, CLOSE], and weights there of densities next to the edge; (count,), (count, n)."""
+        points = (1 + CLOSE) / 2 + (CLOSE - 1) / 2 * gauss_points(count)
+        found = []
+        for panel in range(self.close_panels):
+            u, weights = gauss(np.array(self.limits(panel)), count + _NODES)
+            values = interpolation(count, (2 * np.cosh(u) - 1 - CLOSE) / (CLOSE - 1))
+            found.append(values.T @ ((weights * self.charge(panel, u))[:, None] * self.interpolation(panel, u)))
+        return points, np.concatenate(found, 1)
 
     def rough_at(self, X: Array, strip: float) -> BoolArray:
         """Where a rule is not good for what has singularities at X +- i strip; (point, interval)."""

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from approximation.chebyshev import gauss_points, interpolation
 from solver.arrays import Array
 from solver.film import outputs
 from solver.film.assembly import Assembly, mixing
@@ -19,10 +20,11 @@ from solver.film.kernel import Kernel, kernel
 from solver.film.reflection import low
 from solver.film.system import SAMPLES, System
 from solver.film.table import batches
-from solver.surroundings.densities import Densities
-from solver.surroundings.grid import GROWING, LEVEL, Grid, gauss
+from solver.surroundings.densities import enough, far, sampled
+from solver.surroundings.grid import CLOSE, GROWING, LEVEL, Grid, gauss
 
 _REACH = 8e4  # widths of the strip at which kernels are cut: beyond, they are their logarithm
+_SIGNS = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])  # of mirror images: gradients of (y, phi, psi) are odd
 _NOTHING = 1e-13  # of the compliance: kernels of a stack that is a half-plane
 #: Rows: load, balance, displacements, edge stresses and pressures over their weight; then those beside the contact.
 LOAD, BALANCE, DISPLACEMENT, EDGE, PRESSURE = 0, 1, slice(2, 5), slice(5, 7), slice(7, 7 + SAMPLES.size)
@@ -90,22 +92,6 @@ class Operators:
         count = self.grid.count
         return values[..., :count] + values[..., count:] if self.even else values
 
-    def far(self, x: Array, mix: Array) -> Array:
-        """Sums of channels at distances x [m], by the logarithm beyond the reach."""
-        wide = self._wide
-        assert wide is not None
-        near = np.clip(x, -wide.reach, wide.reach)
-        values = wide.at(near, mix)
-        beyond = np.abs(x) > wide.reach
-        if np.any(beyond):
-            stack = wide.stack
-            growth = (stack.media[0].compliance - low(stack))[1:, 1:] / np.pi
-            channels = np.zeros((19,))
-            pairs = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-            channels[10:16] = [growth[pair] for pair in pairs]
-            values[beyond] += np.log(np.abs(x[beyond]) / wide.reach)[:, None] * (channels @ mix)
-        return values
-
 
 @dataclass(frozen=True, eq=False)
 class _Assembled:
@@ -169,14 +155,13 @@ class _Assembled:
         """D_y and B_y of the conducted fields at ``ANGLES``; (half, field, angle, column)."""
         system, basis, of = self.of.system, self.basis, self.of
         X, sine = np.cos(ANGLES), np.sin(ANGLES)
-        pressures, charges = system.split(basis, np.swapaxes(unknowns, 1, 2))
         normal = basis.weight(X)[:, None] * basis.pressure_factor(X)
         series = np.cos(ANGLES[:, None] * np.arange(basis.terms + 1)) / sine[:, None]
         induced = np.concatenate([of.grid.induced(X), of.grid.induced(-X)], 1) / sine[:, None]
         found = []
-        for place, f in enumerate(self._fields):
-            own = np.einsum("xj,hqj->hxq", series, charges[:, :, f])
-            own += system.coefficients.follower[f] * np.einsum("xj,hqj->hxq", normal, pressures)
+        for place, (f, start) in enumerate(system.starts(basis).items()):
+            own = series @ unknowns[:, start : start + basis.terms + 1]
+            own += system.coefficients.follower[f] * normal @ unknowns[:, : basis.pressures]
             first = system.causes + place * of.beside
             own[..., first : first + of.beside] += of.folded(induced)
             found.append(own)
@@ -189,34 +174,58 @@ class _Assembled:
         Gradients at the contact's nodes (3, M, c), mean displacements (3, c), du_x/dx at the edges (2, c),
         displacements beside the contact less those at its edge (3, 2 n, c).
         """
-        grid, nodes, fields = self.of.grid, self.basis.nodes, self._fields
-        count, width = grid.count, 2 * grid.count
-        if self.of._wide is None:
-            zero = np.zeros((3, 2 * count, width * len(fields)))
+        grid, nodes, count = self.of.grid, self.basis.nodes, self.of.grid.count
+        size, h, wide = len(self._fields), float(self.half_lengths[number]), self.of._wide
+        if wide is None:
+            zero = np.zeros((3, 2 * count, 2 * count * size))
             return zero[:, : nodes.size], zero[:, 0], zero[0, :2], zero
-        X, h = np.concatenate([self._positions, nodes, -nodes]), float(self.half_lengths[number])
-        mix = np.concatenate([mixing(0.0, np.eye(3)[1 + f]) for f in fields], 1)
-        values = Densities(grid, self.of._wide, self.of.far).integrals(h, X, mix)
-        found = []
-        for place in range(len(fields)):
-            part = values[:, 7 * place : 7 * place + 7]
-            out, edges = part[: 2 * count], part[2 * count : 2 * count + 2]
-            inside, mirrored = part[2 * count + 2 : -nodes.size], part[-nodes.size :]
-            mirror = np.r_[count : 2 * count, :count]
-            sign = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])[:, None]  # gradients are odd, displacements even
-            inside = np.concatenate([inside, sign * mirrored], -1)
-            edges = np.concatenate([edges, sign * edges[::-1]], -1)
-            out = np.concatenate([out, sign * out[mirror]], -1)
-            moved = np.moveaxis(out[:, 4:] - np.repeat(edges[:, 4:], count, 0), 0, 1)
-            slopes = h * np.moveaxis(out[:, :3], 0, 1)
-            found.append((
-                np.moveaxis(inside[:, :3], 0, 1),
-                np.einsum("m,moc->oc", self.basis.mean, inside[:, 4:]),
-                edges[:, 3],
-                self._from_edge(moved, slopes[:, self._near]),
-            ))  # fmt: skip
-        gradients, mean, edge, outside = (np.concatenate([part[k] for part in found], -1) for k in range(4))
-        return h * gradients, mean, h * edge, outside
+        points, read = self._about(number)
+        about, beyond = sampled(wide, grid, self._fields, h, points)
+        about = about.reshape(-1, size, 7, count)
+        if read is None:
+            near, mirrored = np.split(about, 2)
+        else:
+            near, mirrored = np.tensordot(read, about, 1), np.tensordot(read[:, ::-1], about, 1)
+        near = np.concatenate([near, _SIGNS[:, None] * mirrored], -1)  # (target, field, 7, 2 n)
+        beyond = beyond.reshape(2, -1, size, 3, count)
+        moved = self._sides(near[..., 4:, :], np.concatenate([beyond, beyond[::-1]], -1))
+        inside, edges = near[-nodes.size :], near[2 * grid.close : 2 * grid.close + 2]
+        slopes = h * near[self._near_among, :, :3]
+        return (
+            h * _flat(inside[:, :, :3]),
+            _flat(np.tensordot(self.basis.mean, inside[:, :, 4:], 1)[None])[:, 0],
+            h * edges[:, :, 3].reshape(2, -1),
+            self._from_edge(_flat(moved), _flat(slopes)),
+        )
+
+    def _about(self, number: int) -> tuple[tuple[float, ...], Array | None]:
+        """Points about the contact between which the kernels have all digits, and what takes values there to places.
+
+        Places are the nodes next to the right and the left edge, the edges and the contact's nodes. Where the contact
+        is narrow, points are a few of Chebyshev's; where it is wide, they are the places, then their mirror images.
+        """
+        wide, X = self.of._wide, self.of.grid.distance[: self.of.grid.close]
+        assert wide is not None
+        places = np.concatenate([X, -X, [1.0, -1.0], self.basis.nodes])
+        count = enough(wide.smoothness / float(self.half_lengths[number]), 2 * CLOSE)
+        if count < places.size:
+            return tuple((CLOSE * gauss_points(count)).tolist()), interpolation(count, places / CLOSE)
+        return (*places.tolist(), *(-places).tolist()), None
+
+    def _sides(self, near: Array, beyond: Array) -> Array:
+        """Displacements at all nodes less those at their edges, of places about the contact and (side, node, ...)."""
+        close = self.of.grid.close
+        sides = [
+            np.concatenate([near[side * close : (side + 1) * close], beyond[side]]) - near[2 * close + side]
+            for side in (0, 1)
+        ]
+        return np.concatenate(sides)
+
+    @property
+    def _near_among(self) -> NDArray[np.intp]:
+        """The nodes next to the edges among those of ``_about``."""
+        near = np.arange(self.of.grid.near)
+        return np.concatenate([near, self.of.grid.close + near])
 
     def _mean(self, number: int, f: int, smooth: Array) -> Array:
         """Displacements of the contact by densities of a field; (3, 2 n)."""
@@ -241,59 +250,59 @@ class _Assembled:
     # -- beside the contact --------------------------------------------------------------------------------------------
     def _beside(self, unknowns: Array) -> Array:
         """u_y and the potentials of the fields, less those at the edge, per column; (half, 1 + field, n, column)."""
+        beside = self.of.beside
+        rows = self._local + self._from_contact[:, [0, *(1 + f for f in self._fields)], :beside]
+        return np.asarray((rows.reshape(rows.shape[0], -1, rows.shape[-1]) @ unknowns).reshape(*rows.shape[:3], -1))
+
+    @cached_property
+    def _local(self) -> Array:
+        """The same of every unknown, by the half-plane alone; (1 + field, n, unknown)."""
         system, basis, of = self.of.system, self.basis, self.of
         c, count = system.coefficients, of.grid.count
         X = self._positions[: of.beside]
-        pressures, charges = system.split(basis, np.swapaxes(unknowns, 1, 2))
         signed = np.sinh(np.tile(of.grid.theta, of.sides)) * np.sign(X)
-        pressed = basis.transforms(X)[0] * signed[:, None]
-        integrated = np.concatenate(
-            [of.grid.cumulative @ pressed[s * count : (s + 1) * count] for s in range(of.sides)]
-        )
-        normal = np.einsum("nj,hqj->hnq", integrated, pressures)
-        orders = np.arange(basis.terms + 1)
-        theta = of.grid.theta[:, None]
+        pressed = (basis.transforms(X)[0] * signed[:, None]).reshape(of.sides, count, -1)
+        orders, theta = np.arange(basis.terms + 1), of.grid.theta[:, None]
         with np.errstate(invalid="ignore"):
             charged = np.where(orders, np.expm1(-orders * theta) / np.maximum(orders, 1), -theta)
-        charged = np.concatenate([charged, (-1.0) ** orders * charged])[: of.beside]
-        carried = np.einsum("nj,hqfj->hfnq", charged, charges)
-        smooth = self._smooth(unknowns)
         fields = np.array(self._fields, dtype=int)
         M = c.compliance[np.ix_(1 + fields, 1 + fields)]
-        follow = c.lam / c.kap * (M @ c.friction_screening[fields])
-        own = follow[:, None, None] * normal[:, None] + np.einsum("fg,hgnq->hfnq", M, carried[:, fields])
-        raised = c.lam * normal + np.einsum("f,hfnq->hnq", c.screening[fields], own) + smooth[:, 0]
-        return np.concatenate([raised[:, None], own + smooth[:, 1 + fields]], 1)
-
-    def _smooth(self, unknowns: Array) -> Array:
-        """(u_y, phi, psi) / h beside the contact less those at its edge, by the kernels; (half, 3, n, column)."""
-        return np.asarray(
-            np.einsum("honu,huq->honq", self._from_contact[:, :, : self.of.beside], unknowns, optimize=True)
-        )
+        found = np.zeros((1 + fields.size, of.beside, system.unknowns(basis)))
+        normal = (of.grid.cumulative @ pressed).reshape(of.beside, -1)
+        found[1:, :, : basis.pressures] = (c.lam / c.kap * (M @ c.friction_screening[fields]))[:, None, None] * normal
+        carried = np.concatenate([charged, (-1.0) ** orders * charged])[: of.beside]
+        for place, start in enumerate(system.starts(basis).values()):
+            found[1:, :, start : start + basis.terms + 1] = M[:, place, None, None] * carried
+        found[0] = np.tensordot(c.screening[fields], found[1:], 1)
+        found[0, :, : basis.pressures] += c.lam * normal
+        return found
 
     @cached_property
     def _from_contact(self) -> Array:
-        """The same of every unknown, both sides; (half, 3, 2 n, unknown)."""
-        of, count = self.of, self.of.grid.count
-        found = np.zeros((self.half_lengths.size, 3, 2 * count, of.system.unknowns(self.basis)))
-        if of._wide is None:
+        """(u_y, phi, psi) / h less those at the edge of every unknown, by the kernels; (half, 3, 2 n, unknown)."""
+        of, grid, wide = self.of, self.of.grid, self.of._wide
+        found = np.zeros((self.half_lengths.size, 3, 2 * grid.count, of.system.unknowns(self.basis)))
+        if wide is None:
             return found
-        for columns, nodes, rule, carried in self._assembly.sources():
-            mix = mixing(of.system.coefficients.friction, carried)
-            for number, h in enumerate(self.half_lengths):
-                u, slopes = (
-                    np.einsum("tno,nz->otz", of.far(h * (X[:, None] - nodes), channels), rule, optimize=True)
-                    for X, channels in ((self._positions, mix[:, 4:]), (self._positions[self._near], h * mix[:, :3]))
-                )
-                ends = np.repeat(u[:, -2:], count, 1)
-                found[number, ..., columns] = self._from_edge(u[:, :-2] - ends, slopes)
+        beyond = grid.distance[grid.close :]
+        beyond = np.concatenate([beyond, -beyond])
+        sources = self._assembly.sources()
+        for alike in (sources[:1], sources[1:]):  # the charges of all fields lie at the same nodes
+            nodes, rule = alike[0][1], alike[0][2]
+            mix = np.stack([mixing(of.system.coefficients.friction, one[3])[:, [0, 1, 2, 4, 5, 6]] for one in alike], 1)
+            for number, h in enumerate(self.half_lengths.tolist()):
+                points, read = self._about(number)
+                targets = np.array(points) if read is not None else np.array(points[: len(points) // 2])
+                about = far(wide, h * (targets[:, None] - nodes), mix.reshape(19, -1))
+                near = np.tensordot(about if read is None else np.tensordot(read, about, 1), rule, (1, 0))
+                near = near.reshape(-1, len(alike), 6, rule.shape[1])
+                outer = far(wide, h * (beyond[:, None] - nodes), mix[..., 3:].reshape(19, -1))
+                outer = np.tensordot(outer, rule, (1, 0)).reshape(2, -1, len(alike), 3, rule.shape[1])
+                moved = np.moveaxis(self._sides(near[:, :, 3:], outer), 0, 2)
+                slopes = h * np.moveaxis(near[self._near_among, :, :3], 0, 2)
+                for (columns, *_), raised in zip(alike, self._from_edge(moved, slopes), strict=True):
+                    found[number, ..., columns] = raised
         return found
-
-    @property
-    def _near(self) -> NDArray[np.intp]:
-        """The nodes next to the edges, of both sides."""
-        near = np.arange(self.of.grid.near)
-        return np.concatenate([near, self.of.grid.count + near])
 
     def _from_edge(self, differences: Array, slopes: Array) -> Array:
         """Displacements less those at the edges, of both sides, from du/dX at ``_near``; (..., 2 n, c)."""
@@ -316,6 +325,11 @@ class _Assembled:
         return np.concatenate([raised[None], own + whole[1 + fields]])[:, : of.beside]
 
 
+def _flat(values: Array) -> Array:
+    """(target, field, channel, n) as (channel, target, field n)."""
+    return np.moveaxis(values, 2, 0).reshape(values.shape[2], values.shape[0], -1)
+
+
 def operators(system: System, shortest: float, longest: float, farthest: float = 0.0) -> Operators:
     """Operators for half-lengths between two [m], with panels as far as the film's thickness matters.
 
@@ -326,9 +340,13 @@ def operators(system: System, shortest: float, longest: float, farthest: float =
     farthest
         X as far as which charges are not yet those of the open gap.
     """
-    stack = system.kernel.stack
-    whole = stack.thickness
-    distance = max(30.0, 40 * whole / shortest, min(300.0, 2e3 * system.kernel.width / longest), farthest)
     even = system.coefficients.friction == 0 and system.degree == 1
+    return Operators(system, grid_of(system, shortest, longest, farthest), even)
+
+
+def grid_of(system: System, shortest: float, longest: float, farthest: float = 0.0) -> Grid:
+    """Panels beside contacts; as for :func:`operators`."""
+    stack = system.kernel.stack
+    distance = max(30.0, 40 * stack.thickness / shortest, min(300.0, 2e3 * system.kernel.width / longest), farthest)
     growing = bool(np.any(np.diagonal(low(stack))[2:]))
-    return Operators(system, Grid.up_to(distance, GROWING if growing else LEVEL), even)
+    return Grid.up_to(distance, GROWING if growing else LEVEL)

@@ -87,17 +87,17 @@ class _Case:
         """Units of the charges of the fields [C, Wb]; (field,)."""
         return np.asarray(self.length**2 / self.units[[1 + f for f in self.fields]])
 
-    def state(self, charges: Array, held: bool, start: float) -> PointState:
-        """With charges [C, Wb], or with all potentials at zero, from a radius [m] on."""
+    def state(self, charges: Array, held: bool, start: float, near: PointState | None = None) -> PointState:
+        """With charges [C, Wb], or with all potentials at zero, from a radius [m] or from another state on."""
         given = np.zeros(len(self.fields)) if held else charges[list(self.fields)] / self.own
-        at = start / self.length
+        at, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
         for _ in range(LAST - FIRST):
             operators, number = self._operators(at)
             state = AirPoint(operators, self._coefficient, self._force, given, (held,) * len(self.fields),
-                             self._media, self._end, at).state  # fmt: skip
+                             self._media, self._end, at, begin).state  # fmt: skip
             if number is None or number == number_of(np.array([state.radius]))[0] or _within(state.radius, number):
                 break
-            at = state.radius
+            at, begin = state.radius, state.unknowns
         return state
 
     def _operators(self, ratio: float) -> tuple[RingsByRadius, int | None]:
@@ -127,7 +127,7 @@ def _of_case(case: _Case, contacts: dict[str, Contact]) -> dict[str, float]:
     charges = contacts["charged"].pressed.charges[place]
     state = case.state(charges, False, float(contacts["charged"].radius[place]))
     idle = state if not np.any(charges) else case.state(nothing, False, float(contacts["uncharged"].radius[place]))
-    short = case.state(nothing, True, float(contacts["grounded"].radius[place]))
+    short = case.state(nothing, True, float(contacts["grounded"].radius[place]), idle)
     tangent = _tangent(case, state.flexibility)
     free, size = state.flexibility, state.size / state.radius
     out = {

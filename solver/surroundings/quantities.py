@@ -13,7 +13,7 @@ from solver.film.windows import Kind, window
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.surroundings.coupled import AirContact
 from solver.surroundings.largest import gap_field, peak_density, peak_pressure
-from solver.surroundings.operators import EDGE
+from solver.surroundings.operators import EDGE, grid_of
 from solver.surroundings.refusal import require_gap
 from solver.surroundings.state import State
 from solver.surroundings.table import AirTable, farthest
@@ -82,7 +82,10 @@ def states(films: Films, permittivity: Array) -> Iterator[tuple[int, State]]:
 
 
 def _in_air(kind: Kind, number: int, contact: FilmContact, air: Array) -> AirContact:
-    return AirContact(_air_window(kind, number, farthest(contact, air)), contact, air)
+    table, reach = window(kind, number), farthest(contact, air)
+    ends = table.system, table.lower, table.upper
+    more = grid_of(*ends, reach).panels > grid_of(*ends).panels  # what all contacts of a window reach needs no table
+    return AirContact(_air_window(kind, number, reach if more else 0.0), contact, air)
 
 
 def _contacts(films: Films) -> Iterator[tuple[int, tuple[int, FilmContact]]]:

@@ -12,9 +12,8 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
 
-from approximation.chebyshev import coefficients, mapped_points
+from approximation.chebyshev import coefficients, mapped_points, polynomials
 from solver.arrays import Array
 from solver.film.kernel import strip, tapered
 from solver.film.reflection import waves
@@ -47,14 +46,15 @@ class Spread:
         reach = self.edges[-1]
         near = np.minimum(distance, reach)
         panel = np.minimum(np.searchsorted(self.edges[1:-1], near, side="right"), len(self.series) - 1)
-        order = np.argsort(panel, kind="stable")
-        bounds = np.searchsorted(panel[order], np.arange(len(self.series) + 1))
-        found = np.empty((distance.size, 6))
+        order = np.argsort(panel.astype(np.uint16), kind="stable")
+        own = panel[order]
+        bounds = np.searchsorted(own, np.arange(len(self.series) + 1)).tolist()
+        low, high = self.edges[:-1][own], self.edges[1:][own]
+        T = polynomials((2 * near[order] - low - high) / (high - low), _DEGREE + 1).T
+        sorted_, found = np.empty((distance.size, 6)), np.empty((distance.size, 6))
         for p, (start, stop) in enumerate(pairwise(bounds)):
-            if stop > start:
-                low, high = self.edges[p], self.edges[p + 1]
-                some = order[start:stop]
-                found[some] = chebvander((2 * near[some] - low - high) / (high - low), _DEGREE) @ self.series[p]
+            sorted_[start:stop] = T[start:stop] @ self.series[p]
+        found[order] = sorted_
         beyond = distance > reach
         found[beyond] *= (reach / distance[beyond, None]) ** 2
         return found.reshape(*x.shape, 6)

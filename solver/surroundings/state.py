@@ -70,11 +70,6 @@ class State:
         return self.known if self.known and self.known.holds(log_half) else self.of.table.near(log_half)
 
     @cached_property
-    def _matrix(self) -> Array:
-        """Rows that the equations need, of every cause and density; (row, column)."""
-        return self.near.matrix(float(self.unknowns[0]))
-
-    @cached_property
     def _causes(self) -> tuple[Array, Array]:
         """Slope a_0, causes, and their derivatives in log h and c/h; (3, m) and (3, cause)."""
         loading = replace(self.of.contact.loading, loads=self.loads[None])
@@ -101,10 +96,14 @@ class State:
     @cached_property
     def _rates(self) -> Array:
         """Derivatives of the rows in (log h, c/h, T, J, densities); (row, unknown)."""
-        value, causes = self._matrix, self._causes[1]
+        return self._rates_of(slice(None))
+
+    def _rates_of(self, rows: slice) -> Array:
+        value = self.near.matrix(float(self.unknowns[0]), rows)
+        causes = self._causes[1]
         first = causes.shape[1] - 2
         extent = value[:, : causes.shape[1]] @ causes[1:].T
-        extent[:, 0] += self._solved[1]
+        extent[:, 0] += self._solved[1][rows]
         return np.concatenate([extent, value[:, first : first + 2] / self.half, value[:, first + 2 :]], 1)
 
     def _beside(self, rows: Array) -> tuple[Array, Array]:
@@ -134,7 +133,7 @@ class State:
         """Densities that potentials make where the gap does not move; (field n,)."""
         n, fields = self.of.nodes, len(self.of.fields)
         potentials = self._beside(self._solved[0])[1]
-        by_density = self._beside(self._matrix)[1][..., self._causes[1].shape[1] :]
+        by_density = self._beside(self.near.matrix(float(self.unknowns[0])))[1][..., self._causes[1].shape[1] :]
         size = self.of.powers[1]
         matrix = (
             -(self.of.media[:, None, None] * by_density).reshape(n * fields, n * fields)
@@ -255,7 +254,7 @@ class State:
     @cached_property
     def response_rates(self) -> Array:
         """Derivatives of depth, V and Psi in the unknowns, P held; (3, unknown)."""
-        rates = self.half * self._rates[DISPLACEMENT]
+        rates = self.half * self._rates_of(DISPLACEMENT)
         rates[:, 0] += self.half * self._solved[0][DISPLACEMENT]
         rates[:, _EXTENT : _EXTENT + 2] -= self.of.contact.far[0][:, 1:]
         rates[0] *= -1

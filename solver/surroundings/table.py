@@ -128,12 +128,19 @@ class Near:
         """Whether log h is next to the centre."""
         return abs(log_half - self.centre) <= _NEXT
 
-    def matrix(self, log_half: float) -> Array:
-        """(row, column)."""
-        powers = (log_half - self.centre) ** np.arange(_TERMS)
-        return self.terms[0] if log_half == self.centre else np.asarray(np.tensordot(powers, self.terms, 1))
+    def matrix(self, log_half: float, rows: slice = slice(None)) -> Array:
+        """Some rows, or all; (row, column)."""
+        terms = self._terms(log_half)
+        powers = (log_half - self.centre) ** np.arange(len(terms))
+        part = terms[:, rows]
+        return part[0] if log_half == self.centre else np.asarray(np.tensordot(powers, part, 1))
 
     def products(self, log_half: float, columns: Array) -> tuple[Array, Array]:
         """Rows times columns, and their derivatives in log h; (row,) each."""
-        series, change, k = self.terms @ columns, log_half - self.centre, np.arange(_TERMS)
+        series, change = self._terms(log_half) @ columns, log_half - self.centre
+        k = np.arange(len(series))
         return change**k @ series, (k[1:] * change ** k[:-1]) @ series[1:]
+
+    def _terms(self, log_half: float) -> Array:
+        """As many as count: two where the next one is below rounding."""
+        return self.terms[:2] if abs(log_half - self.centre) < _NEXT**3 else self.terms

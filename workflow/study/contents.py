@@ -34,6 +34,9 @@ class Contents(Keys):
     _origin: Origin = PrivateAttr()
     _absent: frozenset[str] = PrivateAttr()
     _hanging: frozenset[str] = PrivateAttr(default=frozenset())
+    #: Whether the surroundings were chosen for the study, and why they are not air.
+    _settled: bool = PrivateAttr(default=False)
+    _why_insulated: str = PrivateAttr(default="")
 
     @property
     def path(self) -> Path:

@@ -59,7 +59,11 @@ class Keys(Strict):
     dataset: DataSet = Field(default_factory=DataSet, description="what is stored of the factorial")
     surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
     validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
-    device: Device | None = Field(None, description="what the punch is connected to, for figures of a device")
+    device: Device | None = Field(
+        None,
+        description="what the punch is connected to, for figures of a device; beside its contacts is air, unless fixed "
+        "or categories name surroundings, or contacts in air lack what the study asks for",
+    )
     design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
     signal: Pressing | None = Field(None, description="a press in time on a design, as its amplifier reads it")
     readout: dict[str, Readout] = Field(default_factory=dict, description="what measurements tell, by name")

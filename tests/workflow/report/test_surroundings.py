@@ -41,9 +41,9 @@ def test_a_ball_on_a_film_is_compared_too() -> None:
     ball = load("config/point_sensor.yaml").narrowed({"base": "steel"})
     found = surroundings.compared(ball, {"thickness": 5e-5, "radius": 0.05, "force": 0.1})
     assert list(found["quantities"]) == ["voltage", "contact_capacitance", "charge_sensitivity"]
-    bare, air = found["quantities"]["contact_capacitance"]
+    air, bare = found["quantities"]["contact_capacitance"]
     assert air > 10 * bare
-    told = "contact capacitance 38.2 pF instead of 2.34 pF and charge per force 166 pC/N instead of 204 pC/N"
+    told = "contact capacitance 2.34 pF instead of 38.2 pF and charge per force 204 pC/N instead of 166 pC/N"
     assert told in surroundings.told(found)
 
 

@@ -9,6 +9,9 @@ from solver.body import FILM_IN_AIR, HALF_PLANE_IN_AIR, POINT_FILM_IN_AIR
 from solver.names import GAP_QUANTITIES, POINT_GAP_QUANTITIES
 from solver.similarity import QUANTITY_WEIGHTS
 from workflow.language import grammar
+from workflow.study import surroundings
+from workflow.study.contents import Contents
+from workflow.study.keys import Origin
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
@@ -150,3 +153,55 @@ def test_a_ball_in_air_has_groups_and_figures_of_its_own(tmp_path: Path) -> None
         assert float(found[1][name]) == pytest.approx(by * float(found[0][name]), rel=1e-10, abs=0)
     with pytest.raises(InputError, match=r"is in no group.*make radius / thickness a group"):
         study(BALL.replace("  radius / thickness: {levels: 2}\n", ""), tmp_path)
+
+
+BOX = {
+    "radius": {"low": 0.02, "high": 0.05},
+    "thickness": {"low": 1e-4, "high": 2e-4},
+    "load": {"low": 1e4, "high": 2e4},
+}
+DEVICE = {"electrode_length": "10 mm", "amplifier": {"input_capacitance": "10 pF", "charge_noise": "1 fC"}}
+
+
+def settled(*, fixed: dict[str, object] | None = None, **sections: object) -> Contents:
+    """A roller on a film with an amplifier, as far as it is read: nothing is solved."""
+    axes = {"thickness": {"low": 1e-4, "high": 2e-4, "levels": 2}, "load": {"low": 1e4, "high": 2e4, "levels": 2}}
+    usual = {"material": "PZT-4", "base": "steel", "interface_electric": "grounded", **(fixed or {})}
+    own = usual if "groups" in sections else {"radius": 0.05, **usual}
+    content = {"title": "A film", "fixed": own, "factors": axes, "device": DEVICE, **sections}
+    study = Contents.model_validate(content, context=Origin(Path(), {}))
+    surroundings.settle(study)
+    return study
+
+
+def test_a_device_is_in_air_unless_it_says_otherwise() -> None:
+    study = settled()
+    assert study.surroundings == ["air"]
+    assert study.meeting == "line in air"
+    assert surroundings.told(study).startswith("surroundings: air, the default of a study with a device")
+    said = settled(fixed={"surroundings": "insulated"})
+    assert (said.surroundings, surroundings.told(said)) == (["insulated"], "")
+    bare = settled(device=None)
+    assert (bare.surroundings, surroundings.told(bare), bare.meeting) == (["insulated"], "", "line")
+
+
+@pytest.mark.parametrize(
+    ("sections", "why"),
+    [
+        ({"fixed": {"electric": "insulating", "magnetic": "insulating"}}, "conducts no field"),
+        ({"fixed": {"electrode": "top"}}, "the electrode on its film"),
+        ({"fixed": {"profile": "flat", "width": 1e-4, "slope": 0.0}}, "no narrow gap with an end"),
+        ({"categories": {"profile": ["cylinder", "sphere"]}}, "more than one kind"),
+        ({"fixed": {"grading_exponent": 2}}, "its film is graded"),
+        ({"dataset": {"peaks": True}}, "ask for fields"),
+        ({"dataset": {"positions": {"inside": 12, "outside": 6}}}, "ask for fields"),
+        ({"factors": BOX, "groups": {"load * radius / thickness^2": {"levels": 3}}}, "make radius / thickness a group"),
+        ({"surrogate": {"outputs": ["capacitance"]}}, "capacitance_at_load"),
+        ({"surrogate": {"outputs": ["electric_edge_intensity_trailing"]}}, "have no electric_edge_intensity_trailing"),
+    ],
+)
+def test_what_air_does_not_have_leaves_a_device_insulated(sections: dict[str, dict[str, object]], why: str) -> None:
+    study = settled(**sections)
+    assert study.surroundings == ["insulated"]
+    assert study.meeting == "line"
+    assert why in surroundings.told(study)

@@ -1,0 +1,89 @@
+"""What is beside the contacts of a study with a device that does not say: air, where the theory of air covers them."""
+
+from collections.abc import Sequence
+
+from solver.body import kind_of
+from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, PROFILES
+from workflow.study.contents import Contents
+from workflow.study.solvable import check_fields, check_groups
+
+_INSULATED = CHOICES["surroundings"][0]
+#: What a device is read by without and with air: a study that learns the former alone was written for the former.
+_READ = {"capacitance": "capacitance_at_load", "contact_capacitance": "contact_capacitance_at_force"}
+_ENDED = "gap_radius"  # where the gap below a cone or a power ends
+
+
+def settle(study: Contents) -> None:
+    """Give a study with a device the surroundings that it does not name: air, or insulated where `lacking` says why.
+
+    Reads, beside no other contact than the study's, what its sections say alone: nothing is solved.
+    """
+    if study.device is None or "surroundings" in {*study.fixed, *study.categories, *study.factors}:
+        return
+    _place(study, AIR)
+    study._why_insulated = lacking(study)
+    if study._why_insulated:
+        _place(study, _INSULATED)
+    study._settled = True
+
+
+def told(study: Contents) -> str:
+    """What was chosen, in a line; empty where the study said it itself or has no device."""
+    if not study._settled:
+        return ""
+    if study._why_insulated:
+        return f"surroundings: insulated, since {study._why_insulated}"
+    return "surroundings: air, the default of a study with a device (fixed: {surroundings: insulated} leaves it out)"
+
+
+def lacking(study: Contents) -> str:
+    """Why a study, which is to be in air, cannot be; empty where it can."""
+    profiles = _names(study, "profile")
+    known = [PROFILES[name] for name in profiles if name in PROFILES]
+    if len({one.contact for one in known}) != 1:
+        return "its punches are of more than one kind"
+    if all("insulating" in _names(study, name) for name in ("electric", "magnetic")):
+        return "its punch conducts no field, so that no charge lies beside it"
+    if _names(study, "electrode") != [CHOICES["electrode"][0]]:
+        return "the electrode on its film lies below the punch"
+    if any(name not in ("cylinder", "sphere") for name in profiles) and not _ended(study, profiles):
+        return f"no narrow gap with an end lies beside its punch ({', '.join(profiles)})"
+    if {"grading_exponent", "base_volume_fraction"} & {*study.fixed, *study.factors}:
+        return "its film is graded"
+    return _asks_for_more(study)
+
+
+def _asks_for_more(study: Contents) -> str:
+    """Which of what a study asks for contacts in air do not have; empty of none."""
+    has = kind_of({*study.factors, *study.fixed, *([BODY] if study.body else [])}, _names(study, "profile")[0], AIR)
+    try:
+        wanted = [name for target in study.design.values() for name in target.names()]
+        if "positions" in study.dataset.model_fields_set or study.dataset.peaks:
+            return "dataset: positions or peaks ask for fields, which take 50 ms a case in air, or seconds"
+        check_fields(study)
+        check_groups(study)
+    except ValueError as error:
+        return str(error)
+    wanted += [*study.surrogate.outputs, *(name for one in study.readout.values() for name in one.measured)]
+    wanted += [_READ[name] for name in study.surrogate.outputs if name in _READ]
+    for name in wanted:
+        if name in {*ALL_QUANTITIES, *ALL_PEAKS} - {*has.quantities, *has.peaks}:
+            return f"contacts in air have no {name}, which it asks for"
+        if study.surrogate.outputs and name in ALL_QUANTITIES and name not in study.surrogate.outputs:
+            return f"{name}, by which a device in air is read, is not one of surrogate.outputs"
+    return ""
+
+
+def _ended(study: Contents, profiles: Sequence[str]) -> bool:
+    """Whether the gap below every punch that has no size of its own ends where the study says."""
+    return all(name in ("sphere", "cone", "power") for name in profiles) and _ENDED in {*study.fixed, *study.factors}
+
+
+def _names(study: Contents, factor: str) -> list[str]:
+    return study.categories.get(factor) or [str(study.fixed.get(factor, CHOICES[factor][0]))]
+
+
+def _place(study: Contents, name: str) -> None:
+    study.fixed["surroundings"] = name
+    for target in study.design.values():
+        target.meets(study.meeting)
