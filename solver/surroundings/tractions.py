@@ -152,8 +152,9 @@ class Solved:
         if of._wide is None:
             return found
         mix = np.concatenate([mixing(0.0, np.eye(3)[1 + f])[:, :4] for f in self.system.fields], 1)
-        charges = Densities(of.grid, of._wide, partial(far, of._wide))
-        both = charges.integrals(self.state.half, np.concatenate([X, -X]), mix)
+        both = Densities(of.grid, of._wide, partial(far, of._wide)).integrals(
+            self.state.half, np.concatenate([X, -X]), mix
+        )
         right, left = both.reshape(2, X.size, len(self.system.fields), 4, -1)
         for place, f in enumerate(self.system.fields):
             unknowns = self.beside.unknowns[:, f]
