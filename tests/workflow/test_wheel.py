@@ -46,13 +46,13 @@ def test_the_installed_program_runs_a_study_from_anywhere(copy: Callable[[str], 
     installed = Project(work, modules=site)
     done = installed.run("meecontact", "run", "quickstar", check=False)
     assert done.returncode == 2
-    assert "has no config/*.yaml; go to a folder that has one" in done.stderr
+    assert "has no config/*.yaml" in done.stderr
     assert "did you mean 'quickstart'?" in done.stderr
     assert not list(work.iterdir())
     done = installed.run("meecontact", "run", "quickstart", "-n")
-    assert "results/quickstart/report.html" in done.stdout + done.stderr
+    assert done.stdout.endswith("writing the page\n")  # the steps in words
     done = installed.run("meecontact", "run", "../studies/mine.yaml", "--cores", "2", cold=True)
-    assert str(site / "workflow/profiles/default") in done.stderr
+    assert "workflow specific profile" not in done.stderr  # no path of this machine before the first step
     assert done.stdout.endswith("report: results/mine/report.html\n")
     assert "Effects of a material of our own" in (work / "results/mine/report.html").read_text(encoding="utf-8")
     assert sorted(file.name for file in work.iterdir()) == [".snakemake", "logs", "results"]

@@ -72,7 +72,7 @@ def location(name: str) -> Path:
         check_name(name, f"study: {name!r}")
         return FOLDER / f"{name}.yaml"
     bundled = sorted({file.stem for file in BUNDLED.glob("*.yaml")} - {*known})
-    where = "" if known else f": {Path.cwd()} has no {FOLDER}/*.yaml"
+    where = "" if known else f": {Path.cwd()} has no {FOLDER}/*.yaml; go to a folder that has one"
     raise InputError(
         f"study: {name!r} is unknown{where}; {nearest(name, [*known, *bundled])}; or the path of a study's file"
     )

@@ -47,7 +47,8 @@ def test_outside_of_a_project_it_says_what_is_missing_and_what_to_do(
 ) -> None:
     assert main.main(["run", "quickstar"]) == 2
     line = capsys.readouterr().err
-    assert f"study: 'quickstar' is unknown: {folder} has no config/*.yaml; did you mean 'quickstart'?" in line
+    assert f"study: 'quickstar' is unknown: {folder} has no config/*.yaml; go to a folder that has one" in line
+    assert "did you mean 'quickstart'?" in line
     assert line.count("\n") == 1
     write(folder / "config/other.yaml")
     with pytest.raises(InputError, match=r"did you mean 'quickstart'\? all.*; or the path of a study's file"):
