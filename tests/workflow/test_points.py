@@ -45,7 +45,7 @@ def ball(copy: Callable[[str], Project]) -> Project:
 
 def test_one_axis_tells_three_factors(ball: Project) -> None:
     whole = open_results(ball.folder / "results/ball")
-    assert dict(whole.sizes) == {"force_radius_per_thickness3": 14}  # no surface fields
+    assert dict(whole.sizes) == {"force_radius_per_thickness3": 14, "position": 64}
     data = read_whole(ball.folder / "results/ball/validation.nc")
     assert float(data["max_error"].max()) < 1e-3
 
@@ -78,4 +78,4 @@ def test_the_page_speaks_of_a_point(ball: Project) -> None:
     assert "is pressed into a film on a base" in page
     assert "Depths and potentials are absolute here" in page
     assert "figure-contact_quiet" in page  # the fields of its contact, over r/a
-    assert "figure-fields" not in page
+    assert "figure-fields" in page  # and those of its surface
