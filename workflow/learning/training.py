@@ -179,8 +179,11 @@ def widest(study: Study, model: GaussianProcess, number: int) -> asked.Place:
     return asked.Place("widest intervals", doubt, dict(zip(study.factors, X[most].T, strict=True)))
 
 
-def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases: xr.Dataset) -> Region:
-    """Where the model answers, from the places of the factorial in the box and the cases for calibration."""
+def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases: xr.Dataset) -> Region | None:
+    """Where the model answers, from the places of the factorial in the box and the cases for calibration.
+
+    None is all of the box: every case that is refused lies beyond it, where groups are at their ends together.
+    """
     axes = list(study.axes)
     grid = factorial.with_factors(study, quantities) if study.groups else quantities
     nodes = xr.broadcast(*(grid[name] for name in study.factors), xr.DataArray(holes.refused(grid, axes), dims=axes))
@@ -191,6 +194,8 @@ def _region(study: Study, model: GaussianProcess, quantities: xr.Dataset, cases:
     t = unit_coordinates(model.inputs_, X)
     inside = np.asarray((np.abs(t) <= 1 + 1e-9).all(axis=0))  # the stored cases of groups may lie beyond the box
     texts = [text for text, kept in zip(texts, inside[refused].tolist(), strict=True) if kept]
+    if not texts:
+        return None
     even = np.zeros(len(X), dtype=bool)
     even[columns[-1].size :] = np.asarray(cases[EVEN].values) > 0 if EVEN in cases else True
     shared = sharing(t[:, columns[-1].size :])

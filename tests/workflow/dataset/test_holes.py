@@ -6,6 +6,8 @@ A flat punch that is tilted needs tension once it tilts too far for its load: th
 import json
 import re
 from collections.abc import Mapping
+from copy import copy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -202,3 +204,15 @@ def test_the_surrogate_of_a_study_with_holes_is_exact_at_kept_nodes_and_refuses_
     assert table.attrs["answered_outside"] <= 4
     assert float(table["max_error"].max()) < 1e-2  # what three levels of friction can tell
     assert table.sizes["case"] == 40 - table.attrs["refused"] - table.attrs["answered_outside"]
+
+
+def test_cases_that_are_refused_beyond_the_box_leave_the_model_all_of_it(study: Study, folder: Path) -> None:
+    """Groups at their ends together lie beyond the box of the factors: what is refused there only is no edge."""
+    whole = read_whole(folder / "quantities.nc")
+    model = copy(training.fit(study, whole))
+    slope, *others = model.inputs_
+    model.inputs_ = (replace(slope, high=1.9e-5), *others)
+    drawn = factorial.cases(study, "calibration")
+    assert training._region(study, model, whole, drawn) is None
+    model.inputs_ = (slope, *others)
+    assert training._region(study, model, whole, drawn) is not None
