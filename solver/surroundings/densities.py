@@ -141,7 +141,7 @@ def enough(strip: float, length: float) -> int:
     Examples
     --------
     >>> enough(1.0, 2.0), enough(0.1, 2.0)
-    (37, 303)
+    (36, 302)
     """
     return 2 + int(_DIGITS / np.arcsinh(2 * strip / length))
 

@@ -78,6 +78,14 @@ class GaussianProcess(Physical, Predictive):
     >>> lower, upper = model.interval_array(np.array([[0.2, 1.5]]))
     >>> bool((lower < upper).all()), model.calibrated, model.distribution.cases
     (True, True, 300)
+    >>> least, most = model.ends_of_sum(np.array([[0.2, 1.5]]), np.array([[1.0, -1.0]]))  # of f - g
+    >>> bool(least < 0 < most), model.everywhere() is model, model.within(None).region_
+    (True, True, None)
+    >>> float(model.reached(np.array(1.0), np.array(0.1), np.array(-2.0)))
+    0.8
+    >>> model.require_answers(np.array([[0.2, 1.5]]))
+    >>> model.has_answers(np.array([[0.2, 1.5], [0.2, 3.0]])).tolist()
+    [True, False]
     >>> model.check_level(0.9)
     >>> model.calibrate_under(cases, np.stack([cases.x, cases.y - 1])).calibrated  # by inputs of another
     True

@@ -3,7 +3,7 @@
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from solver.names import COMPOSITES, OF_A_FILM, PROFILES
 from workflow.study.types import BY_FACTOR, FieldName, Given, InputName, Number, QuantityName, Strict, Vector
@@ -96,6 +96,14 @@ class DataSet(Strict):
     peaks: bool | list[QuantityName] = Field(
         False, description="also the largest stresses of the body, all or those that are named: milliseconds a case"
     )
+
+    @model_serializer(mode="wrap")
+    def _as_given(self, written: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """As plain data, positions only where they are given: contacts in air have fields where they are asked for."""
+        content: dict[str, Any] = written(self)
+        if "positions" not in self.model_fields_set:
+            content.pop("positions", None)
+        return content
 
 
 class Surrogate(Strict):

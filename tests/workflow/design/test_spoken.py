@@ -115,5 +115,5 @@ def test_a_limit_of_the_material_is_named_with_its_source_and_linear_theory_come
     assert told.kind == "beyond linear theory; otherwise recommended"
     assert told.stops == "tension behind the contact of 25 MPa (50 % of the tensile strength of PZT) stops it."
     assert told.beyond == "Nominal field of 2 kV/mm exceeds it (a book)."
-    assert told.sources == "Tensile strength of PZT: a table."
+    assert told.sources == "Tensile strength of PZT: a table (unverified: no dated source)."
     assert str(told).startswith("Beyond linear theory; otherwise recommended: tension behind")

@@ -41,9 +41,9 @@ def test_times_of_films_hold_their_tables_and_the_panel_knows_no_closed_form(
     model.calibrate(factorial.learned(study, factorial.cases(study, "calibration")))
     cases, solved, asked = factorial.cases(study, "validation"), factorial.exact, []
 
-    def counted(study: Study, axes: dict[str, Any]) -> xr.Dataset:
+    def counted(study: Study, axes: dict[str, Any], **told: Any) -> xr.Dataset:
         asked.append(np.unique(axes["volume_fraction"]))
-        return solved(study, axes)
+        return solved(study, axes, **told)
 
     monkeypatch.setattr(factorial, "exact", counted)
     times = timing.timing(study, quantities, cases, model)

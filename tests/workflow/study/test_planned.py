@@ -95,6 +95,7 @@ def test_every_study_thaws_as_it_was_frozen(path: Path) -> None:
     again = thawed(study.frozen())
     assert again.digest(*Study.model_fields) == study.digest(*Study.model_fields)
     assert again.quantities == study.quantities
+    assert again.stores_fields == study.stores_fields
 
 
 def test_limits_and_alternatives_of_own_materials_thaw_too(own: Study) -> None:
