@@ -1,6 +1,6 @@
 """Tractions on the whole surface of a contact with air beside it: those of the contact and the charges beside it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Self
 
@@ -34,7 +34,7 @@ class AirTractions(Tractions):
         Least reach of wavenumbers [m]: one set of them serves all fields that are nearer.
     """
 
-    beside: Charges = None  # type: ignore[assignment]
+    beside: Charges = field(kw_only=True)
     widest: float = 0.0
 
     @cached_property
@@ -177,5 +177,5 @@ class Solved:
         pressures, charges = self.system.split(basis, self.unknowns)
         return AirTractions(
             self.system, basis, self.assembly.half_lengths, pressures[None, :, None], charges[None, :, :, None],
-            None, self.beside,
+            beside=self.beside,
         )  # fmt: skip
