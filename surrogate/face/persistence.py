@@ -32,6 +32,11 @@ PROBE_TOLERANCE = 1e-7
 def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
     """Write a fitted model to a netCDF-4 file, whole or not at all; the same model gives the same bytes.
 
+    Parameters
+    ----------
+    model : GaussianProcess, fitted
+    path : str or path, the file
+
     Raises
     ------
     FileNotFoundError

@@ -108,7 +108,13 @@ class FiniteRank:
         return cls(indices, coefficients, directions, spectrum, signal, noise, offset, scale)
 
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return the mean and the weighted variance of a new case, its noise included: (p, B) each."""
+        """Return the mean and the weighted variance of a new case, its noise included: (p, B) each.
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (2, p), of the process's variance and of the noise's; None: no variance
+        """
         features = products(self.indices, t)
         mean = self._physical(self.coefficients.T @ features) + self.offset[:, None]
         if weights is None:
@@ -120,7 +126,13 @@ class FiniteRank:
         return np.stack([self._physical(self.coefficients.T @ features) for features in self._derived(t)])
 
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, in which the noise has no part, (d, p, B)."""
+        """Return the weighted variances of these derivatives, in which the noise has no part, (d, p, B).
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (2, p), of which the first counts
+        """
         return np.stack([self._posterior(features, weights[0]) for features in self._derived(t)])
 
     def state(self) -> xr.Dataset:
@@ -140,7 +152,18 @@ class FiniteRank:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: int, outputs: int) -> "FiniteRank":
-        """Return the posterior in a file; ValueError names what is inconsistent."""
+        """Return the posterior in a file.
+
+        Parameters
+        ----------
+        stored : Dataset, the file
+        inputs, outputs : int, their numbers
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
         indices = stored["feature_degree"].values
         arrays = [
             stored[name].values
@@ -176,6 +199,11 @@ def largest(decay: Decay, count: int) -> tuple[Indices, Array]:
     """Return the indices of the largest products of a kernel's coefficients, (count, d), and these, both descending.
 
     One input after the other: what is among the first of all has its first parts among the first of theirs.
+
+    Parameters
+    ----------
+    decay : Decay, the kernel's coefficients by degree of every input
+    count : int, number of products
     """
     indices, weights = np.zeros((1, 0), dtype=np.intp), np.ones(1)
     for coefficients in decay.coefficients(DEGREES):
@@ -187,7 +215,14 @@ def largest(decay: Decay, count: int) -> tuple[Indices, Array]:
 
 
 def products(indices: Indices, t: Array, derived: int = -1) -> Array:
-    """Return prod_j T_{a_j}(t_j) of every index, one input's polynomial replaced by its derivative: (r, B)."""
+    """Return prod_j T_{a_j}(t_j) of every index, one input's polynomial replaced by its derivative: (r, B).
+
+    Parameters
+    ----------
+    indices : ndarray of int, shape (r, d), degrees
+    t : ndarray, shape (d, B), scaled coordinates
+    derived : int, the input whose polynomial is replaced; -1: none
+    """
     found = np.ones((len(indices), t.shape[1]))
     for j, (column, x) in enumerate(zip(indices.T, t, strict=True)):
         T = chebyshev.polynomials(x, max(2, 1 + int(column.max())))
@@ -243,11 +278,24 @@ class Rest:
     energy: Array
 
     def weights(self, spectrum: Array, ratio: Array) -> Array:
-        """Return the posterior means of the weights, (r, p), with noise over signal (p,)."""
+        """Return the posterior means of the weights, (r, p).
+
+        Parameters
+        ----------
+        spectrum : ndarray, shape (r,), what the cases know of every direction
+        ratio : ndarray, shape (p,), noise over signal
+        """
         return np.asarray((self.known + spectrum[:, None] * self.first) / (spectrum[:, None] + ratio))
 
     def variances(self, spectrum: Array, output: int, cases: int) -> tuple[float, float]:
-        """Return the most likely s^2 and sigma^2 of one output: s^2 at its best for every ratio of the two."""
+        """Return the most likely s^2 and sigma^2 of one output: s^2 at its best for every ratio of the two.
+
+        Parameters
+        ----------
+        spectrum : ndarray, shape (r,), what the cases know of every direction
+        output : int, number of the output
+        cases : int, number of cases
+        """
         first, known, energy = self.first[:, output], self.known[:, output], float(self.energy[output])
 
         def left(ratio: float) -> float:
