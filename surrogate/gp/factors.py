@@ -238,7 +238,7 @@ class StationaryFactor(Factor):
         self.parameter = length_scale
         self._kind, self.t = kind, t
         self.basis, self.weights = polynomial_basis(t), np.ones(len(t))
-        K = correlation(kind, t[:, None] - t, length_scale)[0] + nugget * np.eye(len(t))
+        K = _correlation(kind, t[:, None] - t, length_scale)[0] + nugget * np.eye(len(t))
         eigenvalues, vectors = eigh(K)
         # rounding can push the smallest eigenvalues of a smooth kernel below the nugget
         eigenvalues = np.maximum(eigenvalues, max(nugget, len(t) * np.finfo(float).eps))
@@ -258,7 +258,7 @@ class StationaryFactor(Factor):
         t : ndarray, shape (B,), scaled coordinates
         modes : int, number of the mean's features
         """
-        k, _ = correlation(self._kind, t - self.t[:, None], self.parameter)
+        k, _ = _correlation(self._kind, t - self.t[:, None], self.parameter)
         white = self._whiten @ k
         residual = np.maximum(1 - np.einsum("ib,ib->b", white, white), 0)
         return Features(self._cardinal[:modes] @ k, np.ones_like(t), residual)
@@ -271,7 +271,7 @@ class StationaryFactor(Factor):
         t : ndarray, shape (B,), scaled coordinates
         modes : int, number of the mean's features
         """
-        _, slope = correlation(self._kind, t - self.t[:, None], self.parameter)
+        _, slope = _correlation(self._kind, t - self.t[:, None], self.parameter)
         white = self._whiten @ slope
         prior = np.full_like(t, steepness(self._kind) / self.parameter**2)
         return Features(
@@ -284,7 +284,7 @@ def steepness(kind: str) -> float:
     return {"rbf": 1.0, "matern32": 3.0, "matern52": 5 / 3}[kind]
 
 
-def correlation(kind: str, difference: Array, length_scale: float) -> tuple[Array, Array]:
+def _correlation(kind: str, difference: Array, length_scale: float) -> tuple[Array, Array]:
     """Return a stationary correlation function and its derivative by the difference.
 
     Parameters

@@ -121,7 +121,7 @@ def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | N
     }
 
 
-def kinks(found: Decays) -> dict[str, tuple[str, ...]]:
+def _kinks(found: Decays) -> dict[str, tuple[str, ...]]:
     """Return outputs whose coefficients do not decay geometrically, and the inputs along which."""
     every = {output: tuple(name for name in along if along[name].algebraic) for output, along in found.items()}
     return {output: where for output, where in every.items() if where}
@@ -139,7 +139,7 @@ def choose(
     """
     if not tolerance > 0 or budget < 1:
         raise ValueError(f"tolerance {tolerance} and budget {budget} must be positive")
-    kinked = kinks(found)
+    kinked = _kinks(found)
     claimed = {output: along for output, along in found.items() if output not in kinked}
     if not claimed:
         raise ValueError(f"no output decays geometrically, so no tolerance can be met: {', '.join(kinked)}")

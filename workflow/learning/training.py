@@ -45,10 +45,10 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     if curves.given(study, quantities):  # some outputs follow from them
         model: GaussianProcess = curves.model(study, compression(study), by)
     elif by is not None:
-        own = (lambda names: crossing(study)) if study.crossed else None
+        own = (lambda names: _crossing(study)) if study.crossed else None
         model = GroupedGP(by, study.surrogate.kernel, compression=compression(study), process=own)
     else:
-        model = crossing(study) if study.crossed else process(study, study.learned)
+        model = _crossing(study) if study.crossed else process(study, study.learned)
     model.made_from_ = study.physics
     if study.surrogate.level is not None:
         model.level_ = study.surrogate.level
@@ -60,7 +60,7 @@ def process(study: Study, outputs: Sequence[str]) -> GridGP:
     return GridGP(study.surrogate.kernel, factorial.inputs(study), outputs, compression=compression(study))
 
 
-def crossing(study: Study) -> CrossGP:
+def _crossing(study: Study) -> CrossGP:
     """The cross approximation of a study, which asks for places before it is fitted."""
     return CrossGP(
         factorial.axis_inputs(study),
@@ -76,9 +76,9 @@ def crossing(study: Study) -> CrossGP:
 def places(study: Study, solved: Sequence[xr.Dataset]) -> xr.Dataset:
     """What a cross approximation asks for after the slabs of its batches so far: see `CrossGP.ask`."""
     if not solved:
-        return crossing(study).ask(None)
+        return _crossing(study).ask(None)
     known = factorial.learned(study, batches.joined(solved))
-    return crossing(study).ask(
+    return _crossing(study).ask(
         factorial.scaled(study, known, factorial.grouping(study, known) if study.groups else None)
     )
 
@@ -106,7 +106,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     by = groups_of(model)
     reduced = factorial.scaled(study, quantities, by)
     if study.crossed:
-        decays = lines.decays(crossing(study), reduced)
+        decays = lines.decays(_crossing(study), reduced)
     else:
         decays = counts.decays(reduced, factorial.axis_inputs(study), study.learned)
     if by is not None:

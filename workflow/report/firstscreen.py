@@ -96,7 +96,7 @@ def answered(
     case: Case = {**study.fixed, **found.kinds, **found.case}
     built = f"{body_in_words(study, case)}; {punch_in_words(case)}"
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
-    why = (told.beyond, told.advice, told.idle, told.tolerance or cost(found), told.device, sure(found),
+    why = (told.beyond, told.advice, told.idle, told.tolerance or cost(found), told.device, _sure(found),
            asides.spread(found), surroundings.told(around), told.sources)  # fmt: skip
     title = study.titles[name]
     return Screen(
@@ -104,7 +104,7 @@ def answered(
         title=title,
         code=found.goal,
         build=_unbroken(built + asides.within(found)),
-        does=_unbroken(good(target, found, hanging(own), reference)),
+        does=_unbroken(_good(target, found, hanging(own), reference)),
         doubt=doubted(own),
         stops=_unbroken(capital(told.stops)),
         breaks=_unbroken(asides.first_to_break(found)),
@@ -218,7 +218,7 @@ def _round(profile: str, case: Case) -> str:
     return made + words[profile].format(titles.value(size, float(case[size]), 3))
 
 
-def good(target: Target, found: Answer, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:
+def _good(target: Target, found: Answer, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:
     """What a design does: every goal's value with its band, its datum if it depends on one, and over what."""
     datum = f" (ground {titles.value('datum', reference)} away)"
     parts = [
@@ -259,7 +259,7 @@ def cost(found: Answer) -> str:
     return f"{capital('; '.join(parts))}." if parts else ""
 
 
-def sure(found: Answer) -> str:
+def _sure(found: Answer) -> str:
     """How the first goal's value was found, and how far the surrogate was off."""
     goal = found.terms[0]
     if not goal.exact:
