@@ -31,7 +31,13 @@ _RARE = 0.01  # chance of so few rows within their intervals from which on they 
 
 
 def understated(found: Learnt, output: int) -> bool:
-    """Whether errors are said to be larger than stated."""
+    """Whether errors are said to be larger than stated.
+
+    Parameters
+    ----------
+    found : Learnt
+    output : int, number of the measured output
+    """
     return found.scale(output)[1] > LARGER
 
 
@@ -57,9 +63,16 @@ class Taught:
         model: GaussianProcess,
         nominal: Array,
     ) -> Self:
-        """What was learnt about unknowns (k,), some of them single constants beside families: flags (k,).
+        """What was learnt from measured rows.
 
-        The model's nominal means at the measured values are given.
+        Parameters
+        ----------
+        found : Learnt
+        rows : Measurements, n values
+        unknown : list of Unknown, k of them
+        single : ndarray of bool, shape (k,), whether it is a single constant beside its family
+        model : GaussianProcess, the nominal surrogate
+        nominal : ndarray, shape (n,), its means at the measured values
         """
         constants, count = _constants(found, unknown), len(np.unique(rows.row))
         told = {

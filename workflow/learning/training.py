@@ -37,7 +37,13 @@ def compression(study: Study) -> float:
 
 
 def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
-    """Gaussian process of the study's outputs on its factorial, or on what a cross approximation asked for of it."""
+    """Gaussian process of the study's outputs on its factorial, or on what a cross approximation asked for of it.
+
+    Parameters
+    ----------
+    study : Study
+    quantities : Dataset, over the axes and categories, or over the crossed places
+    """
     data, by = filled.whole(study, curves.learned(study, quantities)), None
     if study.groups:
         data = factorial.with_factors(study, data)
@@ -56,7 +62,13 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
 
 
 def process(study: Study, outputs: Sequence[str]) -> GridGP:
-    """The process of some outputs on the study's factorial, not fitted."""
+    """The process of some outputs on the study's factorial, not fitted.
+
+    Parameters
+    ----------
+    study : Study
+    outputs : sequence of str
+    """
     return GridGP(study.surrogate.kernel, factorial.inputs(study), outputs, compression=compression(study))
 
 
@@ -74,7 +86,13 @@ def _crossing(study: Study) -> CrossGP:
 
 
 def places(study: Study, solved: Sequence[xr.Dataset]) -> xr.Dataset:
-    """What a cross approximation asks for after the slabs of its batches so far: see `CrossGP.ask`."""
+    """What a cross approximation asks for after the slabs of its batches so far: see `CrossGP.ask`.
+
+    Parameters
+    ----------
+    study : Study
+    solved : sequence of Dataset, the slabs
+    """
     if not solved:
         return _crossing(study).ask(None)
     known = factorial.learned(study, batches.joined(solved))
@@ -133,7 +151,14 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
 def answered(
     study: Study, cases: xr.Dataset, model: GaussianProcess
 ) -> tuple[dict[str, xr.DataArray], xr.Dataset, dict[str, int]]:
-    """Factors and cases of a sample that solver and model answer, and how many of the others there are of each kind."""
+    """Factors and cases of a sample that solver and model answer, and how many of the others there are of each kind.
+
+    Parameters
+    ----------
+    study : Study
+    cases : Dataset, over ``case``, with or without a mask
+    model : GaussianProcess
+    """
     if REFUSAL not in cases and model.region_ is None:
         return {name: cases[name] for name in study.factors}, cases, {}
     refused = holes.refused(cases, ["case"])
@@ -165,7 +190,14 @@ def calibrated(study: Study, model: GaussianProcess, quantities: xr.Dataset, cas
 
 
 def widest(study: Study, model: GaussianProcess, number: int) -> asked.Place:
-    """Where 95 % intervals are widest, of random cases: mean over the outputs, each over its own mean width."""
+    """Where 95 % intervals are widest, of random cases: mean over the outputs, each over its own mean width.
+
+    Parameters
+    ----------
+    study : Study
+    model : GaussianProcess
+    number : int, that of the round, from 0
+    """
     points = factorial.points(study, _TRIED, (study.validation.seed, 6, number), together=1)
     X = np.stack([points[name].values for name in study.factors], axis=-1)
     X = X[model.has_answers(X)]

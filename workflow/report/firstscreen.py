@@ -127,7 +127,14 @@ def doubted(study: Study) -> str:
 
 
 def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.Device:
-    """What is drawn of a case, with the ends of its contact [m]."""
+    """What is drawn of a case.
+
+    Parameters
+    ----------
+    study : Study
+    case : mapping, SI, every factor
+    contact : mapping of str to float, m, ends of the contact by quantity
+    """
     profile = str(case.get("profile", CHOICES["profile"][0]))
     trailing, leading = study.kind.ends
     return device.Device(
@@ -162,7 +169,13 @@ def _grounded(study: Study, case: Case) -> bool:
 
 
 def body_in_words(study: Study, case: Case) -> str:
-    """The body under the punch, as ``fibrous, 67 % BaTiO3, 230 µm on steel``."""
+    """The body under the punch, as ``fibrous, 67 % BaTiO3, 230 µm on steel``.
+
+    Parameters
+    ----------
+    study : Study
+    case : mapping, SI, every factor
+    """
     if study.body:
         layers = [_layer(study, layer.plain(case), first=not k) for k, layer in enumerate(study.body)]
         return " on ".join([*layers, _base(case)])
