@@ -97,13 +97,16 @@ class Grouping:
         outputs : sequence of str
             Which to take.
         """
-        columns = xr.broadcast(*(dataset[own.name].reset_coords(drop=True) for own in self.inputs))
+        columns = [dataset[own.name].variable for own in self.inputs]
+        own_dims = tuple(dict.fromkeys(dim for column in columns for dim in column.dims))
         arrays: dict[Any, Any] = {}
         for name in outputs:
-            array, *given = xr.broadcast(dataset[name].reset_coords(drop=True), *columns)
-            X = np.stack([column.transpose(*array.dims).values.ravel() for column in given], axis=1)
-            learnt = self.scales([name]).transform(np.asarray(array.values, dtype=np.float64).reshape(1, -1), X)
-            arrays[name] = array.dims, learnt.reshape(array.shape), dataset[name].attrs
+            variable = dataset[name].variable
+            dims = {dim: dataset.sizes[dim] for dim in dict.fromkeys((*variable.dims, *own_dims))}
+            array, *given = (one.set_dims(dims).transpose(*dims).values for one in (variable, *columns))
+            X = np.stack([column.ravel() for column in given], axis=1)
+            learnt = self.scales([name]).transform(np.asarray(array, dtype=np.float64).reshape(1, -1), X)
+            arrays[name] = tuple(dims), learnt.reshape(array.shape), dataset[name].attrs
         return xr.Dataset(arrays)
 
     def only(self, outputs: Sequence[str]) -> Self:
