@@ -3,7 +3,7 @@
 Where a model of the world scales, its outputs depend on fewer numbers than it has inputs. Nothing here knows why.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
@@ -15,6 +15,13 @@ from approximation.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.transforms.inputs import NEAR, Axes, Group, Powers, middle, span
 from surrogate.transforms.outputs import Scales, Scaling
+
+
+def _over(variable: xr.Variable, dims: Mapping[Hashable, int]) -> Array:
+    """Values over dimensions of these sizes, those of the variable among them."""
+    own = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
+    axes = tuple(slice(None) if dim in variable.dims else None for dim in dims)
+    return np.broadcast_to(own[axes], tuple(dims.values()))
 
 
 @dataclass(frozen=True)
@@ -103,7 +110,7 @@ class Grouping:
         for name in outputs:
             variable = dataset[name].variable
             dims = {dim: dataset.sizes[dim] for dim in dict.fromkeys((*variable.dims, *own_dims))}
-            array, *given = (one.set_dims(dims).transpose(*dims).values for one in (variable, *columns))
+            array, *given = (_over(one, dims) for one in (variable, *columns))
             X = np.stack([column.ravel() for column in given], axis=1)
             learnt = self.scales([name]).transform(np.asarray(array, dtype=np.float64).reshape(1, -1), X)
             arrays[name] = tuple(dims), learnt.reshape(array.shape), dataset[name].attrs
