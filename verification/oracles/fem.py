@@ -57,7 +57,13 @@ def constitutive_matrix(material: Mapping[str, float]) -> Array:
 
 
 def elliptic_mesh(theta: Array, xi: Array) -> MeshTri:
-    """Triangles between x + iy = cosh(xi - i theta), theta from 0 to pi and xi from 0."""
+    """Triangles between x + iy = cosh(xi - i theta).
+
+    Parameters
+    ----------
+    theta : ndarray, shape (n,), from 0 to pi
+    xi : ndarray, shape (m,), from 0
+    """
     wide, deep = np.meshgrid(theta, xi, indexing="ij")
     x, y = np.cosh(deep) * np.cos(wide), -np.sinh(deep) * np.sin(wide)
     y[[0, -1]] = 0.0  # sin(pi) is not zero in floating point
@@ -136,7 +142,14 @@ class Body:
         return out
 
     def fluxes(self, u: Array, points: Array, length: float) -> dict[str, Array]:
-        """``FIELDS`` at points (X, Y), shape (2, n), within the body; SI units."""
+        """``FIELDS`` at points within the body; SI units.
+
+        Parameters
+        ----------
+        u : ndarray, shape (4, nodes), displacements and potentials
+        points : ndarray, shape (2, n), X and Y over `length`
+        length : float, m, the unit of the mesh
+        """
         cells = self.mesh.element_finder(mapping=self.basis.mapping)(*points)
         local = self.basis.mapping.invF(points[:, :, None], tind=cells)
         gradient = np.zeros((2, 4, points.shape[1]))
