@@ -59,7 +59,6 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     ----------
     markdown : str, the page
     page : as MkDocs gives it
-    _ : what it gives besides
     """
     up = "../" * page.file.src_uri.count("/")
 

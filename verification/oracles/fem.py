@@ -174,6 +174,7 @@ def surface_load(body: Body, regular: Array, half_width: float) -> Array:
 
     Parameters
     ----------
+    body : Body
     regular : ndarray, shape (4, edges, 16)
         (sigma_xy, sigma_yy, D_y, B_y) sqrt(1 - X^2) at the angles of :func:`surface_angles`.
     half_width : float
