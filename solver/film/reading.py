@@ -169,7 +169,13 @@ class Collected:
 
 
 def joined(parts: list[tuple[Indices, _Outputs]], count: int) -> _Outputs:
-    """Outputs of all cases from those of some, as far as all parts have them; (case,) each."""
+    """Outputs of all cases from those of some, as far as all parts have them; (case,) each.
+
+    Parameters
+    ----------
+    parts : list of (ndarray of int, dict), places among the cases, and outputs of these
+    count : int, number of all cases
+    """
     names = [name for name in parts[0][1] if all(name in values for _, values in parts)]
     out = {name: np.empty(count) for name in names}
     for places, values in parts:
