@@ -76,7 +76,7 @@ class OnPoints:
         if (lacks := self._lacks_c12) is not None:
             raise MaterialError(f"{lacks}: c12: missing; largest stresses under a point need it [Pa]")
         return self.put_together(
-            lambda pressed, places: peaks(pressed, self._inside(places, pressed), asked), self._apart()
+            lambda pressed, places: peaks(pressed, self._within(places, pressed), asked), self._apart()
         )
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:

@@ -67,6 +67,11 @@ class GradedSpread:
 def graded_spread(stack: Stack, reach: float) -> GradedSpread:
     """Lambda of a stack whose top layer is graded, for distances up to ``reach`` [m].
 
+    Parameters
+    ----------
+    stack : Stack, its top layer graded
+    reach : float, the largest distance [m]
+
     Raises
     ------
     StackError

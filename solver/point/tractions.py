@@ -1,0 +1,62 @@
+"""Tractions of point contacts: densities that they have in Fourier space, and what friction adds (points, 7 and 8)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from approximation.arrays import Indices
+from solver.arrays import Array
+from solver.point.density import Density
+
+#: psi of (sigma_yy, D_y, B_y), the part of cos(angle), at b, of some columns; (column, 3, b).
+Sines = Callable[[Array, Indices], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Tractions:
+    """Tractions of point contacts in the units of a body; columns of cases or causes.
+
+    Parameters
+    ----------
+    ratio
+        Contact radius over the unit of the body's lengths; (column,).
+    density
+        Of the part without friction.
+    friction
+        eta, along x; (column,).
+    sines
+        Of the part that friction adds in cos(angle), eta times it; None without friction.
+    """
+
+    ratio: Array
+    density: Density
+    friction: Array
+    sines: Sines | None = None
+
+    @property
+    def kinked(self) -> bool:
+        """Whether the densities are kinked at 0 or steep at 1."""
+        return self.density.kinked or self.sines is not None
+
+    def part(self, columns: Indices) -> "Tractions":
+        """Some of the columns."""
+        own = self.sines
+        sines = None if own is None else lambda b, some: own(b, columns[some])
+        return Tractions(self.ratio[columns], self.density.part(columns), self.friction[columns], sines)
+
+    def vectors(self, b: Array, columns: Indices) -> tuple[Array, Array | None]:
+        """(sigma_xy, sigma_yy, D_y, B_y) as densities: of 1, all in cos kb; of cos(angle), the first in cos kb.
+
+        Returns (column, 4, b) each, of some columns; none of the second without friction.
+
+        Parameters
+        ----------
+        b : ndarray, shape (b,), 0 to 1
+        columns : ndarray of int, some of the columns
+        """
+        own = self.density.part(columns).at(b)
+        plain = np.concatenate([np.zeros_like(own[:, :1]), own], 1)
+        if self.sines is None:
+            return plain, None
+        return plain, np.concatenate([-self.friction[columns, None, None] * own[:, :1], self.sines(b, columns)], 1)
