@@ -205,7 +205,9 @@ def beside_mapie(method: Method, errors: Array, std: Array) -> float:
     worst = 0.0
     for p in np.flatnonzero(errors.any(axis=1) & (std > 0).all(axis=1)):
         unit = errors[p].std()  # MAPIE takes what is below 1e-8 for zero
-        held, fresh = (np.stack([np.zeros_like(one), one / unit], axis=1) for one in (std[p], method.std[p]))
+        held, fresh = (
+            np.stack([np.zeros_like(deviations), deviations / unit], axis=1) for deviations in (std[p], method.std[p])
+        )
         score = ResidualNormalisedScore(residual_estimator=_Column(1), prefit=True, sym=True)
         theirs = SplitConformalRegressor(
             _Column(0), confidence_level=list(LEVELS), conformity_score=score, prefit=True

@@ -61,7 +61,7 @@ def sparse_grid(
     def at(t: Array) -> Array:
         along = [basis(row, leja_points) for row in t.T]
         table = np.array(indices)
-        weights = np.prod([one[table[:, k]] for k, one in enumerate(along)], axis=0)
+        weights = np.prod([weight[table[:, k]] for k, weight in enumerate(along)], axis=0)
         return np.tensordot(weights.T, np.stack(surpluses), 1)
 
     while len(indices) < most:

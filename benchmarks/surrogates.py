@@ -115,7 +115,7 @@ def equal_accuracy(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 def _exact(study: Study, inputs: list[Input]) -> Entry:
     def ask(_: None, X: Array, with_std: bool) -> tuple[Array, None]:
-        points = {one.name: xr.DataArray(column, dims="case") for one, column in zip(inputs, X.T, strict=True)}
+        points = {axis.name: xr.DataArray(column, dims="case") for axis, column in zip(inputs, X.T, strict=True)}
         return _stacked(factorial.exact(study, points)), None
 
     return Entry("exact solver", 0, None, ask)
@@ -224,7 +224,7 @@ def told(row: dict[str, Any]) -> str:
 
 def _grid(study: Study, inputs: list[Input], counts: tuple[int, ...]) -> xr.Dataset:
     """The complete factorial in memory: the solver gives views along what a quantity does not depend on."""
-    axes = {one.name: one.levels(n) for one, n in zip(inputs, counts, strict=True)}
+    axes = {axis.name: axis.levels(n) for axis, n in zip(inputs, counts, strict=True)}
     data = factorial.exact(study, axes)[OUTPUTS]
     return data.map(lambda array: array.copy(data=np.ascontiguousarray(array.values)))
 
@@ -236,7 +236,7 @@ def _cases(study: Study, inputs: list[Input], count: int, seed: int) -> xr.Datas
 
 
 def _points(inputs: list[Input], t: Array) -> dict[str, xr.DataArray]:
-    return {one.name: xr.DataArray(one.from_unit(row), dims="case") for one, row in zip(inputs, t, strict=True)}
+    return {axis.name: xr.DataArray(axis.from_unit(row), dims="case") for axis, row in zip(inputs, t, strict=True)}
 
 
 def _stacked(data: xr.Dataset) -> Array:

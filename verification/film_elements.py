@@ -93,8 +93,8 @@ class Compared:
     @property
     def ends(self) -> tuple[Answers, Answers]:
         """a and b; like the others below by the elements and by the solver."""
-        one = self.contact
-        ends = np.array([one.half_length + one.centre, one.half_length - one.centre])
+        contact = self.contact
+        ends = np.array([contact.half_length + contact.centre, contact.half_length - contact.centre])
         return {"ends": ends}, {"ends": np.array([self.quantities[f"contact_{end}"] for end in _ENDS])}
 
     @property

@@ -92,18 +92,18 @@ def thick(base: Case, expected: tuple[float, float]) -> float:
 
 def uniaxial() -> float:
     """Error of the load of a thin film of BaTiO3 on a rigid base, under a punch that takes no charge anywhere."""
-    one = solver.find("BaTiO3")
-    expected = 2 / 3 * float(one.c33 + one.e33**2 / one.eps33)
-    case = {"material": one, "electric": "insulating", "magnetic": "insulating"}
+    material = solver.find("BaTiO3")
+    expected = 2 / 3 * float(material.c33 + material.e33**2 / material.eps33)
+    case = {"material": material, "electric": "insulating", "magnetic": "insulating"}
     ratios, found = _thin(case, [expected * ratio**3 for ratio in (7.5, 15, 30)])
     return off(_limit(ratios, found["load"].values * 0.05 / THIN**2 / ratios**3), expected)
 
 
 def thin_charge() -> float:
     """Error of the charge per load of a thin film of BaTiO3 on a rigid base at zero volts."""
-    one = solver.find("BaTiO3")
-    ratios, found = _thin({"material": one}, [2 / 3 * float(one.c33) * ratio**3 for ratio in (7.5, 15, 30)])
-    return off(_limit(ratios, found.charge_sensitivity.values), float(one.e33 / one.c33))
+    material = solver.find("BaTiO3")
+    ratios, found = _thin({"material": material}, [2 / 3 * float(material.c33) * ratio**3 for ratio in (7.5, 15, 30)])
+    return off(_limit(ratios, found.charge_sensitivity.values), float(material.e33 / material.c33))
 
 
 def incompressible() -> float:

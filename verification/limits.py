@@ -187,8 +187,8 @@ def units() -> float:
     plain = constants(solver.find(SIH_SONG))
     plain.pop("rho", None)
     changed = {name: value * of[name.rstrip("0123456789")] for name, value in plain.items()}
-    one = solver.solve({"material": solver.Material.from_mapping(plain), **CHARGED})
+    elastic = solver.solve({"material": solver.Material.from_mapping(plain), **CHARGED})
     two = solver.solve(
         {"material": solver.Material.from_mapping(changed), **{k: v * factors[k] for k, v in CHARGED.items()}}
     )  # fmt: skip
-    return off_each([two[name] for name in answers], [float(one[name]) * unit for name, unit in answers.items()])
+    return off_each([two[name] for name in answers], [float(elastic[name]) * unit for name, unit in answers.items()])

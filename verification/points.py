@@ -179,7 +179,7 @@ def fixed_edge() -> float:
     """Relative difference of charge per force and stroke per volt of a disc on films of both bases."""
     disc = {key: value for key, value in _FILM.items() if key not in _BALL} | _DISC
     found = [solver.solve(disc | {"base": base}) for base in _BASES]
-    return max(off_each(one["charge_sensitivity"], one["stroke_per_volt"]) for one in found)
+    return max(off_each(solution["charge_sensitivity"], solution["stroke_per_volt"]) for solution in found)
 
 
 def tangents() -> float:

@@ -92,7 +92,7 @@ class OnPointFilm(OnPoints):
         return None if self._lacks_c12 is not None or stack.electroded else Rim.of(stack.media[0].halfplane)
 
     def _stretch(self, places: Indices) -> Stretch | None:
-        stack = next(_stack(one) for own, one in self._parts if own is places)
+        stack = next(_stack(pressed) for own, pressed in self._parts if own is places)
         if self._lacks_c12 is not None or stack.electroded or stack.top.graded:
             return None
         return Stretch.of(stack.media[0].halfplane)

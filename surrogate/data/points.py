@@ -182,12 +182,12 @@ def _margins(inputs: tuple[Input, ...]) -> tuple[Array, Array]:
     return np.array(low), np.array(high)
 
 
-def _margin(one: Input) -> tuple[float, float]:
-    if one.scale == "log":
-        slack = SLACK * np.log(one.high / one.low)
-        return one.low * (1 - slack), one.high * (1 + slack)
-    slack = SLACK * (one.high - one.low)
-    return one.low - slack, one.high + slack
+def _margin(own: Input) -> tuple[float, float]:
+    if own.scale == "log":
+        slack = SLACK * np.log(own.high / own.low)
+        return own.low * (1 - slack), own.high * (1 + slack)
+    slack = SLACK * (own.high - own.low)
+    return own.low - slack, own.high + slack
 
 
 def _by_name(points: Table | ArrayLike, names: Sequence[str]) -> dict[Any, Any]:

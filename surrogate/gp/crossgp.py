@@ -174,8 +174,8 @@ class CrossGP(GridGP):
 
     def _index(self, name: str, values: Array) -> Indices:
         """The level of every value; ValueError for one that is none."""
-        one = self._input(name)
-        levels, unit = one.to_unit(one.levels(self.levels[name])), one.to_unit(values)
+        axis = self._input(name)
+        levels, unit = axis.to_unit(axis.levels(self.levels[name])), axis.to_unit(values)
         nearest = np.abs(unit[:, None] - levels).argmin(axis=1)
         away = np.abs(unit - levels[nearest]) > LEVEL_TOLERANCE
         if away.any():

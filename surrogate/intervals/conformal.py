@@ -261,12 +261,12 @@ def calibrate(
     scores = (np.sign(errors) * np.exp(logarithms))[:, even]
     distribution = _distribution(scores)
     # in standard deviations from here on
-    one = np.ptp(distribution.ends(ONE_STD), axis=0) / 2
-    one = np.where(one > 0, one, 1.0)
-    whole[0] += np.log(one)
+    size = np.ptp(distribution.ends(ONE_STD), axis=0) / 2
+    size = np.where(size > 0, size, 1.0)
+    whole[0] += np.log(size)
     fitted = A @ whole
     within = np.stack([fitted.min(axis=0), fitted.max(axis=0)])
-    table = replace(distribution, quantiles=distribution.quantiles / one)
+    table = replace(distribution, quantiles=distribution.quantiles / size)
     return Calibration(weights, floor, whole, degrees, within, guard, table, further, Copula.of(scores, t[:, even]))
 
 

@@ -195,7 +195,7 @@ def _fitted(squares: Array, alike: Array) -> Array:
     starts = [np.full(len(squares), np.log(length)) for length in (1.0, _LIKELY, 0.1)]
     bounds = [(float(np.log(_BOUNDS[0])), float(np.log(_BOUNDS[1])))] * len(squares)
     found = [minimize(cost, start, jac=True, method="L-BFGS-B", bounds=bounds) for start in starts]
-    return np.asarray(np.exp(min(found, key=lambda one: float(one.fun)).x))
+    return np.asarray(np.exp(min(found, key=lambda fit: float(fit.fun)).x))
 
 
 def _pairs(scaled: Array) -> Indices:

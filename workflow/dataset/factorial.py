@@ -20,8 +20,8 @@ from workflow.study.sections import Axis
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
-#: Random cases of films that share the values for which the solver makes tables: these cost 0.1 to 1 s, a case 0.1 ms,
-#: but of these values few places tell little.
+#: How many random cases of films share the values for which the solver makes tables. A table costs 0.1 to 1 s, a case
+#: 0.1 ms; but a sample with few tables tells little of these values.
 TOGETHER = 10
 #: Parameters of the beta distribution of shares of a range that are drawn towards its ends.
 TOWARDS_ENDS = 0.3, 0.3

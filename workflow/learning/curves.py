@@ -52,9 +52,9 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
                     place = region.fields.index(peak.place) if peak.place else -1
                     learnt = output(quantity, kinds)
                     largest[learnt] = Largest(len(curves) - 1, peak.measure, place)
-                    one = ALL_QUANTITIES[quantity]
-                    words = f"{one.long_name}, {categories.named(kinds)}" if kinds else one.long_name
-                    attrs[learnt] = {"units": one.units, "long_name": words}
+                    described = ALL_QUANTITIES[quantity]
+                    words = f"{described.long_name}, {categories.named(kinds)}" if kinds else described.long_name
+                    attrs[learnt] = {"units": described.units, "long_name": words}
     inputs, kernel = factorial.inputs(study), study.surrogate.kernel
     scalings = dict(by.scalings) if by else {}
     for kinds in study.combinations if by else ():

@@ -119,10 +119,10 @@ class Effects:
                 found[family.name] = found[family.name] + share if family.name in found else share
         return [found[constant.name] for constant in self._constants]
 
-    def _parts(self, one: Constant) -> list[Constant]:
+    def _parts(self, constant: Constant) -> list[Constant]:
         """The members of a family, where all of them are uncertain too, each for itself."""
-        names = members(find(one.material, self._study.own_materials), one.family)
-        parts = [other for other in self._constants if other.material == one.material and other.family in names]
+        names = members(find(constant.material, self._study.own_materials), constant.family)
+        parts = [other for other in self._constants if other.material == constant.material and other.family in names]
         return parts if len(parts) == len(names) else []
 
     def _judged(self) -> Array:

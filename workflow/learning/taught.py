@@ -181,8 +181,8 @@ def _discrepancy(found: Learnt, rows: Measurements, model: GaussianProcess, nomi
     size = float(np.sqrt(np.mean(nominal[k] ** 2)))
     values = []
     for draw in found.draws:
-        one = draw.discrepancies[q]
-        own, by_constants, _ = one.at(one.points)
+        discrepancy = draw.discrepancies[q]
+        own, by_constants, _ = discrepancy.at(discrepancy.points)
         values.append(own - by_constants @ draw.mean)
     share = float(np.sqrt(np.mean(np.mean(values, axis=0) ** 2))) / size if size else 0.0
     said = _odds_said(odds)

@@ -64,7 +64,7 @@ def _half_planes(study: Study, points: dict[str, xr.DataArray], with_holes: bool
 
     Of a factorial with holes a case costs what it costs at points.
     """
-    one = {name: array[0] for name, array in points.items()}
+    first = {name: array[0] for name, array in points.items()}
     count = len(next(iter(points.values()))) * len(study.combinations)
     scattered = seconds(lambda: factorial.exact(study, points)) / count
     return {
@@ -72,7 +72,7 @@ def _half_planes(study: Study, points: dict[str, xr.DataArray], with_holes: bool
         if with_holes
         else seconds(lambda: factorial.exact(study, factorial.levels(study))) / study.cases,
         "exact_per_scattered_case": scattered,
-        "exact_single_case": seconds(lambda: factorial.exact(study.narrowed(study.combinations[0]), one)),
+        "exact_single_case": seconds(lambda: factorial.exact(study.narrowed(study.combinations[0]), first)),
     }
 
 

@@ -28,7 +28,7 @@ _TRIED, _WIDEST = 4096, 20
 
 
 def compression(study: Study) -> float:
-    """Error allowed to the compressed mean: far below the tolerance, and no smaller, since queries cost less so.
+    """Error allowed to the compressed mean: far below the tolerance, but no smaller, since lower ranks answer faster.
 
     A film has two dozen outputs on each base; with a smaller error the ranks of their train would be some hundreds.
     """

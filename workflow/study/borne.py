@@ -77,7 +77,7 @@ def _least(limit: str, parts: Sequence[Material], composite: str) -> Borne:
     if not known:
         names = " and ".join(part.name for part in parts)
         raise ValueError(f"{limit}: the library has none of {names}; give a number with a unit")
-    weakest = min(known, key=lambda one: one.limits[limit].value)
+    weakest = min(known, key=lambda material: material.limits[limit].value)
     unknown = ", ".join(part.name for part in parts if part not in known)
     words = weakest.name
     if len(parts) > 1:

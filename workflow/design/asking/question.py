@@ -88,11 +88,11 @@ class Question:
             for limit in target.limits
         ]
 
-    def _deviation(self, one: Objective | Limit) -> Deviation | None:
+    def _deviation(self, statement: Objective | Limit) -> Deviation | None:
         """Over what a statement's deviation is taken, with the weights of its means."""
-        if not one.deviation:
+        if not statement.deviation:
             return None
-        names = self.target.deviating(one)
+        names = self.target.deviating(statement)
         sets = [scenarios.weights(self.target, names, nodes) for nodes in (scenarios.SEARCHED, scenarios.JUDGED)]
         return Deviation(names, RelativeDeviation({len(share): share for share in sets}))
 

@@ -90,7 +90,7 @@ def first_to_break(answer: Answer) -> str:
     ]
     if not errors:
         return ""
-    margin, variable, first = min(errors, key=lambda one: one[0])
+    margin, variable, first = min(errors, key=lambda error: error[0])
     return f"1 % off in {variable.title}, {first.title} is the first to break: {_left(margin)}."
 
 
