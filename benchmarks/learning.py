@@ -139,13 +139,13 @@ class Device:
     def truth(self) -> Array:
         """All outputs at all points, (n, 4)."""
         random, X = np.random.default_rng((self.seed, 3)), self.points
-        found = model(X, logs(self.constants))
+        outputs = model(X, logs(self.constants))
         if self.scenario.discrepancy:
             t = np.stack([axis.to_unit(X[:, k]) for k, axis in enumerate(INPUTS)], 1)
             away = cdist(t, t, "mahalanobis", VI=np.diag(random.uniform(1, 3, 2) ** -2.0))
             root = np.linalg.cholesky(np.exp(-0.5 * away**2) + 1e-9 * np.eye(len(t)))
-            found[:, :2] += self.scenario.discrepancy * SIZES[:2] * (root @ random.normal(size=(len(t), 2)))
-        return found
+            outputs[:, :2] += self.scenario.discrepancy * SIZES[:2] * (root @ random.normal(size=(len(t), 2)))
+        return outputs
 
     def read(self) -> tuple[Measurements, set[int]]:
         """What is measured, and the rows that hold an outlier."""
@@ -258,7 +258,7 @@ def measure(devices: int = 200, first: int = FIRST) -> dict[str, float]:
     devices : int, of every scenario
     first : int, seed of the first of them
     """
-    found: dict[str, float] = {}
+    figures: dict[str, float] = {}
     for name, scenario in SCENARIOS.items():
         start = process_time()
         every = [judged(Device(scenario, first + seed)) for seed in range(devices)]
@@ -267,19 +267,19 @@ def measure(devices: int = 200, first: int = FIRST) -> dict[str, float]:
             "constants": lambda device: device.constants, "readings left out": lambda device: device.left_out,
         }  # fmt: skip
         for part, of in parts.items():
-            found[f"{name}: {part}"] = float(np.mean([of(device).mean() for device in every]))
+            figures[f"{name}: {part}"] = float(np.mean([of(device).mean() for device in every]))
         whole = [np.concatenate([device.measured, device.unmeasured], 1).mean() for device in every]
-        found[f"{name}: worst device"] = float(min(whole))
-        found[f"{name}: worst device, ideal"] = float(min(device.ideal.mean() for device in every))
-        found[f"{name}: devices below 0.85"] = float(np.mean(np.array(whole) < 0.85))
-        found[f"{name}: devices below 0.85, ideal"] = float(np.mean([device.ideal.mean() < 0.85 for device in every]))
-        found[f"{name}: wrong words"] = float(np.mean([bool(device.wrong) for device in every]))
+        figures[f"{name}: worst device"] = float(min(whole))
+        figures[f"{name}: worst device, ideal"] = float(min(device.ideal.mean() for device in every))
+        figures[f"{name}: devices below 0.85"] = float(np.mean(np.array(whole) < 0.85))
+        figures[f"{name}: devices below 0.85, ideal"] = float(np.mean([device.ideal.mean() < 0.85 for device in every]))
+        figures[f"{name}: wrong words"] = float(np.mean([bool(device.wrong) for device in every]))
         for word in sorted({word for device in every for word in device.wrong}):
-            found[f"{name}: wrong: {word}"] = float(np.mean([word in device.wrong for device in every]))
-        found[f"{name}: processor seconds a device"] = (process_time() - start) / devices
-        for key in [key for key in found if key.startswith(f"{name}: ")]:
-            print(f"  {key}: {found[key]:.3f}", flush=True)
-    return found
+            figures[f"{name}: wrong: {word}"] = float(np.mean([word in device.wrong for device in every]))
+        figures[f"{name}: processor seconds a device"] = (process_time() - start) / devices
+        for key in [key for key in figures if key.startswith(f"{name}: ")]:
+            print(f"  {key}: {figures[key]:.3f}", flush=True)
+    return figures
 
 
 if __name__ == "__main__":

@@ -31,11 +31,11 @@ def basis(t: Array, points: Array) -> Array:
     t : ndarray, shape (B,), places
     points : ndarray, shape (count,)
     """
-    found = np.ones((len(points), len(t)))
+    polynomials = np.ones((len(points), len(t)))
     for level in range(1, len(points)):
         before = points[:level, None]
-        found[level] = ((t - before) / (points[level] - before)).prod(axis=0)
-    return found
+        polynomials[level] = ((t - before) / (points[level] - before)).prod(axis=0)
+    return polynomials
 
 
 def sparse_grid(

@@ -88,9 +88,9 @@ def measure(huge: bool = False) -> dict[str, Any]:
 
 def ratios(rows: list[dict[str, Any]]) -> dict[str, float]:
     """How many times faster than scikit-learn on 1,024 cases the Gaussian process on 1,048,576 and 64,000 is."""
-    found = {(row["method"], row["cases"]): row for row in rows}
-    slow = found[("scikit-learn GP (RBF)", 1024)]
-    million, good = (found[("Chebyshev-kernel GP", cases)] for cases in (16**5, 64_000))
+    by_method = {(row["method"], row["cases"]): row for row in rows}
+    slow = by_method[("scikit-learn GP (RBF)", 1024)]
+    million, good = (by_method[("Chebyshev-kernel GP", cases)] for cases in (16**5, 64_000))
     return {
         "fit of 1,048,576 cases over scikit-learn's of 1,024": slow["fit_seconds"] / million["fit_seconds"],
         "mean and interval of a query, 64,000 cases over scikit-learn's 1,024": slow["std_seconds"]
@@ -103,14 +103,14 @@ def ratios(rows: list[dict[str, Any]]) -> dict[str, float]:
 
 def equal_accuracy(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """For every accuracy and method the row of the fewest cases that reaches it in every output."""
-    found = []
+    counts = []
     for accuracy in ACCURACIES:
         best: dict[str, dict[str, Any]] = {}
         for row in sorted(rows, key=lambda row: row["cases"]):
             if row["fit_seconds"] is not None and max(row["error"].values()) <= accuracy:
                 best.setdefault(row["method"], row)
-        found += [{"accuracy": accuracy, **row} for row in sorted(best.values(), key=lambda row: row["fit_seconds"])]
-    return found
+        counts += [{"accuracy": accuracy, **row} for row in sorted(best.values(), key=lambda row: row["fit_seconds"])]
+    return counts
 
 
 def _exact(study: Study, inputs: list[Input]) -> Entry:

@@ -159,10 +159,10 @@ def in_si(text: str, units: str) -> float:
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None:
         raise ValueError(f"{text[:_LONGEST]!r} is not a finite number [{units}], nor one with its unit")
-    found = parse(match[2])
-    if not found.fits(parse(units)):
+    unit = parse(match[2])
+    if not unit.fits(parse(units)):
         raise ValueError(f"{text!r}: unit mismatch: {match[2]!r} does not measure what {units!r} measures")
-    value = float(Decimal(match[1]) * Decimal(repr(found.scale))) if isfinite(float(match[1])) else float("inf")
+    value = float(Decimal(match[1]) * Decimal(repr(unit.scale))) if isfinite(float(match[1])) else float("inf")
     if not isfinite(value):
         raise ValueError(f"{text!r} is not a finite number [{units}]")
     return value

@@ -97,8 +97,8 @@ class Solved:
         profile, load = Profile.cylinder(np.array(self.case["radius"])), np.array([self.case["load"]])
         stack = Stack(layers, self.base or RIGID)
         wide = table(stack, self.case.get("friction", 0.0), self.conducts, least=0.05, most=12.0, nodes=24)
-        found = FilmContact(wide, profile, load, np.array([self.charges]), np.array(1.0))
-        return replace(found, table=wide.narrowed(float(found.half_width[0])))
+        solved = FilmContact(wide, profile, load, np.array([self.charges]), np.array(1.0))
+        return replace(solved, table=wide.narrowed(float(solved.half_width[0])))
 
     def quantities(self, datum: float) -> Answers:
         """Quantities by name, the largest tractions of the lowest interface among them."""

@@ -173,14 +173,14 @@ class OnPoints:
         parts : sequence of (ndarray of int, Pressed), places and contacts; None: those of all cases
         """
         try:
-            found = [(places, output(pressed, places)) for places, pressed in parts or self._parts]
+            solved = [(places, output(pressed, places)) for places, pressed in parts or self._parts]
         except ContactError as error:
             raise CaseError(str(error)) from None
         out: dict[str, Array] = {}
-        for name in found[0][1]:
-            if all(name in values for _, values in found):
-                whole = np.empty((int(np.prod(self.shape)), *found[0][1][name].shape[1:]))
-                for places, values in found:
+        for name in solved[0][1]:
+            if all(name in values for _, values in solved):
+                whole = np.empty((int(np.prod(self.shape)), *solved[0][1][name].shape[1:]))
+                for places, values in solved:
                     whole[places] = values[name]
                 out[name] = whole.reshape((*self.shape, *whole.shape[1:]))
         return out

@@ -22,8 +22,8 @@ def body_curves(contact: Contact) -> dict[str, Array]:
     """Fields of the region ``body`` by name; (..., point), SI."""
     X, depth = _points()
     stresses = interior_parts(contact, X, -depth, _STRESSES).whole(contact)
-    found = {f"body_{name}": stresses[..., k, :] for k, name in enumerate(_STRESSES)}
-    return found | {"body_depth": contact.half_width[..., None] * depth}
+    curves = {f"body_{name}": stresses[..., k, :] for k, name in enumerate(_STRESSES)}
+    return curves | {"body_depth": contact.half_width[..., None] * depth}
 
 
 def _points() -> tuple[Array, Array]:

@@ -145,9 +145,9 @@ def _inferred(dataset: xr.Dataset, factor: str, levels: Array, chebyshev: bool) 
         low, high = (
             (np.exp(middle - reach), np.exp(middle + reach)) if scale == "log" else (middle - reach, middle + reach)
         )
-        found = Input(factor, float(low), float(high), scale, **attrs)
-        if np.abs(found.to_unit(levels) - gauss_points(len(levels))).max() <= LEVEL_TOLERANCE:
-            return found
+        inferred = Input(factor, float(low), float(high), scale, **attrs)
+        if np.abs(inferred.to_unit(levels) - gauss_points(len(levels))).max() <= LEVEL_TOLERANCE:
+            return inferred
     raise ValueError(
         f"input {factor!r}: its {len(levels)} levels are no Chebyshev-Gauss levels of a linear or log range"
     )

@@ -98,9 +98,9 @@ class FiniteRank:
         directions = root[:, None] * vectors
         known = _along(directions, spectrum, seen)
         rest = Rest(np.zeros_like(known), known, np.einsum("np,np->p", y, y))
-        found = [rest.variances(spectrum, p, t.shape[1]) for p in range(y.shape[1])]
+        variances = [rest.variances(spectrum, p, t.shape[1]) for p in range(y.shape[1])]
         # products of features know squares of the outputs to rounding only; what is left after a first fit knows more
-        first = rest.weights(spectrum, np.array([noise / signal for signal, noise in found]))
+        first = rest.weights(spectrum, np.array([noise / signal for signal, noise in variances]))
         seen, energy = _left(t, y, indices, directions @ first, root_weight)
         rest = Rest(first, _along(directions, spectrum, seen), energy)
         signal, noise = np.array([rest.variances(spectrum, p, t.shape[1]) for p in range(y.shape[1])]).T
@@ -223,11 +223,11 @@ def _products(indices: Indices, t: Array, derived: int = -1) -> Array:
     t : ndarray, shape (d, B), scaled coordinates
     derived : int, the input whose polynomial is replaced; -1: none
     """
-    found = np.ones((len(indices), t.shape[1]))
+    product = np.ones((len(indices), t.shape[1]))
     for j, (column, x) in enumerate(zip(indices.T, t, strict=True)):
         T = chebyshev.polynomials(x, max(2, 1 + int(column.max())))
-        found *= (chebyshev.slopes(x, T) if j == derived else T)[column]
-    return found
+        product *= (chebyshev.slopes(x, T) if j == derived else T)[column]
+    return product
 
 
 def _products(t: Array, y: Array, indices: Indices, root_weight: Array) -> tuple[Array, Array]:

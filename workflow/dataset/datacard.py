@@ -215,8 +215,8 @@ def _file(path: Path, first: str) -> dict[str, Any]:
 
 
 def _attributes(variable: "netCDF4.Variable[Any]") -> dict[str, Any]:
-    found = {key: np.asarray(variable.getncattr(key)).tolist() for key in variable.ncattrs()}
-    return {str(key): value for key, value in unscaled(found).items()}
+    attrs = {key: np.asarray(variable.getncattr(key)).tolist() for key in variable.ncattrs()}
+    return {str(key): value for key, value in unscaled(attrs).items()}
 
 
 def _merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

@@ -117,15 +117,15 @@ def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> di
         return {}
     axes = {axis.name: learned[axis.name] for axis in grouping.axes}
     data = grouping.reduced(learned, names).assign_coords(axes)
-    scales, nearest, found = *_within(grouping, learned, names), dict[str, float]()
+    scales, nearest, errors = *_within(grouping, learned, names), dict[str, float]()
     for number, (name, along) in enumerate(decays(data, grouping.axes, names).items()):
         values, sign, scale_ = data[name].transpose(*axes).values, grouping.scalings[name].logarithm, scales[number]
         outputs = (sign * np.exp(sign * values) if sign else values)[nearest] * scale_
         # an error of the logarithm is one of the output, relative
         size = np.abs(outputs) if sign else scale_
         error = max(sum(line.error(len(line.coefficients)) for line in along.values()), _LEAST) * np.ptp(values)
-        found[name] = float(error * size.max() / (np.ptp(outputs) or 1.0))
-    return found
+        errors[name] = float(error * size.max() / (np.ptp(outputs) or 1.0))
+    return errors
 
 
 def _within(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> tuple[Array, tuple[Indices, ...]]:
@@ -165,5 +165,5 @@ def _coefficient(study: Study, name: str, kinds: Kinds) -> float:
     if datum is None:
         return 0.0
     here = {**{key: value for key, value in study.fixed.items() if key != "datum"}, **middles(study), **kinds}
-    found = study.solved(solve, {**here, "datum": datum * np.array([1.0, np.e])})[name].values
-    return float(found[1] - found[0])
+    values = study.solved(solve, {**here, "datum": datum * np.array([1.0, np.e])})[name].values
+    return float(values[1] - values[0])

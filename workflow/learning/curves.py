@@ -110,10 +110,10 @@ def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
     study : Study
     data : Dataset, over the factors or ``case``, and the categories
     """
-    found = factorial.learned(study, data)
+    outputs = factorial.learned(study, data)
     if not given(study, data):
-        return found
-    return found.merge(categories.apart(data, study.categories, _names(study)), combine_attrs="override")
+        return outputs
+    return outputs.merge(categories.apart(data, study.categories, _names(study)), combine_attrs="override")
 
 
 def _names(study: Study) -> list[str]:

@@ -134,10 +134,10 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
     weight = weights(position, quantities.predict(points, return_std=False)["pressure_exponent"])
     angle = xr.DataArray(np.arccos(-position), dims="position", coords={"position": position})
     at = {**points, "angle": angle}
-    found = fields.predict(at).assign(fields.interval(at).data_vars)
+    predicted = fields.predict(at).assign(fields.interval(at).data_vars)
     return xr.Dataset(
         {
-            f"{name}{suffix}": (found[f"{name}{suffix}"] * weight[name]).assign_attrs(FIELDS[name].attrs)
+            f"{name}{suffix}": (predicted[f"{name}{suffix}"] * weight[name]).assign_attrs(FIELDS[name].attrs)
             for name in NAMES
             for suffix in ("", "_std", "_lower", "_upper")
         }

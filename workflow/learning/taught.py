@@ -222,20 +222,20 @@ def _outliers(found: Learnt, rows: Measurements, model: GaussianProcess) -> list
 
 def _open(told: dict[str, Any]) -> list[str]:
     """Explanations that the rows do not decide between."""
-    found = [
+    unresolved = [
         f"a discrepancy of {row['output']} ({_odds_said(row['odds'])})"
         for row in told["discrepancies"]
         if UNSEEN <= row["odds"] <= REAL
     ]
-    found += [
+    unresolved += [
         f"errors of {row['output']} {row['times_stated']:.2g} times those stated"
         for row in told["errors"]
         if row["low"] <= LARGER < row["times_stated"]
     ]
     own = told.get("single_constants_off")
     if own and UNSEEN <= own["odds"] <= REAL:
-        found.append(f"{own['what']} ({_odds_said(own['odds'])})")
-    return found
+        unresolved.append(f"{own['what']} ({_odds_said(own['odds'])})")
+    return unresolved
 
 
 def _left_out(found: Learnt, rows: Measurements, nominal: Array) -> dict[str, Any]:

@@ -41,7 +41,7 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
     points = {name: cases[name] for name in study.factors}
     X = np.stack([array.values for array in points.values()], -1)
     count = X.shape[0]
-    found = {
+    times = {
         "cases": float(study.cases),
         "queries": float(count),
         "outputs": float(len(study.outputs)),
@@ -53,10 +53,10 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
     }
     if study.dataset.peaks:
         some = {name: array[:_SEARCHED] for name, array in points.items()}
-        found["exact_per_searched_case"] = seconds(lambda: factorial.exact(study, some), 1) / (
+        times["exact_per_searched_case"] = seconds(lambda: factorial.exact(study, some), 1) / (
             len(next(iter(some.values()))) * len(study.combinations)
         )
-    return found
+    return times
 
 
 def _half_planes(study: Study, points: dict[str, xr.DataArray], with_holes: bool) -> dict[str, float]:

@@ -194,8 +194,8 @@ class Question:
         """
         counted: dict[int, Array] = {}
         for chosen in sets.values():
-            found = self.values(source, variables, chosen, list(chosen.terms.values())) if chosen.terms else []
-            for (place, term), values in zip(chosen.terms.items(), found, strict=True):
+            evaluated = self.values(source, variables, chosen, list(chosen.terms.values())) if chosen.terms else []
+            for (place, term), values in zip(chosen.terms.items(), evaluated, strict=True):
                 counted[place] = term.counted(values)
         return np.stack([counted[place] for place in range(len(self.terms))], -1)
 

@@ -26,8 +26,8 @@ def bound(study: Study, limit: Limit) -> tuple[str, str]:
     """
     if not limit.borne:
         return "", ""
-    found = study.bears(limit.borne)
-    return f"{titles.title(limit.borne)} of {found.of}", found.source
+    evidence = study.bears(limit.borne)
+    return f"{titles.title(limit.borne)} of {evidence.of}", evidence.source
 
 
 def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None) -> list[tuple[str, str]]:
@@ -46,16 +46,16 @@ def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None
     known = set()
     for name in BORNE:
         try:
-            found = study.bears(name)
+            evidence = study.bears(name)
         except ValueError:
             continue
         known.add(name)
         for quantity in _bounded(name):
             words, size = _largest(quantity, corner, study.kind.ends, below)
-            if size > found.value:
+            if size > evidence.value:
                 units = BORNE[name].units
-                bears = f"the {titles.title(name)} of {found.of}, {shown(found.value, units, 3)}"
-                lines.append((f"{words} of {shown(size, units, 3)} exceeds {bears}", found.source))
+                bears = f"the {titles.title(name)} of {evidence.of}, {shown(evidence.value, units, 3)}"
+                lines.append((f"{words} of {shown(size, units, 3)} exceeds {bears}", evidence.source))
     words, size = _largest("nominal_field", corner, study.kind.ends, below)
     if known.isdisjoint(_FIELDS) and size > _CERAMIC_FIELD:
         usual = f"{shown(_CERAMIC_FIELD, 'V m-1', 3)}, beyond which ferroelectric ceramics are not linear"
