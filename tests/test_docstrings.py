@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from tests.test_docs import ROOT
+from workflow.run.provenance import ROOT
 
 ROOMS = (
     "approximation",

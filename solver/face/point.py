@@ -80,7 +80,7 @@ class OnPoints:
         )
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """Refused: peaks of points are searched for, not learned from curves."""
+        """Refused: peaks of points are searched for, not learnt from curves."""
         raise FactorError("curves: of a body under a point contact are not given; ask for peaks")
 
     @np.errstate(all="ignore")

@@ -35,7 +35,7 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
     compression
         As of a `GridGP`.
     by
-        How the study's outputs follow from its groups, where it has some. Sizes are learned by their logarithms either
+        How the study's outputs follow from its groups, where it has some. Sizes are learnt by their logarithms either
         way, scores of curves as they are: they have no units.
     """
     curves: list[Curves] = []
