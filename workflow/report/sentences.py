@@ -111,8 +111,16 @@ def readout(readouts: Sequence[Row]) -> str:
     return f"{capital('; '.join(parts))}."
 
 
-def signal(one: Row, design: str) -> str:
-    """What the amplifier shows of a press, what a constant force does, and the noise."""
+def signal(one: Row, on: str) -> str:
+    """What the amplifier shows of a press, what a constant force does, and the noise.
+
+    Parameters
+    ----------
+    one
+        Its numbers, as `workflow.report.tables.signal` gives them, in SI.
+    on
+        What is pressed, in words.
+    """
     constant = "A constant force is held: nothing leaks"
     if math.isfinite(one["time_constant"]):
         constant = (
@@ -120,7 +128,7 @@ def signal(one: Row, design: str) -> str:
             f"{number(100 * one['drop'], 2)} % less after 10 s"
         )
     return (
-        f"{shown(one['force'], 'N', 3)} on the design {design!r} shows {shown(one['output'], 'V', 3)} at the output. "
+        f"{shown(one['force'], 'N', 3)} on {on} shows {shown(one['output'], 'V', 3)} at the output. "
         f"{constant}. The noise floor is {shown(one['noise_charge'], 'C', 2)}, "
         f"{shown(one['noise_output'], 'V', 2)} at the output, as much as {shown(one['noise_force'], 'N', 2)}."
     )
