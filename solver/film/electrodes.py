@@ -120,10 +120,10 @@ class Electrode:
             A distance that is not resolved.
         """
         if reach > _FARTHEST * self.width:
-            farthest = _FARTHEST * self.width / self.stack.top.thickness
+            farthest = _FARTHEST * self.width
             raise StackError(
-                "patch_size: the patch reaches farther from the contact than is resolved, "
-                f"{farthest:.3g} thicknesses of the top layer"
+                f"patch_size: the patch reaches {reach:.3g} m from the contact, farther than is resolved: "
+                f"{farthest:.3g} m, {farthest / self.stack.top.thickness:.3g} thicknesses of the top layer"
             )
         k, weights = wavenumbers(self.stack, reach, self.width)
         return k, weights, self.rows(k)
