@@ -5,6 +5,7 @@ from typing import TypeVar
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.materials import material_of
+from workflow.study import surroundings
 from workflow.study.contents import Contents
 
 Whole = TypeVar("Whole", bound=Contents)
@@ -13,13 +14,18 @@ Whole = TypeVar("Whole", bound=Contents)
 def pressed(study: Whole) -> Whole:
     """The study of that contact alone: its factors are fixed, and air is beside it where a device has it by default."""
     assert study.signal is not None
-    own = type(study).model_construct(
-        title=study.signal.title,
-        phases=study.phases,
-        fixed=dict(study.signal.case),
-        device=study.signal.device or study.device,
+    bare = {name: key.get_default(call_default_factory=True) for name, key in type(study).model_fields.items()}
+    own = study.model_copy(
+        update=bare
+        | {
+            "title": study.signal.title,
+            "phases": study.phases,
+            "fixed": dict(study.signal.case),
+            "device": study.signal.device or study.device,
+        }
     )
-    return own.with_materials(study.own_materials)
+    surroundings.settle(own)
+    return own
 
 
 def check(study: Contents) -> None:
