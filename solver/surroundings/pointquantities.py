@@ -20,7 +20,7 @@ from solver.surroundings.largest import peak_of_panels
 from solver.surroundings.refusal import require_gap_of_point
 from solver.surroundings.ringoperators import WITHIN, RingOperators
 from solver.surroundings.rings import rings
-from solver.surroundings.ringtable import RingsByRadius, RingsOnHalfSpace, RingTable
+from solver.surroundings.ringtable import RingsOnHalfSpace, RingTable
 from solver.surroundings.spread import spread
 
 _TABLES = 12  # kept: 20 MB each at most
@@ -61,18 +61,24 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array) -> dict[str, A
     SurroundingsError
         A punch or a body that the theory of air does not cover.
     """
-    conducts = np.broadcast_to(pressed.conducts, (pressed.force.size, 2))
-    require_gap_of_point(pressed.body, conducts)
     cases = [_of_case(case, contact) for case, contact in _cases(pressed, permittivity, end)]
     return {name: np.array([case[name] for case in cases]) for name in cases[0] if all(name in case for case in cases)}
 
 
-class _Case:
+def solved(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple["Case", PointState, RingOperators]]:
+    """Every case with its solution and the operators that it was found with; arguments and refusals as above."""
+    for case, contacts in _cases(pressed, permittivity, end):
+        state = case.charged(contacts)
+        yield case, state, case.operators(state.radius)[0].operators
+
+
+class Case:
     """One case of a body: its units, and its contacts under any charges or potentials."""
 
     def __init__(self, pressed: Pressed, place: int, fields: tuple[int, ...], permittivity: float, end: float) -> None:
         body, self.fields, self._pressed, self.place = pressed.body, fields, pressed, place
         self.units = pressed.units[place]
+        self.layered = isinstance(body, Film)
         self.length = float(body.thickness[place]) if isinstance(body, Film) else 1.0
         e = body.shape.exponent
         self._coefficient = float(pressed.coefficient[place] / self.units[0] * self.length ** (e - 1))
@@ -87,12 +93,17 @@ class _Case:
         """Units of the charges of the fields [C, Wb]; (field,)."""
         return np.asarray(self.length**2 / self.units[[1 + f for f in self.fields]])
 
+    def charged(self, contacts: dict[str, Contact]) -> PointState:
+        """With its own charges."""
+        start = contacts["charged"]
+        return self.state(start.pressed.charges[self.place], False, float(start.radius[self.place]))
+
     def state(self, charges: Array, held: bool, start: float, near: PointState | None = None) -> PointState:
         """With charges [C, Wb], or with all potentials at zero, from a radius [m] or from another state on."""
         given = np.zeros(len(self.fields)) if held else charges[list(self.fields)] / self.own
         at, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
         for _ in range(LAST - FIRST):
-            operators, number = self._operators(at)
+            operators, number = self.operators(at)
             state = AirPoint(operators, self._coefficient, self._force, given, (held,) * len(self.fields),
                              self._media, self._end, at, begin).state  # fmt: skip
             if number is None or number == number_of(np.array([state.radius]))[0] or _within(state.radius, number):
@@ -100,7 +111,8 @@ class _Case:
             at, begin = state.radius, state.unknowns
         return state
 
-    def _operators(self, ratio: float) -> tuple[RingsByRadius, int | None]:
+    def operators(self, ratio: float) -> tuple[RingTable | RingsOnHalfSpace, int | None]:
+        """What the body answers about a radius, and the number of its window."""
         body = self._pressed.body
         if isinstance(body, HalfSpace):
             return _on_half_space(tuple(body.compliance[self.place].ravel().tolist()), self.fields, body.shape), None
@@ -113,19 +125,20 @@ def _within(ratio: float, number: int) -> bool:
     return bool(low <= np.log(ratio) <= high)
 
 
-def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[_Case, dict[str, Contact]]]:
+def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[Case, dict[str, Contact]]]:
     charged, grounded = pressed.charged, pressed.grounded
     contacts = {"charged": charged, "uncharged": pressed.uncharged, "grounded": grounded}
     conducts = np.broadcast_to(pressed.conducts, (pressed.force.size, 2))
+    require_gap_of_point(pressed.body, conducts)
     for place in range(pressed.force.size):
         fields = tuple(np.flatnonzero(conducts[place]).tolist())
-        yield _Case(pressed, place, fields, float(permittivity[place]), float(end[place])), contacts
+        yield Case(pressed, place, fields, float(permittivity[place]), float(end[place])), contacts
 
 
-def _of_case(case: _Case, contacts: dict[str, Contact]) -> dict[str, float]:
+def _of_case(case: Case, contacts: dict[str, Contact]) -> dict[str, float]:
     place, nothing = case.place, np.zeros(2)
     charges = contacts["charged"].pressed.charges[place]
-    state = case.state(charges, False, float(contacts["charged"].radius[place]))
+    state = case.charged(contacts)
     idle = state if not np.any(charges) else case.state(nothing, False, float(contacts["uncharged"].radius[place]))
     short = case.state(nothing, True, float(contacts["grounded"].radius[place]), idle)
     tangent = _tangent(case, state.flexibility)
@@ -165,7 +178,7 @@ def _of_case(case: _Case, contacts: dict[str, Contact]) -> dict[str, float]:
     return out
 
 
-def _tangent(case: _Case, flexibility: Array) -> Array:
+def _tangent(case: Case, flexibility: Array) -> Array:
     """-d (P, T, J) / d (-depth, V, Psi) of the channels, SI."""
     units = case.units[[0, *(1 + f for f in case.fields)]]
     return np.asarray(-np.linalg.inv(flexibility) * case.length / (units[:, None] * units))
