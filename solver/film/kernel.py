@@ -240,7 +240,7 @@ def on_panels(ends: Array, reaches: Array) -> tuple[Array, Array]:
     return np.concatenate(nodes), np.concatenate(weights)
 
 
-def ended_at(stack: Stack, width: float, x: Array) -> float | None:
+def _ended_at(stack: Stack, width: float, x: Array) -> float | None:
     """Wavenumber at which Delta may end at distances x that are all long [m]; none where it decays before."""
     least = float(np.min(x))
     if least <= _ENDED * stack.thickness:
@@ -251,7 +251,7 @@ def ended_at(stack: Stack, width: float, x: Array) -> float | None:
 
 def tapered(stack: Stack, width: float, x: Array) -> tuple[Array, Array, Array]:
     """Nodes and weights in k at distances x [m], and a smooth end of Delta that long ones do not see; (k,) each."""
-    end = ended_at(stack, width, x)
+    end = _ended_at(stack, width, x)
     k, weights = wavenumbers(stack, float(np.max(x)), width if end is None else _DECAYED / end)
     taper = np.ones_like(k) if end is None else erfc((k * float(np.min(x)) - _END) / _SLOPE) / 2
     return k, weights, taper
@@ -286,7 +286,7 @@ def _transforms(stack: Stack, width: float, x: Array) -> Array:
     by_sine = (weights * np.concatenate([rows[[*range(6), 9]], rows[6:9] / k])).T
     by_cosine = (weights * np.concatenate([rows[6:9], rows[:6] / k])).T
     offset = (datum * weights / k).sum(-1)
-    if (end := ended_at(stack, width, x)) is not None:  # beyond, the datum's part alone is left
+    if (end := _ended_at(stack, width, x)) is not None:  # beyond, the datum's part alone is left
         offset += np.array([regular[i, j] for i, j in ENTRIES[:6]]) * float(exp1(end * width))
     out = np.empty((x.size, 19))
     for block in range(0, x.size, step := max(_MOST // k.size, 1)):

@@ -132,7 +132,7 @@ class Nets:
     @property
     def interface(self) -> Net:
         """Points on the upper side of the lowest interface."""
-        return replace(self._net((0.0, _NEAR), (0.0, 1.0), (0.0, 1.0)), farthest=_TAIL * farthest(self.stack))
+        return replace(self._net((0.0, _NEAR), (0.0, 1.0), (0.0, 1.0)), farthest=_TAIL * _farthest(self.stack))
 
     @property
     def film(self) -> Net:
@@ -146,7 +146,7 @@ class Nets:
 
     def _net(self, near: tuple[float, float], top: tuple[float, float], bottom: tuple[float, float]) -> Net:
         stack = self.stack
-        return Net(*near, farthest(stack), *singular(stack), top, bottom, stack.thickness, self.least, self.most)
+        return Net(*near, _farthest(stack), *singular(stack), top, bottom, stack.thickness, self.least, self.most)
 
 
 def of_whole(stack: Stack, half: float, bottom: float, farthest: float) -> Net:
@@ -165,7 +165,7 @@ def of_whole(stack: Stack, half: float, bottom: float, farthest: float) -> Net:
     return Net(_BESIDE, 0.0, farthest * half, *singular(stack), *ends, stack.thickness, half, half)
 
 
-def farthest(stack: Stack) -> float:
+def _farthest(stack: Stack) -> float:
     """Distance [m] from the edges beyond which nothing is larger: a stiff film bends a soft base over cube roots."""
     stiffness = max(float(layer.material.c11) for layer in stack.layers)
     base = stiffness if isinstance(stack.base, str) else float(stack.base.c11)

@@ -95,7 +95,7 @@ class Reading:
         extent
             Of the contacts from their middle; (case,).
         """
-        octaves, found = octave_of(self.reach + extent), list[tuple[Indices, dict[str, Array]]]()
+        octaves, found = _octave_of(self.reach + extent), list[tuple[Indices, dict[str, Array]]]()
         for number in np.unique(self.collector).tolist():
             for octave in np.unique(octaves).tolist():
                 some = np.flatnonzero((self.collector == number) & (octaves == octave))
@@ -178,6 +178,6 @@ def joined(parts: list[tuple[Indices, _Outputs]], count: int) -> _Outputs:
     return out
 
 
-def octave_of(reach: Array) -> Indices:
+def _octave_of(reach: Array) -> Indices:
     """Least power of two, from 1 on, of distances over the thickness of the top layer; as ``reach``."""
     return np.asarray(np.ceil(np.log2(np.maximum(reach, 1.0))), dtype=np.intp)

@@ -184,9 +184,20 @@ class GaussianProcess(Physical, Predictive):
     def predict_array(
         self, X: NDArray[np.floating[Any]], return_std: bool = False, *, extrapolate: bool = False
     ) -> Array | tuple[Array, Array]:
-        """Predict at plain points: X (n, d) in physical units -> (n, n_outputs), or a pair of them with `return_std`.
+        """Predict at plain points: (n, p), or two of them with `return_std`.
 
-        Raises OutOfBoxError for a point outside the box (or NaN) unless `extrapolate`, ValueError for a wrong shape.
+        Parameters
+        ----------
+        X : ndarray, shape (n, d), points in physical units
+        return_std : bool, whether the standard deviations are wanted too
+        extrapolate : bool, whether points may be outside of the box
+
+        Raises
+        ------
+        OutOfBoxError
+            A point is outside of the box, or NaN, without `extrapolate`.
+        ValueError
+            The points have a wrong shape.
         """
         points = np.asarray(X, dtype=np.float64)
         if points.ndim != 2 or points.shape[1] != len(self.inputs_):

@@ -63,7 +63,13 @@ class Guard:
 
 
 def unguarded(inputs: int, outputs: int, pooled: bool = False) -> Guard:
-    """Return the guard that adds nothing, as arrays to fill; `pooled`: with one of all corners together."""
+    """Return the guard that adds nothing, as arrays to fill.
+
+    Parameters
+    ----------
+    inputs, outputs : int, their numbers
+    pooled : bool, whether it has one of all corners together
+    """
     pairs = inputs * (inputs - 1) // 2
     together = np.zeros(outputs) if pooled else None
     return Guard(np.zeros((inputs, SLABS, outputs)), np.zeros((pairs, 3, 3, outputs)), together)

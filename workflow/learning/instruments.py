@@ -52,7 +52,13 @@ class Instrument:
         return f"{100 * self.std * z:+.3g} %" if self.gain else f"{self.std * z:+.3g} {self.units}".strip()
 
     def measures(self, model: GaussianProcess, rows: Measurements) -> NDArray[np.bool_]:
-        """Which measured values it has read, (n,)."""
+        """Which measured values it has read, (n,).
+
+        Parameters
+        ----------
+        model : GaussianProcess, of whose outputs the values are
+        rows : Measurements, n values
+        """
         names = [categories.parted(name)[0] for name in model.outputs_]
         return np.array([names[q] == self.quantity for q in rows.output.tolist()], np.bool_)
 

@@ -41,7 +41,13 @@ def study(job: "Snakemake") -> Study:
 
 
 def begun(name: str, results: str | Path) -> Study | None:
-    """The study as it was when its run began; None where there is no run."""
+    """The study as it was when its run began; None where there is no run.
+
+    Parameters
+    ----------
+    name : str, the study's
+    results : str or path, the folder of all results
+    """
     frozen = lock.begun(name, results)
     return None if frozen is None else studies.thawed(frozen)
 
