@@ -48,7 +48,7 @@ class AirPointTractions(Tractions):
 
     @cached_property
     def _ends(self) -> list[float]:
-        return np.cosh(self.beside.ends[1:]).tolist()
+        return [float(end) for end in np.cosh(self.beside.ends[1:])]
 
     def vectors(self, b: Array, columns: Indices) -> tuple[Array, None]:
         """As without air, and at b > 1; (1, 4, b)."""

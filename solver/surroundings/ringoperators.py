@@ -168,7 +168,7 @@ class RingOperators:
         closed = np.einsum("ij,jnc->inc", self.inverse, self._given(below.nodes))
         S = self._layered(radius, below, closed, np.zeros(0))[0]
         closed[..., self.rows.causes - 1] = self.inverse[:, :1] * self.shape.rise
-        return np.einsum("mn,inc->imc", below.series, S + closed)
+        return np.asarray(np.einsum("mn,inc->imc", below.series, S + closed))
 
     def _form(self, x: Array) -> Array:
         """Pressure of a half-space of N^-1 = 1; nothing where it has no largest value, which is then not asked for."""

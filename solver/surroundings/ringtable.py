@@ -12,7 +12,7 @@ from solver.point.profile import Shape
 from solver.surroundings.ringoperators import RingOperators, Rows
 from solver.surroundings.rings import Rings
 
-NODES = 18  # radii of a window: 1e-12 between them
+NODES = 18  # radii of a window: 1e-12 between them, 1e-9 of what follows from their derivatives
 
 
 class Places(Protocol):
