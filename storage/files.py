@@ -27,6 +27,11 @@ def regular(path: Path) -> Path:
 def output(path: Path, *inputs: Path) -> Path:
     """Where to write what an option asks for: the file itself, or what a link leads to.
 
+    Parameters
+    ----------
+    path : Path, what the option says
+    *inputs : Path, files that are read for it
+
     Raises
     ------
     FileNotFoundError

@@ -85,6 +85,11 @@ def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
 def check_elasticity(arrays: Mapping[str, xr.DataArray], body: str) -> None:
     """A base or a punch is either named or has both modulus and Poisson's ratio.
 
+    Parameters
+    ----------
+    arrays : mapping of str to DataArray, the cases' factors
+    body : str, ``base`` or ``punch``
+
     Raises
     ------
     FactorError
@@ -149,7 +154,15 @@ def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:
 
 
 def refuse(arrays: Mapping[str, xr.DataArray], name: str, bad: xr.DataArray, why: str) -> None:
-    """Raise, with the first offending value, where it is bad."""
+    """Raise FactorError, with the first offending value, where there is one.
+
+    Parameters
+    ----------
+    arrays : mapping of str to DataArray, the cases' factors
+    name : str, the factor
+    bad : DataArray of bool, where its value is not allowed
+    why : str, what the message says behind the value
+    """
     if not np.any(bad):
         return
     values, places = xr.broadcast(arrays[name].drop_vars(arrays[name].coords), bad)

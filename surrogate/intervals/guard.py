@@ -81,7 +81,9 @@ def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, group
     Parameters
     ----------
     guard : Guard
-        Its column `output` is overwritten.
+        Its column of the output is overwritten.
+    output : int
+        Number of the output.
     scores : ndarray, shape (n,)
         Logarithms of absolute errors over their scale.
     level : float

@@ -66,12 +66,16 @@ class Instrument:
 def shown(
     instruments: list[Instrument], model: GaussianProcess, rows: Measurements, z: Array, mean: Array, slopes: Array
 ) -> tuple[Array, Array]:
-    """What instruments at scaled values z (m,) show of true means (n,), and its derivatives.
+    """What instruments show of true means, (n,), and its derivatives by constants and instruments, (n, k + m).
 
     Parameters
     ----------
-    slopes
-        Derivatives of the true means by the constants, (n, k); with those by the instruments (n, k + m).
+    instruments : list of Instrument, m of them
+    model : GaussianProcess, of whose outputs the values are
+    rows : Measurements, n values
+    z : ndarray, shape (m,), scaled values of the instruments
+    mean : ndarray, shape (n,), the true means, SI
+    slopes : ndarray, shape (n, k), derivatives of the true means by the constants
     """
     gain, offset, columns = np.ones(len(mean)), np.zeros(len(mean)), []
     for instrument, value in zip(instruments, z.tolist(), strict=True):

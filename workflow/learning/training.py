@@ -178,6 +178,8 @@ def calibrated(study: Study, model: GaussianProcess, quantities: xr.Dataset, cas
 
     Parameters
     ----------
+    study : Study
+    model : GaussianProcess, not calibrated
     quantities
         The factorial, with the mask of the cases that are refused.
     cases

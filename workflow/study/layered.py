@@ -175,9 +175,13 @@ def solved(
     layers
         From the top down.
     entrance
-        The solver's, which is given factors, ``axes``, ``materials``, ``phases`` and ``options``.
+        The solver's.
     factors
         As those of `solver.solve`; those that say what the body is are names in ``layers``, or of the base.
+    materials : mapping of str to Material, the study's own
+    phases : sequence of str, names of the two materials of a composite
+    *axes, **options
+        Further arguments of the entrance.
 
     Raises
     ------

@@ -18,7 +18,13 @@ if TYPE_CHECKING:
 
 
 def parameter(study: Study, *sections: str) -> str:
-    """A parameter of a rule that changes when these sections of the study change; all of them by default."""
+    """A parameter of a rule that changes when sections of the study change.
+
+    Parameters
+    ----------
+    study : Study
+    *sections : str, names of the sections; none: all of them
+    """
     names = sections or tuple(Study.model_fields)
     return f"{' '.join(names)}: {study.digest(*names)}"
 

@@ -85,13 +85,7 @@ def field_label(field: xr.DataArray, size: float, where: str = "") -> tuple[floa
 
 
 def ticked(value: float, _place: int) -> str:
-    """A tick of a colour bar.
-
-    Parameters
-    ----------
-    value : float, where the tick stands
-    _place : int, its number, which matplotlib gives
-    """
+    """A tick of a colour bar."""
     return numbers.number(value, 3)
 
 
