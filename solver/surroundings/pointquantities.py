@@ -59,7 +59,7 @@ def solved(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[
     """Every case with its solution and the operators that it was found with; arguments and refusals as above."""
     for case, contacts in _cases(pressed, permittivity, end):
         state = case.charged(contacts)
-        yield case, state, case.operators(state.radius).operators
+        yield case, state, case.operators(state.radius).exact
 
 
 class Case:

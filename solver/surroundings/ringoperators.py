@@ -8,6 +8,7 @@ of the second kind; beside it gap and potentials are what chi leaves from its va
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,6 +122,11 @@ class RingOperators:
     shape: Shape
     layers: Spread | None = None
     width: float = np.inf
+
+    @property
+    def exact(self) -> Self:
+        """Themselves."""
+        return self
 
     @cached_property
     def rows(self) -> Rows:
