@@ -6,6 +6,7 @@ tractions on top are those of the graded film.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -29,6 +30,9 @@ class GradedInside:
     """
 
     stack: Stack
+
+    #: No half-space.
+    plain: ClassVar[bool] = False
 
     @cached_property
     def steps(self) -> Stack:

@@ -13,7 +13,7 @@ from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.film.fourier import Medium
 from solver.film.grading import Graded
-from solver.film.kernel import strip, wavenumbers
+from solver.film.kernel import strip
 from solver.film.reflection import sideways
 from solver.film.stack import Layer, Stack, StackError
 from solver.material.constants import Material
@@ -168,7 +168,7 @@ class Inside:
                 reach = ratio * (1 + float(np.max(np.abs(X))))
                 if reach > _FARTHEST * max(width, strip(self.stack) / 2):
                     raise StackError(f"x: {np.max(np.abs(X)):g} is farther from the contact than is resolved")
-                k, weights = wavenumbers(self.stack, 2 * reach, width)
+                k, weights = tractions.wavenumbers(self.stack, 2 * reach, width)
                 step = max(_ENTRIES // (8 * rows.size * columns.size), 8)
                 for first in range(0, k.size, min(step, _STEP)):
                     here = slice(first, first + min(step, _STEP))
@@ -217,7 +217,7 @@ class Inside:
         plain, moved = (self.rows(0, depth * float(tractions.ratio[0]), names, sliding=of) for of in (False, True))
         out = np.empty((tractions.ratio.size, len(names), len(continued), X.size))
         for place, x in enumerate(X.tolist()):
-            at = hankel.nodes(abs(x), float(np.min(depth)), kinked=tractions.kinked)
+            at = tractions.nodes(abs(x), float(np.min(depth)))
             cosines, sines = hankel.waves(rates, depth, abs(x), at, ORDERS if sliding else 3, potentials=potentials)
             weights = at.weights
             if x < 0:

@@ -7,6 +7,9 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
+from solver.film.kernel import wavenumbers
+from solver.film.stack import Stack
+from solver.point import hankel
 from solver.point.density import Density
 
 #: psi of (sigma_yy, D_y, B_y), the part of cos(angle), at b, of some columns; (column, 3, b).
@@ -60,3 +63,40 @@ class Tractions:
         if self.sines is None:
             return plain, None
         return plain, np.concatenate([-self.friction[columns, None, None] * own[:, :1], self.sines(b, columns)], 1)
+
+    def nodes(self, radius: float, near: float) -> hankel.Nodes:
+        """Nodes in b for a field point, its r/a and its depth over a."""
+        return hankel.nodes(radius, near, kinked=self.kinked)
+
+    def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
+        """Tractions at the surface as waves of phases k a, of 1 and of cos(angle); (k, 4, column) each.
+
+        Parameters
+        ----------
+        phases
+            k a; (k,).
+        columns
+            Those of one radius.
+        """
+        at = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
+        first, second = self.vectors(at.b, columns)
+        cosines = np.cos(phases[:, None] * at.b) * at.weights
+        top = np.einsum("kb,cib->kic", cosines, first, optimize=True)
+        if second is None:
+            return top, None
+        sines = np.sin(phases[:, None] * at.b) * at.weights
+        along = np.einsum("kb,cib->kic", cosines, second[:, :1], optimize=True)
+        down = np.einsum("kb,cib->kic", sines, second[:, 1:], optimize=True)
+        return top, np.concatenate([along, down], 1)
+
+    def wavenumbers(self, stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
+        """Wavenumbers and weights of integrals over k of a stack.
+
+        Parameters
+        ----------
+        stack
+            Layers and base.
+        reach, width
+            What phases are longest over, and what waves decay over, in the unit of the body's lengths.
+        """
+        return wavenumbers(stack, reach, width)

@@ -12,13 +12,10 @@ from solver.film.reflection import LayerWaves, waves
 from solver.film.stack import Stack
 from solver.film.within import TURN, below, layer_waves, modal
 from solver.material.constants import Material
-from solver.point import hankel
 from solver.point.bessel import bessel_orders
 from solver.point.rows import ORDERS, parted, shear_rows
 from solver.point.shear import Sheared, ShearWaves
 from solver.point.tractions import Tractions
-
-_PANEL = 8.0  # phase of a panel in b
 
 
 class Layered(Protocol):
@@ -59,17 +56,7 @@ class Block:
     @cached_property
     def _tops(self) -> tuple[Array, Array | None]:
         """Tractions at the surface, of 1 and of cos(angle), but for the sums over b; (k, 4, column) each."""
-        phases = self.k * float(self.tractions.ratio[self.columns[0]])
-        at = hankel.nodes(parts=int(np.max(phases) / _PANEL) + 4, kinked=self.tractions.kinked)
-        first, second = self.tractions.vectors(at.b, self.columns)
-        cosines = np.cos(phases[:, None] * at.b) * at.weights
-        top = np.einsum("kb,cib->kic", cosines, first, optimize=True)
-        if second is None:
-            return top, None
-        sines = np.sin(phases[:, None] * at.b) * at.weights
-        along = np.einsum("kb,cib->kic", cosines, second[:, :1], optimize=True)
-        down = np.einsum("kb,cib->kic", sines, second[:, 1:], optimize=True)
-        return top, np.concatenate([along, down], 1)
+        return self.tractions.transforms(self.k * float(self.tractions.ratio[self.columns[0]]), self.columns)
 
     def summed(self, x: Array, depth: Array, number: int, names: tuple[str, ...], *, reflected: bool) -> Array:
         """Fields at depths within one body, the base the last; (column, field, depth, x).
