@@ -24,10 +24,10 @@ def numbers() -> dict[str, float]:
     width, pressure = conducts["contact_trailing"] + conducts["contact_leading"], conducts["peak_pressure"]
     elastic = solver.solve({**CASE, "punch": ["rigid", "steel"]})
     under_steel = (elastic["contact_trailing"] + elastic["contact_leading"]).values
-    found = {"charge per load of PZT-4 on copper": _on_copper()} | {
+    errors = {"charge per load of PZT-4 on copper": _on_copper()} | {
         f"volts per load, datum {d:g} m": abs(v) for d, v in zip(data, at["voltage_sensitivity"].values, strict=True)
     }
-    return found | {
+    return errors | {
         "free of the datum within": max(
             float(np.ptp(at[name].values) / np.abs(at[name].values).mean()) for name in free
         ),

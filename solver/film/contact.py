@@ -177,15 +177,15 @@ class FilmContact:
 
         Charges carry a part of the load, which changes with them, and move the contact where there is friction.
         """
-        found = self._by_load
+        slopes = self._by_load
         if self.loading.order != -1:
             jacobian, right, by_edges = self._edges
             shift = right[:, 1, 1:] / jacobian[:, 1, 1, None]
             carried = jacobian[:, 0, 1, None] * shift - right[:, 0, 1:]
-            found = found[..., 1:] - self.far[..., :1] * carried[:, None, :] + by_edges[..., 1:] * shift[:, None, :]
+            slopes = slopes[..., 1:] - self.far[..., :1] * carried[:, None, :] + by_edges[..., 1:] * shift[:, None, :]
         else:
-            found = found[..., 1:]
-        return self._si(found, self.scale[2:])
+            slopes = slopes[..., 1:]
+        return self._si(slopes, self.scale[2:])
 
     @property
     def _first_charge(self) -> int:

@@ -228,8 +228,8 @@ class Contents(Keys):
         """What the goals of its designs are made of, of it; without designs, its first two quantities."""
         goals = [goal.expression for target in self.design.values() for goal in target.objectives]
         asked = dict.fromkeys(name for goal in goals for name in goal.names())
-        found = [name for name in asked if name in self.outputs] or self.outputs[:2]
-        return [output(name, kinds) for name in found for kinds in self.combinations]
+        outputs = [name for name in asked if name in self.outputs] or self.outputs[:2]
+        return [output(name, kinds) for name in outputs for kinds in self.combinations]
 
     @property
     def titles(self) -> dict[str, str]:
@@ -287,11 +287,11 @@ class Contents(Keys):
         """
         if name in BORNE:
             return self.bears(name).value
-        found = self.device.constants if self.device else {}
-        if name not in found:
+        constants = self.device.constants if self.device else {}
+        if name not in constants:
             part = "device" if name in Device.model_fields else "device: amplifier"
             raise ValueError(f"{part}: {name}: missing; must be a number with a unit [{DEVICE[name].units}]")
-        return found[name]
+        return constants[name]
 
     def narrowed(self, kinds: Mapping[str, str]) -> Self:
         """The study with some of its categories held at a name."""
