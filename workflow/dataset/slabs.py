@@ -27,6 +27,7 @@ from storage.blocks import Region, write_blocks
 from storage.netcdf import MAX_BYTES, read_whole
 from storage.sealed import check_seal
 from workflow.dataset import factorial, holes, tiling
+from workflow.dataset.kept import Kept
 from workflow.run.joblog import log
 from workflow.study import partition
 from workflow.study.model import Study
@@ -38,11 +39,12 @@ _CHUNK_CASES, _CHUNK_POSITIONS = 2**14, 16
 _TRIES = 40  # places of which one is answered, as long as no more are missing than may be
 
 
-def write_slab(study: Study, index: int, path: Path) -> None:
+def write_slab(study: Study, index: int, path: Path, kept: Kept | None = None) -> None:
     """Solve one slab of the factorial exactly, and write it.
 
     Shows cases done of all and the time left on a terminal. Cases that the solver refuses are masked, and the file says
-    why (`workflow.study.refusals`); a file without such a case is as it was before there were masks.
+    why (`workflow.study.refusals`); a file without such a case is as it was before there were masks. Cases that are
+    ``kept`` are not solved again.
 
     Raises
     ------
@@ -68,7 +70,7 @@ def write_slab(study: Study, index: int, path: Path) -> None:
 
     def part(region: Region) -> xr.Dataset:
         own = {axis: levels[some] for (axis, levels), some in zip(axes.items(), region, strict=True)}
-        return factorial.exact(study, own, positions, curves=True, holes=mask.left)
+        return factorial.exact(study, own, positions, curves=True, holes=mask.left, kept=kept)
 
     def blocks() -> Iterator[tuple[Region, Mapping[str, NDArray[Any]]]]:
         with tqdm(total=cases, desc=name, unit=" cases", disable=None, leave=False) as bar:

@@ -4,7 +4,7 @@ import ast
 import hashlib
 import json
 import platform
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import version
@@ -64,10 +64,13 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
 
 
-def write(path: Path, study: str, study_digest: str, seed: int, results: list[Path]) -> None:
+def write(
+    path: Path, study: str, study_digest: str, seed: int, results: list[Path], solved: Mapping[str, int] | None = None
+) -> None:
     """Write ``provenance.json``: versions, hashes of sources, study and results, the seed and the machine.
 
-    ``study`` is the path of its file, relative to the results' folder.
+    ``study`` is the path of its file, relative to the results' folder, ``solved`` how many cases were asked of the
+    solver, and how many of these had been solved before.
     """
     content = {
         "study": study,
@@ -77,6 +80,7 @@ def write(path: Path, study: str, study_digest: str, seed: int, results: list[Pa
         "versions": versions(),
         "platform": platform.platform(),
         "results_sha256": {file.name: sha256(file).hex() for file in results},
+        **({"solved": dict(solved)} if solved and solved["cases"] else {}),
     }
     write_text(path, json.dumps(content, indent=2) + "\n")
 
