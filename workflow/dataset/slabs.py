@@ -43,8 +43,14 @@ def write_slab(study: Study, index: int, path: Path, kept: Kept | None = None) -
     """Solve one slab of the factorial exactly, and write it.
 
     Shows cases done of all and the time left on a terminal. Cases that the solver refuses are masked, and the file says
-    why (`workflow.study.refusals`); a file without such a case is as it was before there were masks. Cases that are
-    ``kept`` are not solved again.
+    why (`workflow.study.refusals`); a file without such a case is as it was before there were masks.
+
+    Parameters
+    ----------
+    study : Study
+    index : int, number of the slab, from 0
+    path : Path, the file
+    kept : Kept, what was solved before; None: nothing
 
     Raises
     ------

@@ -69,8 +69,13 @@ def write(
 ) -> None:
     """Write ``provenance.json``: versions, hashes of sources, study and results, the seed and the machine.
 
-    ``study`` is the path of its file, relative to the results' folder, ``solved`` how many cases were asked of the
-    solver, and how many of these had been solved before.
+    Parameters
+    ----------
+    path : Path, the file
+    study, study_digest : str, the path of the study's file, relative to the results' folder, and its SHA-256
+    seed : int, the study's
+    results : list of Path, the files of the run
+    solved : mapping, how many cases were asked of the solver, and how many were taken from earlier runs; None: unknown
     """
     content = {
         "study": study,
@@ -88,7 +93,12 @@ def write(
 def write_crate(folder: Path, name: str, title: str, study: str, results: list[Path], others: list[str]) -> None:
     """Write the RO-Crate of a run into the results' folder, with the workflow's main file and the study as it began.
 
-    ``study`` is the text of its file, ``others`` are files of the crate that come after it, below the folder.
+    Parameters
+    ----------
+    folder : Path, ``results/<study>``
+    name, title, study : str, the study's name and title, and the text of its file
+    results : list of Path, the files of the run
+    others : list of str, files of the crate that come after it, relative to the folder
     """
     write_text(folder / crate.STUDY, study)
     write_text(folder / crate.WORKFLOW, (ROOT / "workflow/Snakefile").read_text(encoding="utf-8"))
