@@ -160,8 +160,8 @@ class PointContact:
     @cached_property
     def _below(self) -> Index:
         r, y = self.body.places.T
-        found = np.flatnonzero((y == 0) & (r <= 1))
-        return found[np.argsort(r[found])]
+        nodes = np.flatnonzero((y == 0) & (r <= 1))
+        return nodes[np.argsort(r[nodes])]
 
     @cached_property
     def _edges(self) -> Index:
