@@ -66,13 +66,13 @@ class FilmContact:
         if self.profile.moment is None or self._corners is None:
             return loading
         half = self._corners
-        level = np.array(loading.slope)
-        level[:, 0] = 0.0
-        causes = Loading(level, loading.loads, loading.smooth).at(half, np.zeros_like(half)).values
+        tilted = np.array(loading.slope)
+        tilted[:, 0] = 0.0
+        causes = Loading(tilted, loading.loads, loading.smooth).at(half, np.zeros_like(half)).values
         moments = np.tensordot(self.table.polynomials(np.log(half)), self.table.series[:, outputs.MOMENT], 1)
         asked = np.asarray(self.profile.moment) * self.scale[1] / half**2
-        level[:, 0] = (asked - dot(moments, causes)) / moments[:, 0]
-        return Loading(level, loading.loads, loading.smooth)
+        tilted[:, 0] = (asked - dot(moments, causes)) / moments[:, 0]
+        return Loading(tilted, loading.loads, loading.smooth)
 
     @property
     def _corners(self) -> Array | None:
