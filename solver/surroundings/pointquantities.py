@@ -14,14 +14,14 @@ from solver.point.pressed import Contact, Pressed
 from solver.point.pressure import SAMPLES, climbed, finite
 from solver.point.profile import Shape
 from solver.point.quantities import RESPONSES
-from solver.point.table import PointKind, ends
+from solver.point.spread import spread
+from solver.point.table import PointKind, interval
 from solver.surroundings.airpoint import AirPoint, PointState
 from solver.surroundings.largest import peak_of_panels
-from solver.surroundings.refusal import require_gap_of_point
+from solver.surroundings.refusal import lacking_at_point, require
 from solver.surroundings.ringoperators import WITHIN, RingOperators
 from solver.surroundings.rings import rings
-from solver.surroundings.ringtable import RingsByRadius, RingsOnHalfSpace, RingTable
-from solver.surroundings.spread import spread
+from solver.surroundings.ringtable import NODES, RingsByRadius, RingsOnHalfSpace, RingTable
 
 _TABLES = 12  # kept: 20 MB each at most
 _MATERIALS = 64
@@ -32,7 +32,7 @@ def _air_window(kind: PointKind, number: int) -> RingTable:
     stack = kind.film.stack()
     fields = tuple(field for field in (0, 1) if kind.conducts[field])
     operators = RingOperators(rings(), fields, kind.compliance, kind.shape, spread(stack), strip(stack))
-    return RingTable(operators, ends(number))
+    return RingTable(operators, interval(number, NODES))
 
 
 @lru_cache(_MATERIALS)
@@ -62,7 +62,7 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array) -> dict[str, A
         A punch or a body that the theory of air does not cover.
     """
     conducts = np.broadcast_to(pressed.conducts, (pressed.force.size, 2))
-    require_gap_of_point(pressed.body, conducts)
+    require(lacking_at_point(pressed.body, conducts))
     cases = [_of_case(case, contact) for case, contact in _cases(pressed, permittivity, end)]
     return {name: np.array([case[name] for case in cases]) for name in cases[0] if all(name in case for case in cases)}
 
@@ -109,8 +109,8 @@ class _Case:
 
 
 def _within(ratio: float, number: int) -> bool:
-    low, high = ends(number)
-    return bool(low <= np.log(ratio) <= high)
+    own = interval(number)
+    return bool(own.low <= np.log(ratio) <= own.high)
 
 
 def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[_Case, dict[str, Contact]]]:

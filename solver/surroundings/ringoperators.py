@@ -15,9 +15,9 @@ from solver.arrays import Array
 from solver.film.kernel import CHANNEL
 from solver.point.pressure import SAMPLES, added_forms, finite, halfspace_form
 from solver.point.profile import Shape
+from solver.point.spread import Spread
 from solver.surroundings.grid import gauss
 from solver.surroundings.rings import Rings
-from solver.surroundings.spread import Spread
 
 _FIRST, _MORE = 14, 6.0  # of S below a narrow contact, and what wide ones add
 _FARTHEST = 19.0  # theta beyond which S is nothing

@@ -6,7 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
-from approximation.chebyshev import coefficients, mapped_points
+from approximation.chebyshev import coefficients
+from approximation.piecewise import Interval
 from solver.arrays import Array
 from solver.point.profile import Shape
 from solver.surroundings.ringoperators import RingOperators, Rows
@@ -77,17 +78,17 @@ class RingTable(Read):
     ----------
     operators
         Operators at any radius.
-    ends
-        log a at both ends.
+    interval
+        Range of log a.
     """
 
     operators: RingOperators
-    ends: tuple[float, float]
+    interval: Interval
 
     @cached_property
     def values(self) -> tuple[Array, Array]:
         """Outputs at the radii, flat: those up to the pressures, and those below the contact; (node, ...)."""
-        found = np.stack([self.operators.at(float(np.exp(at))) for at in mapped_points(NODES, *self.ends)])
+        found = np.stack([self.operators.at(float(np.exp(at))) for at in self.interval.points])
         split = self.rows.pressure.start
         return found[:, :split].reshape(NODES, -1), found[:, split:].reshape(NODES, -1)
 
@@ -103,17 +104,12 @@ class RingTable(Read):
 
     def _polynomials(self, log_radius: float) -> Array:
         """From values at the radii to those at log a and to derivatives; (2, node)."""
-        low, high = self.ends
-        series, rates = self._series
-        local = np.polynomial.chebyshev.chebvander(np.array([(2 * log_radius - low - high) / (high - low)]), NODES - 1)
-        return np.asarray(np.concatenate([local @ series, local @ rates]))
+        return np.asarray(self.interval.polynomials(np.array([log_radius])) @ self._series)[:, 0]
 
     @cached_property
-    def _series(self) -> tuple[Array, Array]:
-        series, (low, high) = coefficients(np.eye(NODES)), self.ends
-        rates = np.zeros_like(series)
-        rates[:-1] = np.polynomial.chebyshev.chebder(series) * 2 / (high - low)
-        return series, rates
+    def _series(self) -> Array:
+        series = coefficients(np.eye(NODES))
+        return np.stack([series, self.interval.derived(series)])
 
 
 @dataclass(frozen=True, eq=False)
