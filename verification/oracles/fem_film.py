@@ -91,7 +91,7 @@ class FilmContact:
     def held(self) -> NDArray[np.bool_]:
         """Which of (u_x, u_y, phi, psi) of the body's nodes are given."""
         below = np.zeros((len(self.body.places), 4), dtype=bool)
-        below[np.ix_(self.below, [1, *self.punch.conducted])] = True
+        below[self.below[:, None], [1, *self.punch.conducted]] = True
         return below | clamped(self.body, self.layers, self.half_length, rigid=self.base is None)
 
     def given(self, size: int) -> Array:

@@ -221,4 +221,4 @@ def lagrange(line: Array, x: Array) -> tuple[Array, Array]:
     legendre = np.linalg.inv(np.polynomial.legendre.legvander(line, n - 1))
     slopes = np.polynomial.legendre.legder(np.eye(n)) @ legendre
     values = np.polynomial.legendre.legvander(x, n - 1)
-    return values @ legendre, values[:, :-1] @ slopes
+    return np.asarray(values @ legendre), np.asarray(values[:, :-1] @ slopes)
