@@ -218,13 +218,26 @@ def graded_strip(stack: Stack) -> float:
 
 
 def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
-    """Nodes and weights in k for what decays like exp(-width k), at distances up to reach [m]; (k,) each."""
+    """Nodes and weights in k for what decays like exp(-width k); (k,) each.
+
+    Parameters
+    ----------
+    stack : Stack
+    reach : float, the largest distance [m]
+    width : float, m
+    """
     ends = panels(stack, width)
     return on_panels(ends, np.full(ends.size - 1, reach))
 
 
 def on_panels(ends: Array, reaches: Array) -> tuple[Array, Array]:
-    """Nodes and weights in k on panels, each for distances up to a reach of its own [m]; (k,) each."""
+    """Nodes and weights in k on panels; (k,) each.
+
+    Parameters
+    ----------
+    ends : ndarray, shape (panel + 1,), of the panels [1/m]
+    reaches : ndarray, shape (panel,), the largest distance that each is for [m]
+    """
     nodes, weights = [], []
     for start, end, reach in zip(ends[:-1], ends[1:], reaches, strict=True):
         parts = int(np.ceil((end - start) * reach / _PHASE))
@@ -264,7 +277,13 @@ def tapered(stack: Stack, width: float, x: Array, long: float = _ENDED) -> tuple
 
 
 def panels(stack: Stack, width: float) -> Array:
-    """Ends of panels in k, which grow from the smallest structure: unlike layers shift it to k H << 1; (end,)."""
+    """Ends of panels in k, which grow from the smallest structure: unlike layers shift it to k H << 1; (end,).
+
+    Parameters
+    ----------
+    stack : Stack
+    width : float, of what decays like exp(-width k) [m]
+    """
     bodies = [np.diagonal(medium.compliance) for medium in (*stack.media, *filter(None, [stack.base_medium]))]
     size = np.abs(bodies)
     least = float(np.min(np.min(size, 0) / np.max(size, 0)))

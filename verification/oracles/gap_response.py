@@ -49,7 +49,16 @@ class Dry:
         cls, stiffness: "csr_array[np.float64]", rows: "csr_array[np.float64]", columns: "csr_array[np.float64]",
         free: NDArray[np.bool_], u: Array, airy: Index, touched: Index, raised: Index,
     ) -> "Dry":  # fmt: skip
-        """From the assembled bodies, their joints, what is free, and the given u of the states."""
+        """From the assembled bodies, their joints, what is free, and the given u of the states.
+
+        Parameters
+        ----------
+        stiffness : csr_array, of the assembled bodies
+        rows, columns : csr_array, their joints: what sums equations, and what spreads unknowns
+        free : ndarray of bool, unknowns that are free
+        u : ndarray, shape (unknowns, states), given where it is not free, filled in
+        airy, touched, raised : ndarray of int, as of the class
+        """
         matrix = (rows @ stiffness @ columns)[free]
         factors = factorised(matrix[:, free])
         u[free] = -factors.solve(np.asarray(matrix @ u))
