@@ -41,10 +41,16 @@ class Interval:
         """Its Chebyshev points, rising; (count,)."""
         return mapped_points(self.count, self.low, self.high)
 
-    def polynomials(self, places: Array) -> Array:
-        """Return Chebyshev polynomials at places, those beyond the ends put there: (place, count)."""
+    def polynomials(self, places: Array, *, clipped: bool = True) -> Array:
+        """Return Chebyshev polynomials at places: (place, count).
+
+        Parameters
+        ----------
+        places : ndarray, shape (place,)
+        clipped : bool, whether those beyond the ends are put there
+        """
         local = (2 * places - self.low - self.high) / (self.high - self.low)
-        return polynomials(np.clip(local, -1.0, 1.0), self.count).T
+        return polynomials(np.clip(local, -1.0, 1.0) if clipped else local, self.count).T
 
     def derived(self, series: Array) -> Array:
         """Return the Chebyshev coefficients of the derivative, as many as of the function; (count, ...)."""

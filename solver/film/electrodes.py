@@ -15,6 +15,7 @@ from solver.arrays import Array, ComplexArray
 from solver.film.electroded import beyond_local, local
 from solver.film.fourier import falling
 from solver.film.kernel import strip, wavenumbers
+from solver.film.reading import FarError
 from solver.film.reflection import waves
 from solver.film.stack import Stack, StackError
 from solver.film.within import below
@@ -116,15 +117,12 @@ class Electrode:
 
         Raises
         ------
-        StackError
+        FarError
             A distance that is not resolved.
         """
         if reach > _FARTHEST * self.width:
             farthest = _FARTHEST * self.width / self.stack.top.thickness
-            raise StackError(
-                "patch_size: the patch reaches farther from the contact than is resolved, "
-                f"{farthest:.3g} thicknesses of the top layer"
-            )
+            raise FarError(f"the patch reaches farther from the contact than is resolved, {farthest:.3g} times that")
         k, weights = wavenumbers(self.stack, reach, self.width)
         return k, weights, self.rows(k)
 

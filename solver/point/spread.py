@@ -8,11 +8,12 @@ put to it, of a width that the distance does not see. Under a graded layer Lambd
 closed and hold what is singular at x = 0, T stands in the table.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
+from approximation.arrays import Indices
 from approximation.piecewise import Piecewise
 from solver.arrays import Array
 from solver.film.grading import GradedResponse, local_tails
@@ -47,7 +48,7 @@ class Spread:
     tails: Array | None = None
 
     def at(self, x: Array) -> Array:
-        """Lambda at distances x >= 0; (..., 6)."""
+        """Lambda at distances x >= 0; (..., pair)."""
         reach = self.table.ends[-1]
         found = self.table.at(np.minimum(x, reach))
         beyond = x > reach
@@ -55,6 +56,11 @@ class Spread:
         if self.tails is not None:
             found += (local_tails(x.ravel(), self.width).T @ self.tails).reshape(found.shape)
         return found
+
+    def of(self, pairs: Indices) -> "Spread":
+        """Of some of the pairs."""
+        table = replace(self.table, series=self.table.series[..., pairs])
+        return replace(self, table=table, tails=None if self.tails is None else self.tails[:, pairs])
 
 
 @lru_cache(32)

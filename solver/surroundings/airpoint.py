@@ -70,23 +70,35 @@ class AirPoint(Read):
         GapError
             The punch would touch the surface beside the contact, or no solution is found.
         """
-        found = None if self.near is None else self._sought(PointState(self, self.near))
-        if found is None or not found.open:  # from afar Newton's iteration may come to a gap that is closed
-            found = self._sought(PointState(self, self._first))
+        found = self._solution
         if found is None:
             raise GapError("surroundings: no contact with air beside it is found for this force and these charges")
         found.require_gap()
         return found
 
+    @property
+    def within(self) -> "PointState | None":
+        """The solution, where there is one and the operators were made for its radius."""
+        found = self._solution
+        return found if found and found.open and self.operators.holds(float(found.unknowns[0])) else None
+
+    @cached_property
+    def _solution(self) -> "PointState | None":
+        found = None if self.near is None else self._sought(PointState(self, self.near))
+        if found is None or not found.open:  # from afar Newton's iteration may come to a gap that is closed
+            found = self._sought(PointState(self, self._first))
+        return found
+
     def _sought(self, state: "PointState") -> "PointState | None":
         """What Newton's iteration comes to, its gap open or not; None where it comes to nothing."""
-        last = np.inf
+        last = 0.0
         for _ in range(_STEPS):
             step = np.linalg.solve(state.jacobian, state.residual)
             step /= max(1.0, abs(float(step[0])) / _MOST)
             size = float(np.max(np.abs(step) / state.sizes))
             state = PointState(self, state.unknowns - step)
-            if size < _CLOSE or (size < _STALLED and size > last / 2):
+            # steps shrink like squares: the next one would be about size^3 / last^2
+            if size < _CLOSE or size**3 < _CLOSE * last**2 or (size < _STALLED and size > last / 2):
                 return state
             last = size
         return None

@@ -1,38 +1,28 @@
 """Every quantity of point contacts with air beside them by its name (points, 6)."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from solver.arrays import Array
-from solver.film.kernel import strip
-from solver.film.windows import FIRST, LAST, number_of
+from solver.film.windows import FIRST, LAST
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.point.body import Film, HalfSpace
 from solver.point.pressed import Contact, Pressed
 from solver.point.pressure import SAMPLES, climbed, finite
 from solver.point.profile import Shape
 from solver.point.quantities import RESPONSES
-from solver.point.spread import spread
-from solver.point.table import PointKind, interval
 from solver.surroundings.airpoint import AirPoint, PointState
 from solver.surroundings.largest import peak_of_panels
 from solver.surroundings.refusal import lacking_at_point, require
 from solver.surroundings.ringoperators import WITHIN, RingOperators
 from solver.surroundings.rings import rings
-from solver.surroundings.ringtable import NODES, RingsByRadius, RingsOnHalfSpace, RingTable
+from solver.surroundings.ringtable import RingsByRadius, RingsOnHalfSpace
+from solver.surroundings.ringwindows import RingWindows
 
-_TABLES = 12  # kept: 20 MB each at most
 _MATERIALS = 64
-
-
-@lru_cache(_TABLES)
-def _air_window(kind: PointKind, number: int) -> RingTable:
-    stack = kind.film.stack()
-    fields = tuple(field for field in (0, 1) if kind.conducts[field])
-    operators = RingOperators(rings(), fields, kind.compliance, kind.shape, spread(stack), strip(stack))
-    return RingTable(operators, interval(number, NODES))
 
 
 @lru_cache(_MATERIALS)
@@ -70,8 +60,12 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array) -> dict[str, A
 class _Case:
     """One case of a body: its units, and its contacts under any charges or potentials."""
 
-    def __init__(self, pressed: Pressed, place: int, fields: tuple[int, ...], permittivity: float, end: float) -> None:
+    def __init__(
+        self, pressed: Pressed, windows: RingWindows | None, place: int, fields: tuple[int, ...],
+        permittivity: float, end: float,
+    ) -> None:  # fmt: skip
         body, self.fields, self._pressed, self.place = pressed.body, fields, pressed, place
+        self._windows = windows
         self.units = pressed.units[place]
         self.length = float(body.thickness[place]) if isinstance(body, Film) else 1.0
         e = body.shape.exponent
@@ -91,35 +85,36 @@ class _Case:
         """With charges [C, Wb], or with all potentials at zero, from a radius [m] or from another state on."""
         given = np.zeros(len(self.fields)) if held else charges[list(self.fields)] / self.own
         at, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
+        posed = AirPoint(self._operators(at), self._coefficient, self._force, given, (held,) * len(self.fields),
+                         self._media, self._end, at, begin)  # fmt: skip
+        if found := posed.within:
+            return found
         for _ in range(LAST - FIRST):
-            operators, number = self._operators(at)
-            state = AirPoint(operators, self._coefficient, self._force, given, (held,) * len(self.fields),
-                             self._media, self._end, at, begin).state  # fmt: skip
-            if number is None or number == number_of(np.array([state.radius]))[0] or _within(state.radius, number):
+            posed = replace(posed, operators=self._operators(at, wide=True), start=at, near=begin)
+            state = posed.state
+            if posed.operators.holds(np.log(state.radius)):
                 break
             at, begin = state.radius, state.unknowns
         return state
 
-    def _operators(self, ratio: float) -> tuple[RingsByRadius, int | None]:
+    def _operators(self, ratio: float, *, wide: bool = False) -> RingsByRadius:
         body = self._pressed.body
-        if isinstance(body, HalfSpace):
-            return _on_half_space(tuple(body.compliance[self.place].ravel().tolist()), self.fields, body.shape), None
-        number = int(number_of(np.array([ratio]))[0])
-        return _air_window(body.kind, number), number
-
-
-def _within(ratio: float, number: int) -> bool:
-    own = interval(number)
-    return bool(own.low <= np.log(ratio) <= own.high)
+        if self._windows is not None:
+            return self._windows.wide(ratio) if wide else self._windows.narrow(ratio)
+        assert isinstance(body, HalfSpace)
+        return _on_half_space(tuple(body.compliance[self.place].ravel().tolist()), self.fields, body.shape)
 
 
 def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[_Case, dict[str, Contact]]]:
     charged, grounded = pressed.charged, pressed.grounded
     contacts = {"charged": charged, "uncharged": pressed.uncharged, "grounded": grounded}
-    conducts = np.broadcast_to(pressed.conducts, (pressed.force.size, 2))
+    conducts, body, windows = np.broadcast_to(pressed.conducts, (pressed.force.size, 2)), pressed.body, None
+    if isinstance(body, Film):
+        radii = np.concatenate([contact.radius / body.thickness for contact in contacts.values()])
+        windows = RingWindows.of(body.kind, radii)
     for place in range(pressed.force.size):
         fields = tuple(np.flatnonzero(conducts[place]).tolist())
-        yield _Case(pressed, place, fields, float(permittivity[place]), float(end[place])), contacts
+        yield _Case(pressed, windows, place, fields, float(permittivity[place]), float(end[place])), contacts
 
 
 def _of_case(case: _Case, contacts: dict[str, Contact]) -> dict[str, float]:

@@ -13,7 +13,7 @@ from solver.point.profile import Shape
 from solver.surroundings.ringoperators import RingOperators, Rows
 from solver.surroundings.rings import Rings
 
-NODES = 18  # radii of a window: 1e-12 between them
+NODES, FEW = 18, 8  # radii of half a decade and of a twentieth: 1e-12 between them
 
 
 class Places(Protocol):
@@ -44,24 +44,34 @@ class Read:
 
     operators: Places
 
-    @property
+    @cached_property
     def rows(self) -> Rows:
         """Places of the outputs."""
         return self.operators.rows
 
-    @property
+    @cached_property
     def rings(self) -> Rings:
         """Panels beside the contact."""
         return self.operators.rings
 
-    @property
+    @cached_property
     def shape(self) -> Shape:
         """The punch."""
         return self.operators.shape
 
 
+class Tabled(Places, Protocol):
+    """What a table is made of: operators, or another table."""
+
+    def at(self, radius: float) -> Array:
+        """Outputs of every cause and density; (row, column)."""
+
+
 class RingsByRadius(Places, Protocol):
     """Outputs of :class:`solver.surroundings.ringoperators.RingOperators` at every radius of a body."""
+
+    def holds(self, log_radius: float) -> bool:
+        """Whether it was made for this radius."""
 
     def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
         """The rows up to one, and their derivatives in log a; (row, column) each."""
@@ -79,10 +89,10 @@ class RingTable(Read):
     operators
         Operators at any radius.
     interval
-        Range of log a.
+        Range of log a, and its radii.
     """
 
-    operators: RingOperators
+    operators: Tabled
     interval: Interval
 
     @cached_property
@@ -90,12 +100,29 @@ class RingTable(Read):
         """Outputs at the radii, flat: those up to the pressures, and those below the contact; (node, ...)."""
         found = np.stack([self.operators.at(float(np.exp(at))) for at in self.interval.points])
         split = self.rows.pressure.start
-        return found[:, :split].reshape(NODES, -1), found[:, split:].reshape(NODES, -1)
+        return found[:, :split].reshape(len(found), -1), found[:, split:].reshape(len(found), -1)
+
+    def holds(self, log_radius: float) -> bool:
+        """Whether a radius lies between the ends."""
+        return self.interval.low <= log_radius <= self.interval.high
+
+    def at(self, radius: float) -> Array:
+        """Outputs of every cause and density; (row, column)."""
+        local = self._polynomials(float(np.log(radius)))[0]
+        return np.concatenate([local @ part for part in self.values]).reshape(self.rows.count, -1)
 
     def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
         """The rows up to the pressures, and their derivatives in log a; (row, column) each."""
-        found = (self._polynomials(log_radius) @ self.values[0]).reshape(2, stop, -1)
+        if log_radius not in self._last:
+            self._last.clear()
+            self._last[log_radius] = (self._polynomials(log_radius) @ self.values[0]).reshape(2, stop, -1)
+        found = self._last[log_radius]
         return found[0], found[1]
+
+    @cached_property
+    def _last(self) -> dict[float, Array]:
+        """What was read last: iterations ask again where they begin."""
+        return {}
 
     def read_inside(self, log_radius: float) -> Array:
         """The rows below the contact; (row, column)."""
@@ -104,11 +131,12 @@ class RingTable(Read):
 
     def _polynomials(self, log_radius: float) -> Array:
         """From values at the radii to those at log a and to derivatives; (2, node)."""
-        return np.asarray(self.interval.polynomials(np.array([log_radius])) @ self._series)[:, 0]
+        local = self.interval.polynomials(np.array([log_radius]), clipped=False)
+        return np.asarray(local @ self._series)[:, 0]
 
     @cached_property
     def _series(self) -> Array:
-        series = coefficients(np.eye(NODES))
+        series = coefficients(np.eye(self.interval.count))
         return np.stack([series, self.interval.derived(series)])
 
 
@@ -127,6 +155,10 @@ class RingsOnHalfSpace(Read):
     @cached_property
     def _values(self) -> Array:
         return self.operators.at(1.0)
+
+    def holds(self, log_radius: float) -> bool:
+        """Whatever the radius."""
+        return True
 
     def read(self, log_radius: float, stop: int) -> tuple[Array, Array]:
         """The rows up to one, and zeros."""

@@ -90,7 +90,7 @@ class FiniteRank:
             decay = most_likely(t[:, some], y[some][:, varies], root_weight[some] ** 2)[0]
         indices, sizes = largest(decay, rank)
         y = y * root_weight[:, None]
-        gram, seen = _products(t, y, indices, root_weight)
+        gram, seen = _gathered(t, y, indices, root_weight)
         root = np.sqrt(sizes)
         spectrum, vectors = eigh(gram * root * root[:, None], overwrite_a=True, check_finite=False, driver="evd")
         # what rounding leaves of small squares says nothing: as good as not seen by any case
@@ -230,7 +230,7 @@ def _products(indices: Indices, t: Array, derived: int = -1) -> Array:
     return found
 
 
-def _products(t: Array, y: Array, indices: Indices, root_weight: Array) -> tuple[Array, Array]:
+def _gathered(t: Array, y: Array, indices: Indices, root_weight: Array) -> tuple[Array, Array]:
     """Products of the weighted features with each other, (r, r), and with the outputs, (r, p), over all cases."""
     gram, seen = np.zeros((len(indices), len(indices)), order="F"), np.zeros((len(indices), y.shape[1]))
     for start in range(0, t.shape[1], BLOCK):

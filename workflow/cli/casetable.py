@@ -189,7 +189,8 @@ def _number(path: Path, line: int, name: str, text: str, more: Mapping[str, str]
         return np.nan
     allowed = f"a finite number [{more[name]}]" if name in more else FACTORS[name].allowed
     try:
-        value = number(text) * scale
+        value = number(text)
+        value = value if scale == 1 else units.scaled(text, scale)
     except ValueError:
         value = _with_unit(path, line, name, text, more.get(name) or FACTORS[name].units, allowed)
     if not np.isfinite(value):

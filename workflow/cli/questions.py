@@ -53,12 +53,12 @@ def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProc
     """
     surrogate = file or folder / "surrogate.nc"
     if not surrogate.is_file():
-        raise InputError(f"{folder}: holds no surrogate.nc; run `make run STUDY={folder.name}` first")
+        raise InputError(f"{folder}: holds no surrogate.nc; run `meecontact run {folder.name}` first")
     study = studies.load(location.of_results(folder))
     model = load(surrogate)
     as_now = model.made_from_ == study.physics
     if not as_now or list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.learned:
-        raise InputError(f"{surrogate}: was made from another state of the study; run `make run STUDY={folder.name}`")
+        raise InputError(f"{surrogate}: was made from another state of the study; run `meecontact run {folder.name}`")
     return study, model
 
 

@@ -18,6 +18,8 @@ from workflow.study import layered
 from workflow.study.model import Study
 from workflow.study.pressing import Pressing
 
+#: What stands before the names of quantities of a contact at the force that is held.
+HELD = "held_"
 _PARTS = 40  # into which each part of the history is divided
 
 
@@ -88,6 +90,24 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
     ):
         out[name] = ((), value, {"units": units, "long_name": said})
     return out
+
+
+def held(study: Study, pressing: Pressing) -> xr.Dataset:
+    """Quantities of the contact while the force is held, at zero charge, each with ``HELD`` before its name.
+
+    Parameters
+    ----------
+    study
+        Of one case, as `workflow.study.beside.pressed` makes it.
+    pressing
+        How hard.
+    """
+    force = {
+        study.kind.loads.force: pressing.force
+        / (study.device.constants if study.device else {}).get("electrode_length", 1.0)
+    }
+    found = study.solved(solve, {**study.fixed, **force})
+    return found.drop_vars(list(found.coords)).rename({name: f"{HELD}{name}" for name in found.data_vars})
 
 
 def _beside(body: Stack, case: Mapping[str, Any]) -> Material:

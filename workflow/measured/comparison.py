@@ -1,5 +1,6 @@
 """All rows of a study beside the model: what is written, drawn and told."""
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -34,7 +35,7 @@ def _row(label: str, row: Measurement) -> Row:
     verdict = judged(row, model, rivals)
     return {
         "name": label,
-        "short": row.short or label.replace("_", " "),
+        "short": row.short or textwrap.shorten(row.of, 40, placeholder="..."),
         **row.model_dump(include={"of", "value", "error", "error_is", "unit", "note", "source", "read", "decides"}),
         "model": _values(row, row.model, model, verdict.deviations),
         "rivals": _values(row, row.rivals, rivals, verdict.rivals),

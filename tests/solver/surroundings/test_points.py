@@ -118,7 +118,8 @@ def test_without_permittivity_it_is_the_contact_without_air(own: dict[str, Any])
     kept = [name for name in bare if name in air]
     assert set(air) - set(bare) == set(POINT_GAP_QUANTITIES)
     assert set(bare) - set(air) == {"electric_edge_intensity"}
-    np.testing.assert_allclose([air[name] for name in kept], [bare[name] for name in kept], rtol=2e-12)
+    # Newton's iteration ends where its next step would be 1e-11
+    np.testing.assert_allclose([air[name] for name in kept], [bare[name] for name in kept], rtol=3e-11)
 
 
 @pytest.mark.parametrize("own", [FILM, FILM | MIXED | {"force": 5.0}, HALF])
