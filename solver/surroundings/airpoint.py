@@ -141,15 +141,17 @@ class PointState:
     @property
     def densities(self) -> Array:
         """D_y and B_y over C a^(e-1) at the nodes; (field, n)."""
-        return self._over_size * self.of.rings.size
+        return self.over_size * self.of.rings.size
 
     @property
-    def _over_size(self) -> Array:
+    def over_size(self) -> Array:
+        """The same over their size; (field, n)."""
         rows = self.of.rows
         return self.unknowns[rows.causes :].reshape(len(rows.fields), rows.nodes)
 
     @property
-    def _columns(self) -> Array:
+    def columns(self) -> Array:
+        """u0, the profile and the densities over their size: what operators answer; (column,)."""
         first = self.of.rows.causes
         return np.concatenate([self.unknowns[1:first], [1.0], self.unknowns[first:]])
 
@@ -160,19 +162,19 @@ class PointState:
     @cached_property
     def outputs(self) -> Array:
         """Rows of :mod:`solver.surroundings.ringoperators` up to the pressures; (row,)."""
-        return np.asarray(self._read[0] @ self._columns)
+        return np.asarray(self._read[0] @ self.columns)
 
     @cached_property
     def inside(self) -> Array:
         """The rows from the pressures on; (row,)."""
-        return np.asarray(self.of.operators.read_inside(float(self.unknowns[0])) @ self._columns)
+        return np.asarray(self.of.operators.read_inside(float(self.unknowns[0])) @ self.columns)
 
     @cached_property
     def _rates(self) -> Array:
         """Derivatives of the rows in the unknowns; (row, unknown)."""
         value, rate = self._read
         first = self.of.rows.causes
-        return np.concatenate([(rate @ self._columns)[:, None], value[:, : first - 1], value[:, first:]], 1)
+        return np.concatenate([(rate @ self.columns)[:, None], value[:, : first - 1], value[:, first:]], 1)
 
     def _beside(self, rows: Array) -> tuple[Array, Array]:
         """u_y and the potentials beside the contact less those at the edge; (n, ...) and (field, n, ...)."""
@@ -202,7 +204,7 @@ class PointState:
         rows, load = self.of.rows, self.size * self.radius
         force = load * self.outputs[0] / self.of.force + 1
         closings = [self._closing(place) for place in range(len(rows.fields))]
-        law = self._over_size * self.gap / self.of.profile - self._conductance * self._beside(self.outputs)[1]
+        law = self.over_size * self.gap / self.of.profile - self._conductance * self._beside(self.outputs)[1]
         return np.concatenate([[force, self.outputs[rows.edges][0], *closings], law.ravel()])
 
     def _closing(self, place: int) -> float:
@@ -240,7 +242,7 @@ class PointState:
             law = -conductance[:, None] * potentials[place]
             law[:, 0] -= conductance * (1 - e - 2 * (1 - self.thinned)) * self._beside(self.outputs)[1][place]
             if moved:
-                law -= (self._over_size[place] / self.of.profile)[:, None] * self._beside(self._rates)[0]
+                law -= (self.over_size[place] / self.of.profile)[:, None] * self._beside(self._rates)[0]
             law[:, own][np.diag_indices(n)] += self.gap / self.of.profile
             matrix[own] = law
         return matrix
@@ -249,7 +251,7 @@ class PointState:
     def sizes(self) -> Array:
         """What steps of the unknowns are small against; (unknown,)."""
         causes = np.maximum(np.abs(self.displacement), 1e-3 * np.max(np.abs(self.displacement)))
-        largest = np.max(np.abs(self._over_size), 1, initial=1e-300)
+        largest = np.max(np.abs(self.over_size), 1, initial=1e-300)
         largest = np.maximum(largest, 1e-3 * self.of.force / (self.size * self.radius))
         return np.concatenate([[1.0], causes, np.repeat(largest, self.of.rows.nodes)])
 

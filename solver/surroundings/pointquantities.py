@@ -51,13 +51,18 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array) -> dict[str, A
     SurroundingsError
         A punch or a body that the theory of air does not cover.
     """
-    conducts = np.broadcast_to(pressed.conducts, (pressed.force.size, 2))
-    require(lacking_at_point(pressed.body, conducts))
     cases = [_of_case(case, contact) for case, contact in _cases(pressed, permittivity, end)]
     return {name: np.array([case[name] for case in cases]) for name in cases[0] if all(name in case for case in cases)}
 
 
-class _Case:
+def solved(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple["Case", PointState, RingOperators]]:
+    """Every case with its solution and the operators that it was found with; arguments and refusals as above."""
+    for case, contacts in _cases(pressed, permittivity, end):
+        state = case.charged(contacts)
+        yield case, state, case.operators(state.radius).exact
+
+
+class Case:
     """One case of a body: its units, and its contacts under any charges or potentials."""
 
     def __init__(
@@ -67,6 +72,7 @@ class _Case:
         body, self.fields, self._pressed, self.place = pressed.body, fields, pressed, place
         self._windows = windows
         self.units = pressed.units[place]
+        self.layered = isinstance(body, Film)
         self.length = float(body.thickness[place]) if isinstance(body, Film) else 1.0
         e = body.shape.exponent
         self._coefficient = float(pressed.coefficient[place] / self.units[0] * self.length ** (e - 1))
@@ -81,23 +87,29 @@ class _Case:
         """Units of the charges of the fields [C, Wb]; (field,)."""
         return np.asarray(self.length**2 / self.units[[1 + f for f in self.fields]])
 
+    def charged(self, contacts: dict[str, Contact]) -> PointState:
+        """With its own charges."""
+        start = contacts["charged"]
+        return self.state(start.pressed.charges[self.place], False, float(start.radius[self.place]))
+
     def state(self, charges: Array, held: bool, start: float, near: PointState | None = None) -> PointState:
         """With charges [C, Wb], or with all potentials at zero, from a radius [m] or from another state on."""
         given = np.zeros(len(self.fields)) if held else charges[list(self.fields)] / self.own
         at, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
-        posed = AirPoint(self._operators(at), self._coefficient, self._force, given, (held,) * len(self.fields),
+        posed = AirPoint(self.operators(at), self._coefficient, self._force, given, (held,) * len(self.fields),
                          self._media, self._end, at, begin)  # fmt: skip
         if found := posed.within:
             return found
         for _ in range(LAST - FIRST):
-            posed = replace(posed, operators=self._operators(at, wide=True), start=at, near=begin)
+            posed = replace(posed, operators=self.operators(at, wide=True), start=at, near=begin)
             state = posed.state
             if posed.operators.holds(np.log(state.radius)):
                 break
             at, begin = state.radius, state.unknowns
         return state
 
-    def _operators(self, ratio: float, *, wide: bool = False) -> RingsByRadius:
+    def operators(self, ratio: float, *, wide: bool = False) -> RingsByRadius:
+        """What the body answers about a radius, and more widely."""
         body = self._pressed.body
         if self._windows is not None:
             return self._windows.wide(ratio) if wide else self._windows.narrow(ratio)
@@ -105,22 +117,22 @@ class _Case:
         return _on_half_space(tuple(body.compliance[self.place].ravel().tolist()), self.fields, body.shape)
 
 
-def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[_Case, dict[str, Contact]]]:
-    charged, grounded = pressed.charged, pressed.grounded
-    contacts = {"charged": charged, "uncharged": pressed.uncharged, "grounded": grounded}
+def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[Case, dict[str, Contact]]]:
     conducts, body, windows = np.broadcast_to(pressed.conducts, (pressed.force.size, 2)), pressed.body, None
+    require(lacking_at_point(body, conducts))
+    contacts = {"charged": pressed.charged, "uncharged": pressed.uncharged, "grounded": pressed.grounded}
     if isinstance(body, Film):
         radii = np.concatenate([contact.radius / body.thickness for contact in contacts.values()])
         windows = RingWindows.of(body.kind, radii)
     for place in range(pressed.force.size):
         fields = tuple(np.flatnonzero(conducts[place]).tolist())
-        yield _Case(pressed, windows, place, fields, float(permittivity[place]), float(end[place])), contacts
+        yield Case(pressed, windows, place, fields, float(permittivity[place]), float(end[place])), contacts
 
 
-def _of_case(case: _Case, contacts: dict[str, Contact]) -> dict[str, float]:
+def _of_case(case: Case, contacts: dict[str, Contact]) -> dict[str, float]:
     place, nothing = case.place, np.zeros(2)
     charges = contacts["charged"].pressed.charges[place]
-    state = case.state(charges, False, float(contacts["charged"].radius[place]))
+    state = case.charged(contacts)
     idle = state if not np.any(charges) else case.state(nothing, False, float(contacts["uncharged"].radius[place]))
     short = case.state(nothing, True, float(contacts["grounded"].radius[place]), idle)
     tangent = _tangent(case, state.flexibility)
@@ -160,7 +172,7 @@ def _of_case(case: _Case, contacts: dict[str, Contact]) -> dict[str, float]:
     return out
 
 
-def _tangent(case: _Case, flexibility: Array) -> Array:
+def _tangent(case: Case, flexibility: Array) -> Array:
     """-d (P, T, J) / d (-depth, V, Psi) of the channels, SI."""
     units = case.units[[0, *(1 + f for f in case.fields)]]
     return np.asarray(-np.linalg.inv(flexibility) * case.length / (units[:, None] * units))

@@ -8,6 +8,7 @@ of the second kind; beside it gap and potentials are what chi leaves from its va
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,6 +123,11 @@ class RingOperators:
     layers: Spread | None = None
     width: float = np.inf
 
+    @property
+    def exact(self) -> Self:
+        """Themselves."""
+        return self
+
     @cached_property
     def rows(self) -> Rows:
         """Places of the outputs."""
@@ -131,9 +137,9 @@ class RingOperators:
         """Outputs of every cause and density; (row, column)."""
         rows, channels = self.rows, self.rows.channels
         below = _Below.of(radius / self.width)
-        count, profile, inverse = below.nodes.size, rows.causes - 1, self._inverse
+        count, profile, inverse = below.nodes.size, rows.causes - 1, self.inverse
         closed = np.einsum("ij,jnc->inc", inverse, self._given(below.nodes))  # S of a half-space
-        S, added = self._layered(radius, below, closed)
+        S, added = self._layered(radius, below, closed, self.rings.grid.distance)
         edge = inverse @ (self._given(np.ones(1))[:, 0] - added[:, count])
         found = np.empty((rows.count, rows.columns))
         # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
@@ -161,21 +167,29 @@ class RingOperators:
             found[rows.within(place), profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
         return found
 
+    def series(self, radius: float) -> Array:
+        """Coefficients in f_n (points, 4) of the tractions but for the profile's closed part; (channel, n, column)."""
+        below = _Below.of(radius / self.width)
+        closed = np.einsum("ij,jnc->inc", self.inverse, self._given(below.nodes))
+        S = self._layered(radius, below, closed, np.zeros(0))[0]
+        closed[..., self.rows.causes - 1] = self.inverse[:, :1] * self.shape.rise
+        return np.asarray(np.einsum("mn,inc->imc", below.series, S + closed))
+
     def _form(self, x: Array) -> Array:
         """Pressure of a half-space of N^-1 = 1; nothing where it has no largest value, which is then not asked for."""
         return 2 / np.pi * halfspace_form(self.shape, x) if finite(self.shape) else np.zeros_like(x)
 
-    def _layered(self, radius: float, below: "_Below", closed: Array) -> tuple[Array, Array]:
-        """What layers add to S below the contact, and to N S at its nodes, the edge and the nodes beside it.
+    def _layered(self, radius: float, below: "_Below", closed: Array, beside_it: Array) -> tuple[Array, Array]:
+        """What layers add to S below the contact, and to N S at its nodes, the edge and places beside it.
 
         Smooth and even, also where the profile is a power that is not; (channel, node, column) each.
         """
         rows, count = self.rows, below.nodes.size
         size = len(rows.channels)
-        added = np.zeros((size, count + 1 + rows.nodes, rows.columns))
+        added = np.zeros((size, count + 1 + beside_it.size, rows.columns))
         if self.layers is None:
             return np.zeros_like(closed), added
-        targets = np.concatenate([below.nodes, [1.0], self.rings.grid.distance])
+        targets = np.concatenate([below.nodes, [1.0], beside_it])
         beside = self._paired(self._beside(radius, targets))
         for place in range(len(self.fields)):
             added[..., rows.densities(place)] = beside[:, 1 + place] @ self.rings.gathered
@@ -183,7 +197,7 @@ class RingOperators:
         added += _summed(own, closed)
         if self.shape.exponent % 2:
             fine = _Below.of(radius / self.width, even=False)
-            power = self._inverse[:, :1] * self._given(fine.nodes)[0, :, rows.causes - 1]
+            power = self.inverse[:, :1] * self._given(fine.nodes)[0, :, rows.causes - 1]
             kernels = self._paired(self._within(radius, targets, fine))
             added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", kernels, power)
         compliance = self.compliance[np.ix_(rows.channels, rows.channels)]
@@ -193,8 +207,8 @@ class RingOperators:
         return S, added + _summed(own, S)
 
     @cached_property
-    def _inverse(self) -> Array:
-        """Of N of the channels."""
+    def inverse(self) -> Array:
+        """Of N of the channels; (channel, channel)."""
         return np.asarray(np.linalg.inv(self.compliance[np.ix_(self.rows.channels, self.rows.channels)]))
 
     def _given(self, nodes: Array) -> Array:

@@ -111,6 +111,17 @@ class Rings:
         at = x[:, None]
         return self._integrated(lambda theta: 2 / np.pi * at / (np.sinh(theta) * (np.sinh(theta) ** 2 + at**2)))
 
+    def read(self, r: Array) -> Array:
+        """Densities at r > 1, from those over their size; (place, n)."""
+        grid, found = self.grid, np.zeros((r.size, self.grid.count))
+        theta = np.arccosh(r)
+        panels = np.minimum(np.searchsorted(grid.ends[1:], theta), grid.panels - 1)
+        for panel in np.unique(panels).tolist():
+            here = np.flatnonzero(panels == panel)
+            u = theta[here] if panel < grid.panels - 1 else np.exp(-theta[here])
+            found[here, grid.slice(panel)] = grid.interpolation(panel, u)
+        return found / r[:, None] ** 2
+
     def _integrated(self, of: Callable[[Array], Array]) -> Array:
         """int f D r dr of functions f of theta, (..., point); (..., n)."""
         grid, found = self.grid, list[Array]()

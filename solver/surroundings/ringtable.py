@@ -13,7 +13,7 @@ from solver.point.profile import Shape
 from solver.surroundings.ringoperators import RingOperators, Rows
 from solver.surroundings.rings import Rings
 
-NODES, FEW = 18, 8  # radii of half a decade and of a twentieth: 1e-12 between them
+NODES, FEW = 18, 8  # radii of half a decade and of a twentieth: 1e-12 between them, 1e-9 of what takes derivatives
 
 
 class Places(Protocol):
@@ -63,12 +63,20 @@ class Read:
 class Tabled(Places, Protocol):
     """What a table is made of: operators, or another table."""
 
+    @property
+    def exact(self) -> RingOperators:
+        """The operators."""
+
     def at(self, radius: float) -> Array:
         """Outputs of every cause and density; (row, column)."""
 
 
 class RingsByRadius(Places, Protocol):
     """Outputs of :class:`solver.surroundings.ringoperators.RingOperators` at every radius of a body."""
+
+    @property
+    def exact(self) -> RingOperators:
+        """Those that are solved at any radius."""
 
     def holds(self, log_radius: float) -> bool:
         """Whether it was made for this radius."""
@@ -94,6 +102,11 @@ class RingTable(Read):
 
     operators: Tabled
     interval: Interval
+
+    @property
+    def exact(self) -> RingOperators:
+        """The operators that it is made of in the end."""
+        return self.operators.exact
 
     @cached_property
     def values(self) -> tuple[Array, Array]:
@@ -151,6 +164,11 @@ class RingsOnHalfSpace(Read):
     """
 
     operators: RingOperators
+
+    @property
+    def exact(self) -> RingOperators:
+        """The operators."""
+        return self.operators
 
     @cached_property
     def _values(self) -> Array:

@@ -253,3 +253,8 @@ class PointContact:
     def voltage(self) -> float:
         """V [V]."""
         return float(self._solved[2][2] * UNITS[ELECTRIC])
+
+    def beside(self, which: int) -> tuple[Array, Array]:
+        """r/a of nodes beside the contact, and phi [V] (``ELECTRIC``); (node,) each."""
+        nodes = np.setdiff1d(self._edges, self._below)
+        return self.body.places[nodes, 0], self._solved[0].reshape(-1, 4)[nodes, which] * UNITS[which]

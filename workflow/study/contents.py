@@ -72,13 +72,17 @@ class Contents(Keys):
     def stores_fields(self) -> bool:
         """Whether the data set holds surface fields, and the page draws them.
 
-        A cross approximation has no factorial to show them over, those of points that slide take the solver
-        milliseconds a case, to which they are left, and points with air beside them have none. Those of lines in air,
-        which take as long as the contact itself, are stored where positions are asked for.
+        A cross approximation has no factorial to show them over, and those of points that slide take the solver
+        milliseconds a case, to which they are left. Those in air, which take as long as the contact itself, are stored
+        where positions are asked for.
         """
-        slides = self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
-        asked = self.kind.contact == "line" and "positions" in self.dataset.model_fields_set
-        return not self.crossed and (asked or not self.kind.air) and not slides
+        asked = "positions" in self.dataset.model_fields_set
+        return not self.crossed and (asked or not self.kind.air) and not self.slides
+
+    @property
+    def slides(self) -> bool:
+        """Whether its contacts are points that slide: those in air have neither fields nor largest stresses."""
+        return self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
 
     @property
     def meeting(self) -> Meeting:

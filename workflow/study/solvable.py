@@ -201,16 +201,20 @@ def check_fields(study: Contents) -> None:
     )
     pressed = PROFILES.get(str(effects.baseline.get("profile", CHOICES["profile"][0]))) if effects else None
     for where, given in drawn.items():
-        if pressed and pressed.contact == "point" and AIR in np.atleast_1d(given.get("surroundings", "")):
-            raise ValueError(f"{where}: surroundings: {AIR!r} has no fields, which effects draw; must be insulated")
+        slides = effects and np.any(np.atleast_1d({**effects.baseline, **effects.vary}.get("friction", 0.0)))
+        airy = AIR in np.atleast_1d(given.get("surroundings", ""))
+        if pressed and pressed.contact == "point" and slides and airy:
+            raise ValueError(
+                f"{where}: surroundings: {AIR!r} beside a point that slides has no fields, which effects draw; must be "
+                "insulated"
+            )
     if effects and effects.film and study.kind.contact == "point":
         raise ValueError("effects: film: is not drawn of a point; a film stands in the baseline")
-    without = f"cases with surroundings: {AIR!r} have none" if study.kind.air else "point contacts have none"
     if study.surrogate.fields and (study.kind.air or study.kind.contact == "point"):
         why = "those of contacts with air beside them are not learned" if study.kind.air else "point contacts have none"
         raise ValueError(f"surrogate: fields: {why}; must be 0")
-    if study.dataset.peaks and not study.kind.peaks:
-        raise ValueError(f"dataset: peaks: {without}; must be false")
+    if study.dataset.peaks and study.kind.air and study.slides:
+        raise ValueError(f"dataset: peaks: points that slide with surroundings: {AIR!r} have none; must be false")
 
 
 def solve_effects(study: Contents) -> None:
