@@ -256,5 +256,5 @@ class PointContact:
 
     def beside(self, which: int) -> tuple[Array, Array]:
         """r/a of nodes beside the contact, and phi [V] (``ELECTRIC``); (node,) each."""
-        nodes = np.setdiff1d(self._edges, self._below)
+        nodes = np.setdiff1d(self._beside.nodes, self._below)
         return self.body.places[nodes, 0], self._solved[0].reshape(-1, 4)[nodes, which] * UNITS[which]
