@@ -30,15 +30,15 @@ def electrodes(stack: Stack) -> list[tuple[int, ...]]:
 
     The surface counts as the interface -1; a metal below it is that electrode itself.
     """
-    found: list[tuple[int, ...]] = [(_TOP,)] if stack.electroded and not stack.conductors[0] else []
+    places: list[tuple[int, ...]] = [(_TOP,)] if stack.electroded and not stack.conductors[0] else []
     for number, held in enumerate(stack.grounded):
         if 2 not in held:
             continue
-        if found and stack.conductors[number] and found[-1][-1] == number - 1:
-            found[-1] = (*found[-1], number)
+        if places and stack.conductors[number] and places[-1][-1] == number - 1:
+            places[-1] = (*places[-1], number)
         else:
-            found.append((number,))
-    return found
+            places.append((number,))
+    return places
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,17 +95,17 @@ class Electrode:
         every = electrodes(self.stack)
         ends = [(_TOP - 1,), *every, (len(self.stack.layers),)]
         above, own, below = ends[self.number - 1 : self.number + 2]
-        found = [range(above[-1] + 1, own[0] + 1)] if self.number > 1 else []
-        return [*found, range(own[-1] + 1, below[0] + 1)] if self.number < len(every) else found
+        sublayers = [range(above[-1] + 1, own[0] + 1)] if self.number > 1 else []
+        return [*sublayers, range(own[-1] + 1, below[0] + 1)] if self.number < len(every) else sublayers
 
     @property
     def capacitance(self) -> float:
         """To the next electrodes per area [F m-2], of plates whose layers are free to thicken and not to widen."""
-        scale, found = float(self.stack.scale[_PHI]), 0.0
+        scale, total = float(self.stack.scale[_PHI]), 0.0
         for layers in self.between:
             own = [(self.stack.layers[i].thickness, self.stack.media[i].system[_PHI, 4 + _PHI]) for i in layers]
-            found += 1 / (scale**2 * sum(thickness * abs(float(inverse)) for thickness, inverse in own))
-        return found
+            total += 1 / (scale**2 * sum(thickness * abs(float(inverse)) for thickness, inverse in own))
+        return total
 
     def transfers(self, reach: float) -> tuple[Array, Array, Array]:
         """Wavenumbers [1/m] and weights for distances up to reach [m], (k,) each, and rows of charge and of sigma_yy.

@@ -207,8 +207,8 @@ class Strips(Patches):
     def matrix(self) -> Array:
         """Charges per voltages of the strips [F m-1 / stack units], symmetric and positive definite; (2n+1, 2n+1)."""
         strips = 2 * self.floating + 1
-        found = self._energy[:strips, :strips] + self._energy[:strips, strips:] @ self._in_gaps
-        return np.asarray(found + found.T) / 2
+        energy = self._energy[:strips, :strips] + self._energy[:strips, strips:] @ self._in_gaps
+        return np.asarray(energy + energy.T) / 2
 
     def wave(self, k: Array) -> Array:
         """Transform of the potential under which it reads, one volt on the middle strip; real, (k,)."""

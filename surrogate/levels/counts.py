@@ -121,9 +121,9 @@ def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | N
     }
 
 
-def _kinks(found: Decays) -> dict[str, tuple[str, ...]]:
+def _kinks(judged: Decays) -> dict[str, tuple[str, ...]]:
     """Return outputs whose coefficients do not decay geometrically, and the inputs along which."""
-    every = {output: tuple(name for name in along if along[name].algebraic) for output, along in found.items()}
+    every = {output: tuple(name for name in along if along[name].algebraic) for output, along in judged.items()}
     return {output: where for output, where in every.items() if where}
 
 

@@ -70,13 +70,13 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
     )
     circuit = Circuit.of(numbers, material)
     times, told = history(pressing), Figures.of(contact, circuit, numbers["temperature"])
-    found = read(times, contact, circuit)
+    reading = read(times, contact, circuit)
     out = xr.Dataset(coords={"time": ("time", times.times, {"units": "s", "long_name": "time"})})
     for name, values, units, said in (
         ("force", times.forces, "N", "force on the punch"),
-        ("charge", found.charge, "C", "charge of the contact"),
-        ("voltage", found.voltage, "V", "voltage that the contact is read at"),
-        ("output", found.output, "V", "output of the amplifier"),
+        ("charge", reading.charge, "C", "charge of the contact"),
+        ("voltage", reading.voltage, "V", "voltage that the contact is read at"),
+        ("output", reading.output, "V", "output of the amplifier"),
     ):
         out[name] = ("time", values, {"units": units, "long_name": said})
     for name, value, units, said in (

@@ -181,8 +181,8 @@ def _discrepancy(found: Learnt, rows: Measurements, model: GaussianProcess, nomi
     size = float(np.sqrt(np.mean(nominal[k] ** 2)))
     values = []
     for draw in found.draws:
-        one = draw.discrepancies[q]
-        own, by_constants, _ = one.at(one.points)
+        discrepancy = draw.discrepancies[q]
+        own, by_constants, _ = discrepancy.at(discrepancy.points)
         values.append(own - by_constants @ draw.mean)
     share = float(np.sqrt(np.mean(np.mean(values, axis=0) ** 2))) / size if size else 0.0
     said = _odds_said(odds)
@@ -222,20 +222,20 @@ def _outliers(found: Learnt, rows: Measurements, model: GaussianProcess) -> list
 
 def _open(told: dict[str, Any]) -> list[str]:
     """Explanations that the rows do not decide between."""
-    found = [
+    unresolved = [
         f"a discrepancy of {row['output']} ({_odds_said(row['odds'])})"
         for row in told["discrepancies"]
         if UNSEEN <= row["odds"] <= REAL
     ]
-    found += [
+    unresolved += [
         f"errors of {row['output']} {row['times_stated']:.2g} times those stated"
         for row in told["errors"]
         if row["low"] <= LARGER < row["times_stated"]
     ]
     own = told.get("single_constants_off")
     if own and UNSEEN <= own["odds"] <= REAL:
-        found.append(f"{own['what']} ({_odds_said(own['odds'])})")
-    return found
+        unresolved.append(f"{own['what']} ({_odds_said(own['odds'])})")
+    return unresolved
 
 
 def _left_out(found: Learnt, rows: Measurements, nominal: Array) -> dict[str, Any]:

@@ -40,7 +40,6 @@ _MEANINGS = {
     "interface_magnetic": "the film's interface in the magnetic field",
 }
 
-#: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 _COMMENT = re.compile(r"^\s*//.*\n|^ +", re.MULTILINE)
 _LEAST = 1e-5  # share that is told
 _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
@@ -49,6 +48,7 @@ _SCRIPTS = (
     "contents.js", "numbers.js", "hover.js", "surrogate.js", "largest.js", "stack.js", "chart.js", "fields.js",
     "judging.js", "explore.js", "share.js", "whatif.js", "effects.js",
 )  # fmt: skip
+#: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
 

@@ -193,9 +193,9 @@ class Contents(Keys):
 
     @property
     def added(self) -> frozenset[str]:
-        """Quantities whose logarithm of the datum is added exactly: of a film's groups, the depth on its base.
+        """Quantities to which the logarithm of the datum is added exactly: the depth, where a film has groups.
 
-        Under an elastic punch none: its depth has a second logarithm, of the punch's own datum.
+        Under an elastic punch there are none: the depth has a second logarithm then, that of the punch's own datum.
         """
         alone = self.kind.datum == "by_base" and not self.elastic
         return frozenset({"depth"} if alone else set()) & self._hanging
@@ -205,7 +205,7 @@ class Contents(Keys):
         """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
 
         None where it stands on a cross approximation, which knows no largest stresses, and under points, whose largest
-        stresses are learned as other quantities are.
+        stresses are learnt as other quantities are.
         """
         if self.crossed or not self.surrogate.curves or not self.kind.regions:
             return []

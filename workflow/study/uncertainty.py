@@ -162,17 +162,17 @@ def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> St
     return study.with_materials(changed)
 
 
-def concerned(study: Study, one: Constant) -> dict[str, str]:
+def concerned(study: Study, constant: Constant) -> dict[str, str]:
     """Categories that have to be at a name for a constant to matter; none where it always does.
 
     Parameters
     ----------
     study : Study
-    one : Constant
+    constant : Constant
     """
-    held = {kind: one.material for kind in _KINDS if one.material in study.categories.get(kind, [])}
+    held = {kind: constant.material for kind in _KINDS if constant.material in study.categories.get(kind, [])}
     elsewhere = [*study.fixed.values(), *(layer.material for layer in study.body), *_phases(study)]
-    return {} if one.material in elsewhere or len(held) > 1 else held
+    return {} if constant.material in elsewhere or len(held) > 1 else held
 
 
 def materials(study: Study) -> list[str]:
