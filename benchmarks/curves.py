@@ -51,7 +51,15 @@ def inputs(base: str) -> list[Input]:
 
 
 def solved(base: str, region: str, place: Sequence[float], G: Array, charges: Array) -> dict[str, Array]:
-    """Curves and exact maxima over P/h of cases of one composition and friction; (case, ...)."""
+    """Curves and exact maxima over P/h of cases of one composition and friction; (case, ...).
+
+    Parameters
+    ----------
+    base, region : str, what is below the film, and where its curves lie
+    place : sequence of float, volume fraction and friction
+    G : ndarray, shape (case,), load P R / (h^2 c33)
+    charges : ndarray, shape (case, 2), T/P and J/P as groups
+    """
     fraction, friction = place
     material = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), fraction)
     body = BASES[base][0]
@@ -62,8 +70,8 @@ def solved(base: str, region: str, place: Sequence[float], G: Array, charges: Ar
         whole, Profile.cylinder(np.full(G.shape, RADIUS)), load, load[:, None] * charges, np.ones(G.shape)
     )
     of, unit = PeakTable(whole), load / THICKNESS
-    found = {name: one if name.endswith("position") else one / unit[:, None]
-             for name, one in region_curves(of, contact, region).items()}  # fmt: skip
+    found = {name: curve if name.endswith("position") else curve / unit[:, None]
+             for name, curve in region_curves(of, contact, region).items()}  # fmt: skip
     found |= {"mean_pressure": THICKNESS / (2 * contact.half_width), "half_length": contact.half_width}
     if region == "interface":
         peaks = of.interface(contact)
@@ -79,9 +87,15 @@ def solved(base: str, region: str, place: Sequence[float], G: Array, charges: Ar
 
 
 def grid(base: str, region: str, counts: Sequence[int]) -> xr.Dataset:
-    """Curves and maxima on the levels of the groups."""
-    axes = [one.levels(count) for one, count in zip(inputs(base), counts, strict=True)]
-    loads, *charges = (one.ravel() for one in np.meshgrid(*axes[2:], indexing="ij"))
+    """Curves and maxima on the levels of the groups.
+
+    Parameters
+    ----------
+    base, region : str, what is below the film, and where its curves lie
+    counts : sequence of int, levels of every group
+    """
+    axes = [axis.levels(count) for axis, count in zip(inputs(base), counts, strict=True)]
+    loads, *charges = (values.ravel() for values in np.meshgrid(*axes[2:], indexing="ij"))
     parts = [
         solved(base, region, (v, f), loads, np.stack(charges, -1)) for v in axes[0].tolist() for f in axes[1].tolist()
     ]
@@ -94,7 +108,14 @@ def grid(base: str, region: str, counts: Sequence[int]) -> xr.Dataset:
 
 
 def fresh(base: str, region: str, places: int, together: int, seed: int) -> xr.Dataset:
-    """Random cases, some at a time of one composition and friction, over `case`."""
+    """Random cases, some at a time of one composition and friction, over `case`.
+
+    Parameters
+    ----------
+    base, region : str, what is below the film, and where its curves lie
+    places, together : int, compositions with a friction, and cases of each
+    seed : int, of the random generator
+    """
     random, groups = np.random.default_rng(seed), inputs(base)
     columns: dict[str, list[Array]] = {}
     # few as the places are, each lies in a part of its own of either axis
@@ -102,9 +123,9 @@ def fresh(base: str, region: str, places: int, together: int, seed: int) -> xr.D
     for k in range(places):
         u = random.uniform(-1, 1, (5, together))
         u[:2] = np.array(spread)[:, k, None]
-        values = [one.from_unit(row) for one, row in zip(groups, u, strict=True)]
+        values = [axis.from_unit(row) for axis, row in zip(groups, u, strict=True)]
         part = solved(base, region, (float(values[0][0]), float(values[1][0])), values[2], np.stack(values[3:], -1))
-        part |= {one.name: value for one, value in zip(groups, values, strict=True)}
+        part |= {axis.name: value for axis, value in zip(groups, values, strict=True)}
         for name, value in part.items():
             columns.setdefault(name, []).append(value)
     return xr.Dataset(
@@ -113,7 +134,13 @@ def fresh(base: str, region: str, places: int, together: int, seed: int) -> xr.D
 
 
 def model(base: str, region: str, error: float) -> CurveGP:
-    """The model of a region, not fitted."""
+    """The model of a region, not fitted.
+
+    Parameters
+    ----------
+    base, region : str, what is below the film, and where its curves lie
+    error : float, of the curves' basis, as a share of their size
+    """
     here = REGIONS[region]
     largest: dict[str, Largest] = {}
     for name in _OUTPUTS[region]:
@@ -133,7 +160,15 @@ def model(base: str, region: str, error: float) -> CurveGP:
 
 
 def compared(base: str, region: str, counts: Sequence[int], cases: xr.Dataset, error: float) -> dict[str, Any]:
-    """Errors of the curves' maxima and of the maximum itself, learnt on the same grid, and times."""
+    """Errors of the curves' maxima and of the maximum itself, learnt on the same grid, and times.
+
+    Parameters
+    ----------
+    base, region : str, what is below the film, and where its curves lie
+    counts : sequence of int, levels of every group
+    cases : Dataset, fresh cases
+    error : float, of the curves' basis, as a share of their size
+    """
     start = process_time()
     data = grid(base, region, counts)
     solved_in = process_time() - start
@@ -177,13 +212,13 @@ def _seconds(action: Callable[[], object], repeats: int = 3) -> float:
 
 def measure() -> dict[str, Any]:
     """Errors and times of every base, region and grid."""
-    found: dict[str, Any] = {}
+    figures: dict[str, Any] = {}
     for base in BASES:
         for region, grids in GRIDS.items():
             cases = fresh(base, region, _PLACES, _TOGETHER, 1)
             for counts, error in zip(grids, (1e-5, 1e-6), strict=False):
-                found[f"{base}, {region}, {np.prod(counts)} cases"] = compared(base, region, counts, cases, error)
-    return found
+                figures[f"{base}, {region}, {np.prod(counts)} cases"] = compared(base, region, counts, cases, error)
+    return figures
 
 
 if __name__ == "__main__":

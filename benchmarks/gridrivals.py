@@ -20,7 +20,13 @@ _NOISE = 1e-10
 
 
 def chebyshev(levels: Sequence[Array], values: Array) -> Predict:
-    """The tensor polynomial through all cases; the transform belongs to the fit."""
+    """The tensor polynomial through all cases; the transform belongs to the fit.
+
+    Parameters
+    ----------
+    levels : sequence of ndarray, shape (n_f,), of every factor in [-1, 1]
+    values : ndarray, shape (n_1, ..., n_d, p), the outputs
+    """
     kept = np.stack([coefficients(own) for own in np.moveaxis(values, -1, 0)], axis=-1)
 
     def predict(at: Array, with_std: bool) -> tuple[Array, None]:
@@ -31,14 +37,20 @@ def chebyshev(levels: Sequence[Array], values: Array) -> Predict:
 
 
 def cubic_spline(levels: Sequence[Array], values: Array) -> Predict:
-    """The tensor product of cubic splines, not-a-knot; of lower degree along a factor with fewer than four levels."""
+    """The tensor product of cubic splines, not-a-knot; of lower degree along a factor with fewer than four levels.
+
+    Parameters
+    ----------
+    levels : sequence of ndarray, shape (n_f,), of every factor in [-1, 1]
+    values : ndarray, shape (n_1, ..., n_d, p), the outputs
+    """
     knots, degrees, kept = [], [min(3, len(own) - 1) for own in levels], values
     for axis, (own, degree) in enumerate(zip(levels, degrees, strict=True)):
         spline = make_interp_spline(own, kept, degree, axis=axis)
         knots.append(spline.t)
         kept = np.moveaxis(spline.c, 0, axis)  # the spline keeps its axis first
-    found = NdBSpline(tuple(knots), np.ascontiguousarray(kept), tuple(degrees))
-    return lambda at, with_std: (np.asarray(found(at)), None)
+    interpolant = NdBSpline(tuple(knots), np.ascontiguousarray(kept), tuple(degrees))
+    return lambda at, with_std: (np.asarray(interpolant(at)), None)
 
 
 def kronecker(levels: Sequence[Array], values: Array) -> Predict:
@@ -47,6 +59,11 @@ def kronecker(levels: Sequence[Array], values: Array) -> Predict:
     The covariance is a Kronecker product (Y. Saatci, Scalable Inference for Structured Gaussian Process Models, 2011,
     chapter 5): eigenvectors of every factor's matrix diagonalise it, and mean and variance are contractions over the
     whole grid.
+
+    Parameters
+    ----------
+    levels : sequence of ndarray, shape (n_f,), of every factor in [-1, 1]
+    values : ndarray, shape (n_1, ..., n_d, p), the outputs
     """
     parts = [_process(levels, own) for own in np.moveaxis(values, -1, 0)]
 
@@ -72,15 +89,15 @@ def _process(levels: Sequence[Array], values: Array) -> Callable[[Array, bool], 
         return float(values.size * np.log((data**2 / spectrum).mean()) + np.log(spectrum).sum())
 
     bounds = [(np.log(0.2), np.log(20.0))] * len(levels)
-    found = minimize(
+    fit = minimize(
         loss, np.full(len(levels), 0.7), method="L-BFGS-B", bounds=bounds, options={"maxiter": 50, "eps": 1e-4}
     )
-    vectors, spectrum, data = decomposed(found.x)
+    vectors, spectrum, data = decomposed(fit.x)
     variance = float((data**2 / spectrum).mean())
     weights = _transformed(data / spectrum, [vector.T for vector in vectors])
 
     def predict(at: Array, with_std: bool) -> tuple[Array, Array]:
-        near = [_rbf(column, own, np.exp(log)) for column, own, log in zip(at.T, levels, found.x, strict=True)]
+        near = [_rbf(column, own, np.exp(log)) for column, own, log in zip(at.T, levels, fit.x, strict=True)]
         mean = _contracted(weights[..., None], near)[:, 0]
         if not with_std:
             return mean, mean

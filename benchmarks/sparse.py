@@ -24,12 +24,18 @@ def leja(count: int) -> Array:
 
 
 def basis(t: Array, points: Array) -> Array:
-    """Newton's polynomials at t, each one at its own point and zero at those before; (count, B)."""
-    found = np.ones((len(points), len(t)))
+    """Newton's polynomials, each one at its own point and zero at those before; (count, B).
+
+    Parameters
+    ----------
+    t : ndarray, shape (B,), places
+    points : ndarray, shape (count,)
+    """
+    polynomials = np.ones((len(points), len(t)))
     for level in range(1, len(points)):
         before = points[:level, None]
-        found[level] = ((t - before) / (points[level] - before)).prod(axis=0)
-    return found
+        polynomials[level] = ((t - before) / (points[level] - before)).prod(axis=0)
+    return polynomials
 
 
 def sparse_grid(
@@ -55,7 +61,7 @@ def sparse_grid(
     def at(t: Array) -> Array:
         along = [basis(row, leja_points) for row in t.T]
         table = np.array(indices)
-        weights = np.prod([one[table[:, k]] for k, one in enumerate(along)], axis=0)
+        weights = np.prod([weight[table[:, k]] for k, weight in enumerate(along)], axis=0)
         return np.tensordot(weights.T, np.stack(surpluses), 1)
 
     while len(indices) < most:

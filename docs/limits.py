@@ -65,7 +65,13 @@ _TOLD = {
 
 
 def surroundings(name: str, case: Mapping[str, float | str]) -> str:
-    """The row of a design: what it is insulated, and in air."""
+    """The row of a design: what it is insulated, and in air.
+
+    Parameters
+    ----------
+    name : str, the design's
+    case : mapping of str to float or str, SI, its factors
+    """
     film = {"friction": 0.3, **_GROUNDED, **case}
     device = Device.model_validate(read_yaml(Path(__file__).parents[1] / "config/film_sensor.yaml")["device"])
     kinds: tuple[tuple[dict[str, str], Meeting], ...] = (
@@ -75,9 +81,9 @@ def surroundings(name: str, case: Mapping[str, float | str]) -> str:
     rows = []
     for own, meeting in kinds:
         found = solver.solve({**film, **own})
-        known = {str(one): np.abs(values.values) for one, values in found.data_vars.items()}
-        numbers = {one: value for one, value in case.items() if not isinstance(value, str)}
-        known |= {one: np.asarray(value) for one, value in {**device.constants, **numbers}.items()}
+        known = {str(quantity): np.abs(values.values) for quantity, values in found.data_vars.items()}
+        numbers = {factor: value for factor, value in case.items() if not isinstance(value, str)}
+        known |= {factor: np.asarray(value) for factor, value in {**device.constants, **numbers}.items()}
 
         told = [float(grammar.parse(text, meeting).evaluate(known)) * scale for text, scale in _TOLD.items()]
         rows.append([f"{number:.3g}" for number in told])

@@ -40,6 +40,12 @@ def difference(case: dict[str, Any], friction: float, cells: int) -> Difference:
     """Of a ball on a half-space or a film, at the depth that its force has at rest.
 
     Force and charge are over those of the same grid at rest, so that only friction tells them apart.
+
+    Parameters
+    ----------
+    case : dict, SI, as of `solver.solve`
+    friction : float
+    cells : int, of the grid, a side
     """
     grounded, a, (slid, still) = _on_grids(case, friction, cells)
     first = _moments(grounded | {"friction": friction}, a)
@@ -52,7 +58,14 @@ def difference(case: dict[str, Any], friction: float, cells: int) -> Difference:
 
 
 def raised(case: dict[str, Any], friction: float, cells: int) -> tuple[float, float]:
-    """What friction adds to the largest pressure of a grounded ball over that at rest: on the grid, in first order."""
+    """What friction adds to the largest pressure of a grounded ball over that at rest: on the grid, in first order.
+
+    Parameters
+    ----------
+    case : dict, SI, as of `solver.solve`
+    friction : float
+    cells : int, of the grid, a side
+    """
     grounded, _, (slid, still) = _on_grids(case, friction, cells)
     own = solver.solve(grounded | {"friction": np.array([friction, 0.0])})["peak_pressure"].values
     return slid["peak_pressure"] / still["peak_pressure"] - 1, float(own[0] / own[1]) - 1
@@ -79,11 +92,11 @@ def _moments(case: dict[str, Any], a: float) -> tuple[float, float]:
     x, w = np.polynomial.legendre.leggauss(_ANGLES)
     angle, weights = np.pi / 4 * (1 + x), np.pi / 4 * w
     r = np.sin(angle)
-    found = solver.solve(case, np.concatenate([r, -r]))
-    offset = float(found["contact_offset"])
+    solved = solver.solve(case, np.concatenate([r, -r]))
+    offset = float(solved["contact_offset"])
 
     def moment(name: str, total: float, sign: float) -> float:
-        values = found[name].values.squeeze()
+        values = solved[name].values.squeeze()
         odd = (values[: r.size] - values[r.size :]) / 2
         return total * offset + sign * np.pi * a**3 * float(np.sum(weights * np.cos(angle) * r**2 * odd))
 
@@ -93,5 +106,5 @@ def _moments(case: dict[str, Any], a: float) -> tuple[float, float]:
 
 def first_order(case: dict[str, Any]) -> float:
     """Largest difference of the moments at little friction, where the second order is below the grid's error."""
-    found = difference(case, 0.05, 128)
-    return max(abs(found.force_moment), abs(found.charge_moment))
+    differences = difference(case, 0.05, 128)
+    return max(abs(differences.force_moment), abs(differences.charge_moment))

@@ -75,17 +75,21 @@ class OnPoints:
         """Those of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and every case has; (...)."""
         if (lacks := self._lacks_c12) is not None:
             raise MaterialError(f"{lacks}: c12: missing; largest stresses under a point need it [Pa]")
-        return self.put_together(
-            lambda pressed, places: peaks(pressed, self._inside(places, pressed), asked), self._apart()
-        )
+        return self.put_together(lambda pressed, places: self._peaks(pressed, places, asked), self._apart())
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """Refused: peaks of points are searched for, not learned from curves."""
+        """Refused: peaks of points are searched for, not learnt from curves."""
         raise FactorError("curves: of a body under a point contact are not given; ask for peaks")
 
     @np.errstate(all="ignore")
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """Fields of ``solver.fields.POINT_FIELDS`` at r/a that every case has, as those of a line; (..., position)."""
+        """Fields of ``solver.fields.POINT_FIELDS`` that every case has, as those of a line; (..., position).
+
+        Parameters
+        ----------
+        positions : ndarray, shape (position,), r/a, of sliding punches x/a
+        regular : bool, whether the singular ones are wanted in regular form too
+        """
         found = self.put_together(lambda pressed, own: surface_fields(pressed, positions, self._stretch(own)))
         if np.any(self._friction):
             inside = np.abs(positions) < 1
@@ -98,13 +102,25 @@ class OnPoints:
         return self.with_regular(found, positions) if regular else found
 
     def with_regular(self, found: dict[str, Array], positions: Array) -> dict[str, Array]:
-        """Fields, and those that are singular at the edge times its root; (..., position) each."""
+        """Fields, and those that are singular at the edge times its root; (..., position) each.
+
+        Parameters
+        ----------
+        found : dict of str to ndarray, shape (..., position), the fields
+        positions : ndarray, shape (position,), r/a
+        """
         root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
         return found | {f"{name}_regular": found[name] * root for name in POINT_SINGULAR if name in found}
 
     @np.errstate(all="ignore")
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """The fields asked for in the plane of symmetry, by default all of ``INTERIOR`` that the materials have."""
+        """The fields inside, in the plane of symmetry, (..., y, x).
+
+        Parameters
+        ----------
+        x, y : ndarray, shape (x,), (y,), places over the contact's radius
+        asked : sequence of str, their names; None: all of ``INTERIOR`` that the materials have
+        """
         names = tuple(asked or [name for name in INTERIOR if name not in POINT_NEED_C12 or self._lacks_c12 is None])
         for name in names:
             if name in POINT_NEED_C12 and self._lacks_c12 is not None:
@@ -114,16 +130,24 @@ class OnPoints:
         linear = tuple(dict.fromkeys(needed))
 
         def found(pressed: Pressed, places: Indices) -> dict[str, Array]:
-            tractions = Rubbed(pressed.charged).tractions
-            whole = self._within(places, pressed).fields(tractions, x, y, linear)
+            whole = self._fields(pressed, places, x, y, linear)
             values = {name: whole[:, number] for number, name in enumerate(linear)}
-            for name in POTENTIALS.keys() & values.keys():
-                values[name] = values[name] * pressed.length[:, None, None]
             for name in set(names) & DERIVED.keys():
                 values[name] = DERIVED[name](*(values[stress] for stress in STRESSES))
             return {name: values[name] for name in names}
 
         return self.put_together(found, self._apart())
+
+    # -- what is beside the contact has its part in ------------------------------------------------------------------
+    def _peaks(self, pressed: Pressed, places: Indices, asked: Set[str]) -> dict[str, Array]:
+        return peaks(pressed, self._inside(places, pressed), asked)
+
+    def _fields(self, pressed: Pressed, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+        """Fields of ``LINEAR`` and potentials; (case, field, y, x)."""
+        found = self._within(places, pressed).fields(Rubbed(pressed.charged).tractions, x, y, names)
+        potentials = [number for number, name in enumerate(names) if name in POTENTIALS]
+        found[:, potentials] *= pressed.length[:, None, None, None]
+        return found
 
     @property
     def _lacks_c12(self) -> str | None:
@@ -147,16 +171,22 @@ class OnPoints:
         output: Callable[[Pressed, Indices], dict[str, Array]],
         parts: Sequence[tuple[Indices, Pressed]] | None = None,
     ) -> dict[str, Array]:
-        """Outputs of every part and its places among the cases, in one; (...)."""
+        """Outputs of every part and its places among the cases, in one; (...).
+
+        Parameters
+        ----------
+        output : callable, gives the outputs of contacts that are pressed and of their places among the cases
+        parts : sequence of (ndarray of int, Pressed), places and contacts; None: those of all cases
+        """
         try:
-            found = [(places, output(pressed, places)) for places, pressed in parts or self._parts]
+            solved = [(places, output(pressed, places)) for places, pressed in parts or self._parts]
         except ContactError as error:
             raise CaseError(str(error)) from None
         out: dict[str, Array] = {}
-        for name in found[0][1]:
-            if all(name in values for _, values in found):
-                whole = np.empty((int(np.prod(self.shape)), *found[0][1][name].shape[1:]))
-                for places, values in found:
+        for name in solved[0][1]:
+            if all(name in values for _, values in solved):
+                whole = np.empty((int(np.prod(self.shape)), *solved[0][1][name].shape[1:]))
+                for places, values in solved:
                     whole[places] = values[name]
                 out[name] = whole.reshape((*self.shape, *whole.shape[1:]))
         return out

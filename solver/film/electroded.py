@@ -69,13 +69,19 @@ def surface(stack: Stack) -> Array:
     own = stack.media[0].compliance
     if not stack.electroded:
         return own
-    found = held(own, (_PHI,))
-    found[_PHI, _PHI] = own[_PHI, _PHI]
-    return found
+    Y = held(own, (_PHI,))
+    Y[_PHI, _PHI] = own[_PHI, _PHI]
+    return Y
 
 
 def difference(stack: Stack, k: Array) -> Array:
-    """What the layers and the base add to :func:`surface`, at wavenumbers k [1/m]; (k, 4, 4)."""
+    """What the layers and the base add to :func:`surface`; (k, 4, 4).
+
+    Parameters
+    ----------
+    stack : Stack
+    k : ndarray, shape (k,), wavenumbers [1/m]
+    """
     added = waves(stack, k)[0].difference
     if not stack.electroded:
         return added
@@ -83,9 +89,9 @@ def difference(stack: Stack, k: Array) -> Array:
     share = np.eye(4)
     share[:, _PHI] -= own[_PHI] / own[_PHI, _PHI] - share[:, _PHI]
     D = share @ added @ share.T
-    found = D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (own[_PHI, _PHI] + D[:, _PHI, _PHI])[:, None, None]
-    found[:, _PHI, :] = found[:, :, _PHI] = 0.0
-    return np.asarray(found)
+    grounded = D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (own[_PHI, _PHI] + D[:, _PHI, _PHI])[:, None, None]
+    grounded[:, _PHI, :] = grounded[:, :, _PHI] = 0.0
+    return np.asarray(grounded)
 
 
 def lowest(stack: Stack) -> Array:
@@ -100,8 +106,14 @@ def local(stack: Stack) -> Array:
 
 
 def beyond_local(stack: Stack, k: Array) -> Array:
-    """What the layers and the base add to it, ``(Delta_f - v Delta_ff) / (p + Delta_ff)``, at wavenumbers k; (k, 4)."""
+    """What the layers and the base add to it, ``(Delta_f - v Delta_ff) / (p + Delta_ff)``; (k, 4).
+
+    Parameters
+    ----------
+    stack : Stack
+    k : ndarray, shape (k,), wavenumbers [1/m]
+    """
     own, row = stack.media[0].compliance[_PHI, _PHI], waves(stack, k)[0].difference[:, _PHI]
-    found = (row - local(stack) * row[:, _PHI, None]) / (own + row[:, _PHI, None])
-    found[:, _PHI] = 0.0
-    return np.asarray(found)
+    shares = (row - local(stack) * row[:, _PHI, None]) / (own + row[:, _PHI, None])
+    shares[:, _PHI] = 0.0
+    return np.asarray(shares)

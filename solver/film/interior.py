@@ -239,13 +239,13 @@ def _far(stack: Stack, totals: Array) -> list[Array]:
     for held_below in reversed(stack.grounded):
         response.append(held(response[-1], held_below))
     *under, Y = response
-    found, t = [(Y @ totals)[:, 2:]], totals
+    parts, t = [(Y @ totals)[:, 2:]], totals
     for Y, components in zip(under[::-1], stack.grounded, strict=True):
         free, there = [i for i in range(4) if i not in components], list(components)
         t = np.array(t)
         t[:, there] = -np.linalg.pinv(Y[np.ix_(there, there)]) @ Y[np.ix_(there, free)] @ t[:, free]
-        found.append((Y @ t)[:, 2:])
-    return found
+        parts.append((Y @ t)[:, 2:])
+    return parts
 
 
 def _blocks(inside: BoolArray) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp], BoolArray]]:
@@ -285,7 +285,14 @@ def interior_fields(contact: FilmContact, X: Array, Y: Array, names: tuple[str, 
 
 
 def fields_of(tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...], datum: Array) -> Array:
-    """As :func:`interior_fields`, of tractions of one column and data L [m]; (member,)."""
+    """As :func:`interior_fields`, of tractions of one column.
+
+    Parameters
+    ----------
+    tractions : Tractions
+    X, Y, names : as of :func:`interior_fields`
+    datum : ndarray, shape (member,), L [m]
+    """
     if "magnetic_potential" in names and tractions.system.kernel.stack.insulated:
         raise StackError("magnetic_potential: is not given inside a film on a base that insulates the magnetic field")
     needed = [name for name in names if name in LINEAR]

@@ -17,6 +17,11 @@ DISC, STRIP, RING, RECTANGLE = (CHOICES["patch"].index(name) for name in ("disc"
 #: Below which punches nothing has a voltage: it would move their charge.
 BARE = "below a punch that conducts on a bare surface; electric must be insulating, or electrode top"
 
+
+class FarError(StackError):
+    """A patch that reaches farther than is resolved; what is said of it stands behind its size."""
+
+
 _Outputs = dict[str, Array]
 Gapped = TypeVar("Gapped")
 
@@ -94,13 +99,23 @@ class Reading:
             Outputs of some cases, of an electrode, for an octave of distances.
         extent
             Of the contacts from their middle; (case,).
+
+        Raises
+        ------
+        StackError
+            A patch that reaches farther than is resolved.
         """
-        octaves, found = octave_of(self.reach + extent), list[tuple[Indices, dict[str, Array]]]()
+        octaves, found = _octave_of(self.reach + extent), list[tuple[Indices, dict[str, Array]]]()
         for number in np.unique(self.collector).tolist():
             for octave in np.unique(octaves).tolist():
                 some = np.flatnonzero((self.collector == number) & (octaves == octave))
-                if some.size:
+                if not some.size:
+                    continue
+                try:
                     found.append((some, answer(some, int(number), octave)))
+                except FarError as error:
+                    size = "" if self.size is None else f"{self.size[some].max():.3g} thicknesses of the top layer; "
+                    raise StackError(f"patch_size: {size}{error}") from None
         return joined(found, extent.size)
 
     @property
@@ -169,7 +184,13 @@ class Collected:
 
 
 def joined(parts: list[tuple[Indices, _Outputs]], count: int) -> _Outputs:
-    """Outputs of all cases from those of some, as far as all parts have them; (case,) each."""
+    """Outputs of all cases from those of some, as far as all parts have them; (case,) each.
+
+    Parameters
+    ----------
+    parts : list of (ndarray of int, dict), places among the cases, and outputs of these
+    count : int, number of all cases
+    """
     names = [name for name in parts[0][1] if all(name in values for _, values in parts)]
     out = {name: np.empty(count) for name in names}
     for places, values in parts:
@@ -178,6 +199,6 @@ def joined(parts: list[tuple[Indices, _Outputs]], count: int) -> _Outputs:
     return out
 
 
-def octave_of(reach: Array) -> Indices:
+def _octave_of(reach: Array) -> Indices:
     """Least power of two, from 1 on, of distances over the thickness of the top layer; as ``reach``."""
     return np.asarray(np.ceil(np.log2(np.maximum(reach, 1.0))), dtype=np.intp)

@@ -78,17 +78,22 @@ class Rough:
         )
         distance = np.where(beyond[:, None] > 0, beyond[:, None] - 1 + one, beyond[:, None] + 1 - other)
         kinds = np.array([np.sign(distance), np.log(np.abs(distance)), np.ones_like(distance)])
-        found = []
+        parts = []
         for values, rule in zip(own, terms, strict=True):
             whole = np.empty((9, X.size, rule.shape[1]))
             whole[:, inside] = values
             for kind, power in np.ndindex(3, 3):
                 whole[3 * kind + power, ~inside] = (kinds[kind] * distance**power) @ rule
-            found.append(whole)
-        return found[0], found[1]
+            parts.append(whole)
+        return parts[0], parts[1]
 
     def pressures(self, X: Array, one: Array, other: Array) -> Array:
-        """Integrals of w P_j at points X, 1 - X, 1 + X; (type, point, pressures)."""
+        """Integrals of w P_j; (type, point, pressures).
+
+        Parameters
+        ----------
+        X, one, other : ndarray, shape (point,), points, and 1 - X and 1 + X of them
+        """
         A, B = self.basis.exponents
         count = self.basis.pressures + 2
         j = np.arange(1, count)
@@ -119,7 +124,12 @@ class Rough:
         return np.asarray(values + (exact - np.pi / 2 * tan * moments - at_one))
 
     def charges(self, one: Array, other: Array) -> Array:
-        """Integrals of T_n / sqrt(1 - X^2) at points 1 - X, 1 + X; (type, point, M + 1)."""
+        """Integrals of T_n / sqrt(1 - X^2); (type, point, M + 1).
+
+        Parameters
+        ----------
+        one, other : ndarray, shape (point,), 1 - X and 1 + X of points
+        """
         count = self.basis.terms + 3
         angle = 2 * np.arctan2(np.sqrt(one), np.sqrt(other))[:, None]
         n = np.arange(1, count)
@@ -134,11 +144,11 @@ class Rough:
         """All types from integrals F_j of a kernel: that of X - S times it is X F_j - sum_l shift_jl F_l."""
         plain = np.zeros_like(sign)
         plain[:, 0] = total
-        found = []
+        parts = []
         for own in (sign, log, plain):
             first = X[:, None] * own - own @ shift.T
-            found += [own, first, X[:, None] * first - first @ shift.T]
-        return np.array(found)
+            parts += [own, first, X[:, None] * first - first @ shift.T]
+        return np.array(parts)
 
 
 def weights(tails: Array, friction: float, carried: Array, half_lengths: Array) -> Array:

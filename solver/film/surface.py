@@ -61,11 +61,11 @@ class SurfaceTable:
             kernel(system.kernel.stack, farthest * self.table.upper) if farthest > 2 else system.kernel,
             system.sliding, system.smooth, system.degree, system.accuracy,
         )  # fmt: skip
-        found: Array = np.empty((h.size, 6, self.positions.size, system.causes))
+        values: Array = np.empty((h.size, 6, self.positions.size, system.causes))
         for basis, members in batches(wide, h, self.positions.size):
             assembly = Assembly(wide, basis, h[members], self.positions)
-            found[members] = np.einsum("hfpu,huc->hfpc", local_fields(assembly), assembly.unknowns)
-        return coefficients(found)
+            values[members] = np.einsum("hfpu,huc->hfpc", local_fields(assembly), assembly.unknowns)
+        return coefficients(values)
 
     def fields(self, contact: FilmContact) -> FilmFields:
         """Fields of contacts that were read from the same table."""
@@ -75,7 +75,14 @@ class SurfaceTable:
 
 
 def of_local(system: System, whole: Array, positions: Array) -> FilmFields:
-    """Fields of what :func:`local_fields` tells, summed over the unknowns; (case, 6, position), units of the stack."""
+    """Fields of what :func:`local_fields` tells, summed over the unknowns.
+
+    Parameters
+    ----------
+    system : System, of the contacts
+    whole : ndarray, shape (case, 6, position), the sums, in the units of the stack
+    positions : ndarray, shape (position,), X = (x - c)/h
+    """
     half, scale = system.sliding.halfplane, system.kernel.stack.scale
     t = whole[:, _TRACTIONS] / scale[1:, None]
     gradient = whole[:, _GRADIENTS] * np.array([scale[2], scale[3], scale[0]])[:, None]
@@ -96,7 +103,13 @@ def of_local(system: System, whole: Array, positions: Array) -> FilmFields:
 
 
 def surface_fields(contact: FilmContact, positions: Array) -> FilmFields:
-    """Fields of every case at every position X = (x - c)/h, finite and never exactly +-1."""
+    """Fields of every case at every position.
+
+    Parameters
+    ----------
+    contact : FilmContact, of the cases
+    positions : ndarray, shape (position,), X = (x - c)/h, finite and never exactly +-1
+    """
     return SurfaceTable(contact.table, positions).fields(contact)
 
 

@@ -121,6 +121,12 @@ class Table:
     def narrowed(self, half_length: float, ratio: float = 1.2, nodes: int = 10) -> "Table":
         """A table of the same system about one half-length: as exact as the system itself.
 
+        Parameters
+        ----------
+        half_length : float, m
+        ratio : float, of either end of its range to that
+        nodes : int, number of half-lengths
+
         Raises
         ------
         RangeError
@@ -132,11 +138,17 @@ class Table:
 
 
 def at(system: System, half_lengths: Array) -> Array:
-    """Outputs at half-lengths [m], batched over those of like size; (half, output, cause)."""
-    found: Array = np.empty((half_lengths.size, outputs.COUNT, system.causes))
+    """Outputs, batched over half-lengths of like size; (half, output, cause).
+
+    Parameters
+    ----------
+    system : System, of the contacts
+    half_lengths : ndarray, shape (half,), m
+    """
+    out: Array = np.empty((half_lengths.size, outputs.COUNT, system.causes))
     for basis, members in batches(system, half_lengths):
-        found[members] = outputs.outputs(Assembly(system, basis, half_lengths[members]))
-    return found
+        out[members] = outputs.outputs(Assembly(system, basis, half_lengths[members]))
+    return out
 
 
 def batches(system: System, half_lengths: Array, points: int = 2) -> list[tuple[Basis, NDArray[np.intp]]]:

@@ -160,7 +160,14 @@ class Material:
 
     @classmethod
     def isotropic(cls, young: ArrayLike, poisson: ArrayLike, *, name: str = "isotropic", rho: float = np.nan) -> Self:
-        """Isotropic elastic solid without coupling, vacuum permittivity and permeability; moduli in Pa.
+        """Isotropic elastic solid without coupling, vacuum permittivity and permeability.
+
+        Parameters
+        ----------
+        young : array_like, Young's modulus [Pa]
+        poisson : array_like, Poisson's ratio, -1 < nu < 0.5
+        name : str
+        rho : float, density [kg/m3]; NaN: not known
 
         Raises
         ------
@@ -190,6 +197,10 @@ class Material:
     def renamed(self, name: str, source: str = "") -> Self:
         """The same constants under another name and source.
 
+        Parameters
+        ----------
+        name, source : str, the new ones
+
         Examples
         --------
         >>> Material.isotropic(210e9, 0.3).renamed("steel").name
@@ -208,11 +219,11 @@ class Material:
         >>> [variant.name for variant in solver.find("PZT-5H").variants()]
         ['PZT-5H (alternative 1)']
         """
-        found = []
+        others = []
         for k, alternative in enumerate(self.alternatives, 1):
             changed: dict[str, Any] = {**alternative.constants, "source": alternative.source, "alternatives": ()}
-            found.append(replace(self, **changed, name=f"{self.name} (alternative {k})"))
-        return found
+            others.append(replace(self, **changed, name=f"{self.name} (alternative {k})"))
+        return others
 
     @property
     def spread(self) -> dict[str, tuple[float, float]]:

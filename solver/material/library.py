@@ -36,14 +36,19 @@ def published() -> Mapping[str, Mapping[str, float]]:
 
 
 def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Material:
-    """The material of this name, from ``more`` (a user's own) first, then from the built-in ones.
+    """The material of a name.
 
     ``NAME (alternative 1)`` has the constants of the first alternative of NAME, and so on.
+
+    Parameters
+    ----------
+    name : str
+    more : mapping of str to Material, a user's own, which come before the built-in ones
 
     Raises
     ------
     MaterialError
-        Naming the nearest known name.
+        Naming the nearest known name, or all of them where none is near.
 
     Examples
     --------
@@ -58,6 +63,6 @@ def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Mate
             if variant.name == name:
                 return variant
         near = get_close_matches(name, known, 1, 0.5)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        raise MaterialError(f"material: {shown(name)} is unknown; {hint}known are {', '.join(known)}")
+        hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
+        raise MaterialError(f"material: {shown(name)} is unknown; {hint}")
     return known[name]

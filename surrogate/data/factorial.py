@@ -83,7 +83,19 @@ def complete_factorial(
 
 
 def output_names(dataset: xr.Dataset, outputs: Sequence[str] | None, exclude: Sequence[str]) -> list[str]:
-    """Return the names of the outputs to model: those asked for, else every variable but `exclude`."""
+    """Return the names of the outputs to model.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    outputs : sequence of str, those asked for; None: every variable
+    exclude : sequence of str, variables that are not outputs unless they are asked for
+
+    Raises
+    ------
+    ValueError
+        There is none, one is not in the data set, or not numbers.
+    """
     names = [str(name) for name in dataset.data_vars if name not in exclude] if outputs is None else list(outputs)
     if not names:
         raise ValueError("the data set has no variable to model")
@@ -133,16 +145,23 @@ def _inferred(dataset: xr.Dataset, factor: str, levels: Array, chebyshev: bool) 
         low, high = (
             (np.exp(middle - reach), np.exp(middle + reach)) if scale == "log" else (middle - reach, middle + reach)
         )
-        found = Input(factor, float(low), float(high), scale, **attrs)
-        if np.abs(found.to_unit(levels) - gauss_points(len(levels))).max() <= LEVEL_TOLERANCE:
-            return found
+        inferred = Input(factor, float(low), float(high), scale, **attrs)
+        if np.abs(inferred.to_unit(levels) - gauss_points(len(levels))).max() <= LEVEL_TOLERANCE:
+            return inferred
     raise ValueError(
         f"input {factor!r}: its {len(levels)} levels are no Chebyshev-Gauss levels of a linear or log range"
     )
 
 
 def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Sequence[Input] | None) -> bool:
-    """Whether the levels of all factors are Chebyshev-Gauss levels: of their inputs or, without, of any range."""
+    """Whether the levels of all factors are Chebyshev-Gauss levels.
+
+    Parameters
+    ----------
+    dataset : Dataset, with the levels as coordinates
+    factors : sequence of str
+    inputs : sequence of Input, whose ranges the levels are of; None: of any range
+    """
     try:
         levels = [_levels(dataset, factor) for factor in factors]
         if inputs is None:
@@ -154,30 +173,37 @@ def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Seque
 
 
 def check_levels(inputs: Sequence[Input], levels: Sequence[Array], chebyshev: bool) -> None:
-    """Raise ValueError, naming input and level, unless ascending levels suit their inputs."""
+    """Raise ValueError, naming input and level, unless ascending levels suit their inputs.
+
+    Parameters
+    ----------
+    inputs : sequence of Input
+    levels : sequence of ndarray, shape (n,), of every input in its units
+    chebyshev : bool, whether they must be Chebyshev-Gauss levels
+    """
     for own, values in zip(inputs, levels, strict=True):
         _check_levels(own, values, chebyshev)
 
 
-def _check_levels(one: Input, levels: Array, chebyshev: bool) -> None:
+def _check_levels(own: Input, levels: Array, chebyshev: bool) -> None:
     if len(levels) > MOST_OF_A_FACTOR:
-        raise ValueError(f"input {one.name!r} has {len(levels)} levels; a factor has at most {MOST_OF_A_FACTOR}")
+        raise ValueError(f"input {own.name!r} has {len(levels)} levels; a factor has at most {MOST_OF_A_FACTOR}")
     if len(levels) < 2:
-        raise ValueError(f"input {one.name!r} has {len(levels)} level; a factor needs at least 2")
-    if one.scale == "log" and levels[0] <= 0:
-        raise ValueError(f"input {one.name!r} has the level {levels[0]:g} on a log scale")
-    unit = one.to_unit(levels)
+        raise ValueError(f"input {own.name!r} has {len(levels)} level; a factor needs at least 2")
+    if own.scale == "log" and levels[0] <= 0:
+        raise ValueError(f"input {own.name!r} has the level {levels[0]:g} on a log scale")
+    unit = own.to_unit(levels)
     if chebyshev:
         away = np.abs(unit - gauss_points(len(levels)))
         if away.max() > LEVEL_TOLERANCE:
             k = int(away.argmax())
             raise ValueError(
-                f"input {one.name!r}: level {levels[k]:.10g} is none of the {len(levels)} Chebyshev-Gauss levels of "
-                f"{one.range_text()} ({one.scale}), expected {one.levels(len(levels))[k]:.10g}"
+                f"input {own.name!r}: level {levels[k]:.10g} is none of the {len(levels)} Chebyshev-Gauss levels of "
+                f"{own.range_text()} ({own.scale}), expected {own.levels(len(levels))[k]:.10g}"
             )
     elif np.abs(unit).max() > 1 + LEVEL_TOLERANCE:
         raise ValueError(
-            f"input {one.name!r}: level {levels[np.abs(unit).argmax()]:g} is outside its range {one.range_text()}"
+            f"input {own.name!r}: level {levels[np.abs(unit).argmax()]:g} is outside its range {own.range_text()}"
         )
 
 

@@ -39,16 +39,36 @@ class Predictive(ABC):
 
     @abstractmethod
     def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
-        """Return every output, with its standard deviation, at labelled points."""
+        """Return every output, with its standard deviation, at labelled points.
+
+        Parameters
+        ----------
+        points : mapping, Dataset, DataFrame or array, as of `GaussianProcess.predict`
+        return_std : bool, whether `<output>_std` is wanted
+        extrapolate : bool, whether points may be outside of the box
+        """
 
     @abstractmethod
     def predict_array(
         self, X: NDArray[np.floating[Any]], return_std: Literal[True], *, extrapolate: bool = False
     ) -> tuple[Array, Array]:
-        """Return means and standard deviations at plain points, (n, d) -> two of (n, n_outputs)."""
+        """Return means and standard deviations at plain points, (n, p) each.
+
+        Parameters
+        ----------
+        X : ndarray, shape (n, d), points in physical units
+        return_std : True
+        extrapolate : bool, whether points may be outside of the box
+        """
 
     def reached(self, mean: Array, std: Array, away: Array) -> Array:
-        """Return what lies so many standard deviations away from means; all broadcast, outputs first."""
+        """Return what lies so many standard deviations away from means.
+
+        Parameters
+        ----------
+        mean, std : ndarray, shape (p, ...), of the outputs, in their units
+        away : ndarray that broadcasts with them, numbers of standard deviations
+        """
         return mean + away * std
 
     @abstractmethod
@@ -153,8 +173,8 @@ class Predictive(ABC):
         most = (1 + self.distribution.highest_level()) / 2
         for probability in asked[~((1 - most <= asked) & (asked <= most))]:
             raise ValueError(f"q {probability:g} is not between {1 - most:.4g} and {most:.10g}{self._told()}")
-        found = self._quantiles(points, asked, extrapolate)
-        return found if np.ndim(q) else found.isel(quantile=0)
+        quantiles = self._quantiles(points, asked, extrapolate)
+        return quantiles if np.ndim(q) else quantiles.isel(quantile=0)
 
     def sample(
         self, points: Queries, n: int, seed: int, *, extrapolate: bool = False, together: bool = True
@@ -250,9 +270,18 @@ class Predictive(ABC):
     def interval_array(
         self, X: NDArray[np.floating[Any]], level: float | None = None, *, extrapolate: bool = False
     ) -> tuple[Array, Array]:
-        """Return the lower and upper ends of `interval` at plain points: X (n, d) -> two of (n, n_outputs).
+        """Return the lower and upper ends of `interval` at plain points, (n, p) each.
 
-        Raises as `predict_array`, and ValueError for a level that the calibration cases do not tell.
+        Parameters
+        ----------
+        X : ndarray, shape (n, d), points in physical units
+        level : float, probability of the interval; None: `level_`
+        extrapolate : bool, whether points may be outside of the box
+
+        Raises
+        ------
+        ValueError
+            The calibration cases do not tell this level; otherwise as `predict_array`.
         """
         level = self.checked_level(level)
         mean, std = self.predict_array(X, return_std=True, extrapolate=extrapolate)
@@ -288,10 +317,10 @@ class Predictive(ABC):
         named, (mean, std), flags = self._asked(points, True, extrapolate)
         away = np.broadcast_to(self.distribution.quantile(q).T, (len(mean), len(q)))[..., None]
         values = self.reached(np.repeat(mean[:, None], len(q), axis=1), std[:, None], away)
-        found = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
+        flagged = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
         dims = ("quantile", *named.dims)
         answer = {
             name: xr.Variable(dims, own.reshape(len(q), *named.shape), self.attrs_[name])
             for name, own in zip(self.outputs_, values, strict=True)
         }
-        return found.assign(answer).assign_coords(quantile=("quantile", q, {"long_name": "probability of no more"}))
+        return flagged.assign(answer).assign_coords(quantile=("quantile", q, {"long_name": "probability of no more"}))

@@ -198,15 +198,21 @@ def _with_load_upright(problem: Problem) -> Contact:
         trial = contact(unknown)
         return np.array([trial.tilt / steepest, -trial.totals[0] / problem.load - 1])
 
-    found = root(mismatch, np.zeros(2), tol=1e-13).x
-    worst = float(np.max(np.abs(mismatch(found))))
+    ends = root(mismatch, np.zeros(2), tol=1e-13).x
+    worst = float(np.max(np.abs(mismatch(ends))))
     if worst > 1e-11:
         raise ArithmeticError(f"contact ends not found: tilt or load is off by {worst:.1e}")
-    return contact(found)
+    return contact(ends)
 
 
 def between(problem: Problem, trailing: float, leading: float) -> Contact:
-    """Solve (2.2) between given ends -leading < x < trailing; the load is an outcome unless both edges are sharp."""
+    """Solve (2.2) between given ends; the load is an outcome unless both edges are sharp.
+
+    Parameters
+    ----------
+    problem : Problem
+    trailing, leading : float, m, -leading < x < trailing
+    """
     terms, h, centre = problem.terms, (trailing + leading) / 2, (trailing - leading) / 2
     X = np.cos(np.pi * (np.arange(2 * terms + 2) + 0.5) / (2 * terms + 2))
     families = [(0, 0), *((f, w) for f in range(1, len(problem.unknown)) for w in (0, 1))]

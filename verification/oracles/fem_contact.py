@@ -46,10 +46,13 @@ class Found:
 
 
 def solve(material: Mapping[str, float], radius: float, totals: Array, cells: int, start: float) -> Found:
-    """Contact of a cylinder of some radius [m] under totals (P, T, J) [N/m, C/m, Wb/m].
+    """Contact of a cylinder.
 
     Parameters
     ----------
+    material : mapping, constants in SI units
+    radius : float, m
+    totals : ndarray, shape (3,), P, T, J [N/m, C/m, Wb/m]
     cells : int
         Elements of the surface below the punch.
     start : float
@@ -117,10 +120,10 @@ def _held(answers: Array, touching: Array, height: Array, totals: Array) -> tupl
     matrix = np.block([[block, rigid], [rigid.T, np.zeros((3, 3))]])
     scale = np.append(np.repeat(_UNITS, n), 1 / _UNITS)
     given = np.concatenate([height[touching], np.zeros(2 * n), -totals])
-    found = scale * np.linalg.solve(scale[:, None] * matrix * scale, scale * given)
+    solution = scale * np.linalg.solve(scale[:, None] * matrix * scale, scale * given)
     loads = np.zeros((3, len(touching)))
-    loads[:, touching] = found[:-3].reshape(3, n)
-    return loads, found[-3:]
+    loads[:, touching] = solution[:-3].reshape(3, n)
+    return loads, solution[-3:]
 
 
 def _end(x: Array, pressure: Array) -> float:

@@ -99,7 +99,7 @@ def _with_scales(study: Study) -> Study:
                 *(["logit"] if 0 < axis.low < axis.high < 1 else []),
             ]
             tried = [_with_scale(study, text, scale) for scale in scales]
-            study = min(tried, key=lambda one: _error_along(one, product(text).name))
+            study = min(tried, key=lambda candidate: _error_along(candidate, product(text).name))
             log.info("%s: a %s scale", text, study.groups[text].scale)
     return study
 
@@ -118,7 +118,13 @@ def _error_along(study: Study, name: str) -> float:
 
 
 def with_levels(study: Study, files: Sequence[str | Path]) -> Study:
-    """The study with the chosen level counts in place; ``files`` holds ``levels.nc``, nothing where none are open."""
+    """The study with the chosen level counts in place.
+
+    Parameters
+    ----------
+    study : Study
+    files : sequence of str or path, ``levels.nc``; nothing where no counts are open
+    """
     if not files:
         return study
     chosen = read_whole(Path(files[0]))

@@ -44,6 +44,12 @@ def write_slab(study: Study, index: int, path: Path) -> None:
     Shows cases done of all and the time left on a terminal. Cases that the solver refuses are masked, and the file says
     why (`workflow.study.refusals`); a file without such a case is as it was before there were masks.
 
+    Parameters
+    ----------
+    study : Study
+    index : int, number of the slab, from 0
+    path : Path, the file
+
     Raises
     ------
     FactorError
@@ -180,8 +186,8 @@ class Stacked(BackendArray):
         for levels, part in zip(np.split(wanted, changes), np.split(which, changes), strict=True):
             if levels.size:
                 parts.append(self._read(int(part[0]), levels - self.starts[part[0]], rest))
-        found = np.concatenate(parts) if parts else np.empty((0, *self.shape[1:]), self.dtype)[(slice(0), *rest)]
-        return found[0] if isinstance(first, int | np.integer) else found
+        whole = np.concatenate(parts) if parts else np.empty((0, *self.shape[1:]), self.dtype)[(slice(0), *rest)]
+        return whole[0] if isinstance(first, int | np.integer) else whole
 
     def _read(self, number: int, levels: NDArray[np.int64], rest: Sequence[Any]) -> NDArray[Any]:
         check_seal(self.files[number], MAX_BYTES, digest=False)

@@ -50,6 +50,11 @@ def listed(words: Sequence[str]) -> str:
 def spoken(expression: Expression, text: str) -> str:
     """A name, its size, or the ratio of two in words; any other expression as the study writes it, its names in words.
 
+    Parameters
+    ----------
+    expression : Expression
+    text : str, as the study writes it
+
     Examples
     --------
     >>> from workflow.language import grammar
@@ -78,7 +83,7 @@ def _in_words(text: str) -> str:
     return told.replace(" / ", " over ") if not _OTHERS.search(text) else told
 
 
-def stated(one: statements.Objective | statements.Limit) -> str:
+def stated(statement: statements.Objective | statements.Limit) -> str:
     """What is wanted or bounded, in words, and what a deviation is taken over.
 
     Examples
@@ -88,9 +93,9 @@ def stated(one: statements.Objective | statements.Limit) -> str:
     >>> stated(statements.limit("trailing_tension <= 50 MPa"))
     'tension behind the contact'
     """
-    words = spoken(one.expression, one.inner)
-    over = f" over {listed([title(name) for name in one.over])}" if one.over else ""
-    return f"deviation of {words}{over}" if one.deviation else words
+    words = spoken(statement.expression, statement.inner)
+    over = f" over {listed([title(name) for name in statement.over])}" if statement.over else ""
+    return f"deviation of {words}{over}" if statement.deviation else words
 
 
 def wanted(goals: Sequence[statements.Objective]) -> str:
@@ -111,19 +116,30 @@ def _superlative(goal: statements.Objective) -> str:
     return words if words.startswith(most) else f"{most} {words}"
 
 
-def units(one: statements.Objective | statements.Limit, si: str) -> str:
+def units(statement: statements.Objective | statements.Limit, si: str) -> str:
     """The unit in which a statement's values are told, for their own in SI: deviations are shares.
+
+    Parameters
+    ----------
+    statement : Objective or Limit
+    si : str, the unit of its values in SI
 
     Examples
     --------
     >>> units(statements.limit("deviation(charge_sensitivity over load) <= 3 %"), "1")
     '%'
     """
-    return "%" if one.deviation else si
+    return "%" if statement.deviation else si
 
 
 def bound(limit: statements.Limit, at: float, units: str) -> str:
-    """A limit in words; its number, which a material may give, is in SI units.
+    """A limit in words.
+
+    Parameters
+    ----------
+    limit : Limit
+    at : float, its number, which a material may give, in `units`
+    units : str, in SI
 
     Examples
     --------
@@ -137,6 +153,12 @@ def bound(limit: statements.Limit, at: float, units: str) -> str:
 def value(name: str, number: float, digits: int = 3) -> str:
     """A factor's or quantity's value with its unit.
 
+    Parameters
+    ----------
+    name : str, the factor or quantity
+    number : float, SI
+    digits : int, significant ones
+
     Examples
     --------
     >>> value("radius", 0.05)
@@ -147,6 +169,12 @@ def value(name: str, number: float, digits: int = 3) -> str:
 
 def span(name: str, low: float, high: float, digits: int = 3) -> str:
     """The ends of a factor's range; zero needs no unit.
+
+    Parameters
+    ----------
+    name : str, the factor
+    low, high : float, SI
+    digits : int, significant ones
 
     Examples
     --------

@@ -80,8 +80,8 @@ def learn(
         told = ", ".join(f"{value:+.2f}" for value in z[: len(constants)])
         say(f"constants at {told} prior standard deviations")
         latest[:] = [effects.at(z)]
-        found = latest[0].predict_array(rows.points).reshape(len(rows.points), len(model.outputs_), -1)
-        own = found[rows.row, rows.output]
+        predicted = latest[0].predict_array(rows.points).reshape(len(rows.points), len(model.outputs_), -1)
+        own = predicted[rows.row, rows.output]
         return shown(list(instruments), model, rows, z[count:], mean + own[:, 0], own[:, 1 : count + 1])
 
     try:

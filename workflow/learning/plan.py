@@ -50,22 +50,22 @@ class Plan:
     @property
     def lines(self) -> list[str]:
         """In words, a line each, and the table."""
-        found = [
+        told = [
             f"{len(self.rows)} further measurements leave {constant['planned']:.2f} of the prior of {constant['name']} "
             f"({constant['now']:.2f} now, {constant['random']:.2f} after as many at random)"
             for constant in self.constants
         ]
         for answer in self.answers:
             planned, now, random = (written(answer[key], answer["units"], 3) for key in ("planned", "now", "random"))
-            found.append(
+            told.append(
                 f"{len(self.rows)} further measurements leave +-{planned} of {answer['name']} "
                 f"(+-{now} now, +-{random} after as many at random)"
             )
-        found.append(",".join([*[name for name in self.rows[0] if name != "output"], "measure"]))
+        told.append(",".join([*[name for name in self.rows[0] if name != "output"], "measure"]))
         for row in self.rows:
             values = [f"{value:.4g}" for name, value in row.items() if name != "output"]
-            found.append(",".join([*values, str(row["output"])]))
-        return found
+            told.append(",".join([*values, str(row["output"])]))
+        return told
 
 
 def check(
@@ -80,6 +80,16 @@ def check(
     """Raise InputError, before anything is learnt, for a plan that a surrogate with these unknowns cannot give.
 
     That is none or too many measurements, names that it has not, or ends outside of its trained box.
+
+    Parameters
+    ----------
+    model : GaussianProcess, corrected by what was measured so far
+    count : int, further measurements
+    wanted : list of str, constants or outputs that the plan shall tell
+    known : list of str, the unknown constants
+    errors : mapping of str to (float, float), absolute part in SI and share of the value, by quantity
+    box : mapping of str to (float, float), SI, where measurements can be taken; factors without an entry: anywhere
+    at : mapping of str to float, SI, the place at which wanted outputs are asked for
     """
     if not 1 <= count <= MOST:
         raise InputError(f"--plan: {count} measurements; must be 1 to {MOST}")
@@ -198,9 +208,9 @@ def _shown(
     effect = model.effect_.predict_array(points).reshape(len(points), len(model.outputs_), -1)[where, output, 1:]
     physical = len(model.constants_) - len(instruments)
     readings = Measurements(points, where, output, np.zeros(len(where)), np.full(len(where), np.nan))
-    found = shown(instruments, model, readings, model.about_[physical:], mean, effect[:, :physical])[1]
-    found[read:] = effect[read:]
-    return mean, found
+    slopes = shown(instruments, model, readings, model.about_[physical:], mean, effect[:, :physical])[1]
+    slopes[read:] = effect[read:]
+    return mean, slopes
 
 
 def _outputs(model: CorrectedGP, errors: Mapping[str, tuple[float, float]]) -> dict[int, tuple[float, float]]:

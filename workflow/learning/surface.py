@@ -22,7 +22,7 @@ from workflow.learning import training
 from workflow.study import representatives
 from workflow.study.model import Study
 
-#: Fields that are learned, by their regular parts.
+#: Fields that are learnt, by their regular parts.
 NAMES = ("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx")
 ANGLE = Input("angle", 0.0, np.pi, "linear", "rad", "angle of the position under the punch, X = -cos(angle)")
 _BLOCK = 100  # random cases that are solved at once
@@ -31,7 +31,13 @@ _CALIBRATION = 3000
 
 
 def weights(X: Array, exponent: xr.DataArray) -> dict[str, xr.DataArray]:
-    """What every regular part is multiplied by at positions X, (position,), |X| < 1: over the exponent's dims too."""
+    """What every regular part is multiplied by, over ``position`` and the exponent's dimensions.
+
+    Parameters
+    ----------
+    X : ndarray, shape (position,), positions over the half-width, |X| < 1
+    exponent : DataArray, pressure exponent alpha
+    """
     if (np.abs(X) >= 1).any():
         raise ValueError(f"positions: {X[np.abs(X) >= 1][0]:g} is not under the punch, |X| < 1")
     at = xr.DataArray(X, dims="position", coords={"position": X})
@@ -59,7 +65,14 @@ def fit(study: Study) -> GaussianProcess:
 
 
 def cases(study: Study, count: int, number: int) -> xr.Dataset:
-    """Random exact regular parts: factors, ``angle`` and the fields over dimension ``case``."""
+    """Random exact regular parts: factors, ``angle`` and the fields over dimension ``case``.
+
+    Parameters
+    ----------
+    study : Study
+    count : int, number of cases
+    number : int, that of the sample, beside the study's seed
+    """
     random = np.random.default_rng([study.validation.seed, number])
     inputs = [*factorial.inputs(study), ANGLE]
     columns = {input_.name: input_.from_unit(random.uniform(-1, 1, count)) for input_ in inputs}
@@ -74,7 +87,13 @@ def cases(study: Study, count: int, number: int) -> xr.Dataset:
 
 
 def validate(study: Study, model: GaussianProcess) -> xr.Dataset:
-    """Errors and coverage of the regular parts on exact cases that neither training nor calibration has seen."""
+    """Errors and coverage of the regular parts on exact cases that neither training nor calibration has seen.
+
+    Parameters
+    ----------
+    study : Study
+    model : GaussianProcess, of the regular parts
+    """
     fresh = cases(study, study.validation.cases, 5)
     table = validation.validate(model, fresh, None)
     units = xr.DataArray([FIELDS[name].units for name in NAMES], dims="output")
@@ -115,10 +134,10 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
     weight = weights(position, quantities.predict(points, return_std=False)["pressure_exponent"])
     angle = xr.DataArray(np.arccos(-position), dims="position", coords={"position": position})
     at = {**points, "angle": angle}
-    found = fields.predict(at).assign(fields.interval(at).data_vars)
+    predicted = fields.predict(at).assign(fields.interval(at).data_vars)
     return xr.Dataset(
         {
-            f"{name}{suffix}": (found[f"{name}{suffix}"] * weight[name]).assign_attrs(FIELDS[name].attrs)
+            f"{name}{suffix}": (predicted[f"{name}{suffix}"] * weight[name]).assign_attrs(FIELDS[name].attrs)
             for name in NAMES
             for suffix in ("", "_std", "_lower", "_upper")
         }

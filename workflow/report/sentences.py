@@ -39,7 +39,14 @@ def study(study: Study) -> str:
 
 
 def dataset(study: Study, cases: int, rows: Sequence[Row]) -> str:
-    """How many cases, and how far the first quantity of interest goes."""
+    """How many cases, and how far the first quantity of interest goes.
+
+    Parameters
+    ----------
+    study : Study
+    cases : int, number of cases
+    rows : sequence of mapping, the quantities, as `tables.dataset` gives them
+    """
     interesting = [parted(name)[0] for name in study.of_interest]
     row = next((row for name in interesting for row in rows if row["name"] == name), rows[0])
     ends = (shown(row[end], row["units"], 3) for end in ("low", "high"))
@@ -47,7 +54,13 @@ def dataset(study: Study, cases: int, rows: Sequence[Row]) -> str:
 
 
 def surrogate(worst: Row, tolerance: float) -> str:
-    """The largest error against what was asked."""
+    """The largest error against what was asked.
+
+    Parameters
+    ----------
+    worst : mapping, the output with the largest error, as `tables.validation` gives it
+    tolerance : float, what was asked, over the range
+    """
     met = "met" if worst["error"] <= tolerance else "not met"
     of = f"of range ({titles.title(str(worst['name']))})"
     return f"Largest error {number(worst['error'], 2)} {of}: asked {number(tolerance, 2)}, {met}."
@@ -111,18 +124,26 @@ def readout(readouts: Sequence[Row]) -> str:
     return f"{capital('; '.join(parts))}."
 
 
-def signal(one: Row, design: str) -> str:
-    """What the amplifier shows of a press, what a constant force does, and the noise."""
+def signal(press: Row, on: str) -> str:
+    """What the amplifier shows of a press, what a constant force does, and the noise.
+
+    Parameters
+    ----------
+    press
+        Its numbers, as `workflow.report.tables.signal` gives them, in SI.
+    on
+        What is pressed, in words.
+    """
     constant = "A constant force is held: nothing leaks"
-    if math.isfinite(one["time_constant"]):
+    if math.isfinite(press["time_constant"]):
         constant = (
-            f"A constant force fades with the time constant {shown(one['time_constant'], 's', 3)}: "
-            f"{number(100 * one['drop'], 2)} % less after 10 s"
+            f"A constant force fades with the time constant {shown(press['time_constant'], 's', 3)}: "
+            f"{number(100 * press['drop'], 2)} % less after 10 s"
         )
     return (
-        f"{shown(one['force'], 'N', 3)} on the design {design!r} shows {shown(one['output'], 'V', 3)} at the output. "
-        f"{constant}. The noise floor is {shown(one['noise_charge'], 'C', 2)}, "
-        f"{shown(one['noise_output'], 'V', 2)} at the output, as much as {shown(one['noise_force'], 'N', 2)}."
+        f"{shown(press['force'], 'N', 3)} on {on} shows {shown(press['output'], 'V', 3)} at the output. "
+        f"{constant}. The noise floor is {shown(press['noise_charge'], 'C', 2)}, "
+        f"{shown(press['noise_output'], 'V', 2)} at the output, as much as {shown(press['noise_force'], 'N', 2)}."
     )
 
 

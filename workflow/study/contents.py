@@ -72,13 +72,17 @@ class Contents(Keys):
     def stores_fields(self) -> bool:
         """Whether the data set holds surface fields, and the page draws them.
 
-        A cross approximation has no factorial to show them over, those of points that slide take the solver
-        milliseconds a case, to which they are left, and points with air beside them have none. Those of lines in air,
-        which take as long as the contact itself, are stored where positions are asked for.
+        A cross approximation has no factorial to show them over, and those of points that slide take the solver
+        milliseconds a case, to which they are left. Those in air, which take as long as the contact itself, are stored
+        where positions are asked for.
         """
-        slides = self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
-        asked = self.kind.contact == "line" and "positions" in self.dataset.model_fields_set
-        return not self.crossed and (asked or not self.kind.air) and not slides
+        asked = "positions" in self.dataset.model_fields_set
+        return not self.crossed and (asked or not self.kind.air) and not self.slides
+
+    @property
+    def slides(self) -> bool:
+        """Whether its contacts are points that slide: those in air have neither fields nor largest stresses."""
+        return self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
 
     @property
     def meeting(self) -> Meeting:
@@ -189,9 +193,9 @@ class Contents(Keys):
 
     @property
     def added(self) -> frozenset[str]:
-        """Quantities whose logarithm of the datum is added exactly: of a film's groups, the depth on its base.
+        """Quantities to which the logarithm of the datum is added exactly: the depth, where a film has groups.
 
-        Under an elastic punch none: its depth has a second logarithm, of the punch's own datum.
+        Under an elastic punch there are none: the depth has a second logarithm then, that of the punch's own datum.
         """
         alone = self.kind.datum == "by_base" and not self.elastic
         return frozenset({"depth"} if alone else set()) & self._hanging
@@ -201,7 +205,7 @@ class Contents(Keys):
         """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
 
         None where it stands on a cross approximation, which knows no largest stresses, and under points, whose largest
-        stresses are learned as other quantities are.
+        stresses are learnt as other quantities are.
         """
         if self.crossed or not self.surrogate.curves or not self.kind.regions:
             return []
@@ -244,9 +248,11 @@ class Contents(Keys):
         Parameters
         ----------
         entrance
-            `solver.solve` or `solver.solve_interior`; ``axes`` and ``options`` are its own.
+            `solver.solve` or `solver.solve_interior`.
         factors
             All factors of the cases; of a body those that its layers name, and its base.
+        *axes, **options
+            Further arguments of the entrance.
         """
         options |= {"materials": self.own_materials, "phases": self.phases}
         if not self.body:

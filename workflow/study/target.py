@@ -142,21 +142,33 @@ class Target(Strict):
         return [*self.uncertain, *self.tolerance]
 
     def room(self, name: str, low: float, high: float) -> tuple[float, float]:
-        """Ends between which a factor stands if its tolerance is to stay within others."""
+        """Ends between which a factor stands if its tolerance is to stay within others.
+
+        Parameters
+        ----------
+        name : str, the factor's
+        low, high : float, SI, the others
+        """
         absolute, share = self.tolerances.get(name, (0.0, 0.0))
         return low / (1 - share) + absolute, high / (1 + share) - absolute
 
     def range(self, name: str, low: float, high: float) -> tuple[float, float]:
-        """The range of a design variable: what is asked for of it, within others."""
+        """The range of a design variable: what is asked for of it, within others.
+
+        Parameters
+        ----------
+        name : str, the variable's
+        low, high : float, SI, the others
+        """
         variable = self.variables[name]
         return (
             low if variable.low is None else max(low, variable.low),
             high if variable.high is None else min(high, variable.high),
         )
 
-    def deviating(self, one: statements.Objective | statements.Limit) -> tuple[str, ...]:
+    def deviating(self, statement: statements.Objective | statements.Limit) -> tuple[str, ...]:
         """The factors over which a statement's deviation is taken: those that it names, or all that are not chosen."""
-        return one.over or (*self.worst_case, *self.random)
+        return statement.over or (*self.worst_case, *self.random)
 
     @property
     def continuous(self) -> list[str]:
@@ -254,8 +266,8 @@ class Target(Strict):
         return list(dict.fromkeys(name for expression in goals + limits for name in expression.names()))
 
 
-def _part(one: statements.Objective | statements.Limit) -> str:
+def _part(statement: statements.Objective | statements.Limit) -> str:
     """The key of a target under which a statement stands."""
-    if isinstance(one, statements.Limit):
+    if isinstance(statement, statements.Limit):
         return "subject_to"
-    return "maximise" if one.maximise else "minimise"
+    return "maximise" if statement.maximise else "minimise"

@@ -17,7 +17,13 @@ _KEPT = 1e-9  # exact excess that counts as none: the optimiser's own accuracy
 
 
 def trace(asked: Designs, scan: int) -> Front | None:
-    """The front on the surrogate, with the safety margin that its uncertainty asks for; None: not feasible."""
+    """The front on the surrogate, with the safety margin that its uncertainty asks for; None: not feasible.
+
+    Parameters
+    ----------
+    asked : Designs, the question with its sources
+    scan : int, designs of the scan that precedes every search
+    """
     question, predicted = asked.question, asked.predicted
     problem = program.problem(question, predicted, _SAFETY * question.inequality)
     if not question.inputs:
@@ -47,7 +53,13 @@ def normalisation(traced: Sequence[Front]) -> tuple[Array, Array]:
 
 
 def best_of(traced: Front, problem: Problem) -> Optimum:
-    """The design of a front that a scalarised problem rates highest."""
+    """The design of a front that a scalarised problem rates highest.
+
+    Parameters
+    ----------
+    traced : Front
+    problem : Problem, with one objective of several rows
+    """
     objective, excess = problem.value(traced.x)
     best = int(objective.min(1).argmax())
     return Optimum(traced.x[best], float(objective[best].min()), excess[best], True)
@@ -56,8 +68,12 @@ def best_of(traced: Front, problem: Problem) -> Optimum:
 def verified(traced: Designs, share: float = 1.0) -> xr.Dataset:
     """The front of one choice solved again exactly; what breaks a limit is left out.
 
-    What is searched for, milliseconds a case, is solved in the scenarios that decide, for fewer designs if need be:
-    ``share`` says how much of what a question can afford is for this choice.
+    What is searched for, milliseconds a case, is solved in the scenarios that decide, for fewer designs if need be.
+
+    Parameters
+    ----------
+    traced : Designs, those of the front
+    share : float, how much of what a question can afford is for this choice, up to 1
 
     Returns
     -------
@@ -67,10 +83,10 @@ def verified(traced: Designs, share: float = 1.0) -> xr.Dataset:
     """
     question, (designs, columns) = traced.question, budget.thinned(traced, share)
     wanted, sets = question.objectives, question.searched
-    found, guessed = (designs.count(source, sets) for source in (budget.affordable(designs), designs.predicted))
-    found = budget.corrected(designs, found, columns)
+    exact, guessed = (designs.count(source, sets) for source in (budget.affordable(designs), designs.predicted))
+    exact = budget.corrected(designs, exact, columns)
     excess = np.stack(
-        [term.oriented(found[:, k]) for k, term in enumerate(question.terms) if term.limited] or [np.zeros(len(found))]
+        [term.oriented(exact[:, k]) for k, term in enumerate(question.terms) if term.limited] or [np.zeros(len(exact))]
     )
     kept = np.flatnonzero(excess.max(0) <= _KEPT)
     variables = designs.at(designs.x[kept]).variables | {
@@ -78,7 +94,7 @@ def verified(traced: Designs, share: float = 1.0) -> xr.Dataset:
     }
     return xr.Dataset(
         {
-            "front_exact": (("front", "objective"), found[kept, :wanted]),
+            "front_exact": (("front", "objective"), exact[kept, :wanted]),
             "front_predicted": (("front", "objective"), guessed[kept, :wanted]),
             "front_value": (("front", "factor"), np.stack(list(variables.values()), -1)),
         },
@@ -104,6 +120,6 @@ def merged(parts: Mapping[str, xr.Dataset], signs: Array) -> xr.Dataset:
     whole = xr.concat(
         [part.assign(front_choice=("front", [name] * part.sizes["front"])) for name, part in parts.items()], "front"
     )
-    found = whole["front_exact"].transpose("front", "objective").values
-    kept = np.flatnonzero(non_dominated(found * signs))
-    return whole.isel(front=kept[np.argsort(found[kept, 0])])
+    values = whole["front_exact"].transpose("front", "objective").values
+    kept = np.flatnonzero(non_dominated(values * signs))
+    return whole.isel(front=kept[np.argsort(values[kept, 0])])
