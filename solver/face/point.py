@@ -144,10 +144,10 @@ class OnPoints:
 
     def _fields(self, pressed: Pressed, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
         """Fields of ``LINEAR`` and potentials; (case, field, y, x)."""
-        found = self._within(places, pressed).fields(Rubbed(pressed.charged).tractions, x, y, names)
+        values = self._within(places, pressed).fields(Rubbed(pressed.charged).tractions, x, y, names)
         potentials = [number for number, name in enumerate(names) if name in POTENTIALS]
-        found[:, potentials] *= pressed.length[:, None, None, None]
-        return found
+        values[:, potentials] *= pressed.length[:, None, None, None]
+        return values
 
     @property
     def _lacks_c12(self) -> str | None:

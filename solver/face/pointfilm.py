@@ -118,13 +118,13 @@ class OnPointFilm(OnPoints):
         positions : ndarray, shape (position,), r/a, of sliding punches x/a
         regular : bool, whether the singular ones are wanted in regular form too
         """
-        found = super().surface(positions, regular=regular)
+        values = super().surface(positions, regular=regular)
         if self._lacks_c12 is None and any(_stack(pressed).top.graded for _, pressed in self._parts):
             inside = self.interior(positions, np.zeros(1), ["stress_xx", "stress_zz"])
             for name, own in (("radial_stress", "stress_xx"), ("hoop_stress", "stress_zz")):
-                found[name] = inside[own][..., 0, :]
-            found = self.with_regular(found, positions) if regular else found
-        return found
+                values[name] = inside[own][..., 0, :]
+            values = self.with_regular(values, positions) if regular else values
+        return values
 
     def _refuse_graded(self, why: str) -> None:
         if any(_stack(pressed).top.graded for _, pressed in self._parts):

@@ -69,8 +69,8 @@ class Assembly:
         system, M = self.system, self.basis.terms
         series = system.eliminated(self._rough[1])[1]
         signs = np.stack([np.ones(M), (-1.0) ** np.arange(1, M + 1)])
-        found = system.eliminated(self._rough[0])[0], system.eliminated(self._rough[2][:, :3])[0]
-        return signs @ series[:, :, :M] - series[:, :, M:], found[1] - self.basis.dual(EDGES, M).T @ found[0]
+        rows = system.eliminated(self._rough[0])[0], system.eliminated(self._rough[2][:, :3])[0]
+        return signs @ series[:, :, :M] - series[:, :, M:], rows[1] - self.basis.dual(EDGES, M).T @ rows[0]
 
     @property
     def displacements(self) -> Array:

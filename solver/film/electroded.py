@@ -31,18 +31,18 @@ class Electroded(HalfPlane):
     def compliance(self) -> Array:
         """N of (y, phi, psi); (..., 3, 3)."""
         own = self._bare.compliance
-        found = own - self._shares[..., 1:, None] * own[..., None, 1, :]
-        found[..., 1, :] = found[..., :, 1] = 0.0
-        found[..., 1, 1] = own[..., 1, 1]
-        return np.asarray(found)
+        bare = own - self._shares[..., 1:, None] * own[..., None, 1, :]
+        bare[..., 1, :] = bare[..., :, 1] = 0.0
+        bare[..., 1, 1] = own[..., 1, 1]
+        return np.asarray(bare)
 
     @cached_property
     def friction_coupling(self) -> Array:
         """k of (y, phi, psi); (..., 3)."""
         own = self._bare.friction_coupling
-        found = own - self._shares[..., 1:] * own[..., 1:2]
-        found[..., 1] = 0.0
-        return np.asarray(found)
+        bare = own - self._shares[..., 1:] * own[..., 1:2]
+        bare[..., 1] = 0.0
+        return np.asarray(bare)
 
     @cached_property
     def tangential_compliance(self) -> Array:

@@ -191,14 +191,14 @@ def transfers(stack: Stack, number: int, octave: int) -> tuple[Array, Array, Arr
 def _small(stack: Stack) -> list[tuple[Array, Array]]:
     """A and C of Y = A + k C + ... at the surface and below each layer, before the interface's rules; (4, 4) each."""
     A = np.zeros((4, 4)) if stack.base_medium is None else stack.base_medium.compliance
-    C, found = np.zeros((4, 4)), []
+    C, terms = np.zeros((4, 4)), []
     for number in range(len(stack.layers) - 1, -1, -1):
-        found.append((A, C))
+        terms.append((A, C))
         A, C = _held(A, C, stack.grounded[number])
         system = stack.media[number].system
         (turned, inverse), (Q, _) = (np.split(rows, 2, axis=1) for rows in np.split(system, 2))
         C = C + stack.layers[number].thickness * (inverse + turned @ A + A @ turned.T - A @ Q @ A)
-    return [(A, C), *found[::-1]]
+    return [(A, C), *terms[::-1]]
 
 
 def _held(A: Array, C: Array, components: tuple[int, ...]) -> tuple[Array, Array]:

@@ -302,9 +302,9 @@ def fields_of(tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...], 
 
     def parts(sublayers: int) -> Array:
         inside = Interior(tractions, sublayers)
-        found = [inside.fields(X[None], Y[None], linear)] if linear else []
-        found += [inside.potentials(X[None], Y[None], datum)] if asked else []
-        return np.concatenate(found, 1)[..., 0]
+        parts = [inside.fields(X[None], Y[None], linear)] if linear else []
+        parts += [inside.potentials(X[None], Y[None], datum)] if asked else []
+        return np.concatenate(parts, 1)[..., 0]
 
     whole = parts(SUBLAYERS)
     if tractions.system.kernel.graded is not None:  # of second order in the thickness of the sublayers

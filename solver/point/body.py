@@ -193,7 +193,7 @@ class Film:
             places = charged[numbers[charged] == number]
             for other in range(max(number - _AROUND, FIRST), min(number + _AROUND, LAST) + 1):
                 search = Search(window(self.kind, other), self.thickness[places], loading.part(places))
-                low, high = search.window.ends
+                low, high = search.window.interval.low, search.window.interval.high
                 at = np.log(radius[places] / self.thickness[places])
                 if np.any(search.beside != np.where(at <= low, -1, np.where(at > high, 1, 0))):
                     raise LengthsError(_SEVERAL)

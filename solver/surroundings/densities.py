@@ -80,9 +80,7 @@ class Densities:
         grid = self.grid
         some = np.flatnonzero(rough.any(1))
         found = []
-        for piece, infinite in zip(
-            self._pieces(h, X[some], self.kernel.edges, rough[some]), (False, True), strict=True
-        ):
+        for piece, infinite in zip(self._pieces(h, X[some], self.kernel.ends, rough[some]), (False, True), strict=True):
             row, panel, start, stop = piece
             u, weights = spans(start, stop)
             theta = -np.log(u) if infinite else u

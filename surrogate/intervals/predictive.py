@@ -214,9 +214,9 @@ class Predictive(ABC):
         share = self._shares(named.X, n, np.random.default_rng(seed), together)
         away = self.distribution.inverse(share.reshape(len(share), -1)).reshape(share.shape)
         drawn = self.reached(np.broadcast_to(mean[:, None], away.shape), std[:, None], away)
-        found = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
+        flagged = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
         dims = ("sample", *named.dims)
-        return found.assign(
+        return flagged.assign(
             {
                 name: xr.Variable(dims, own.reshape(n, *named.shape), self.attrs_[name])
                 for name, own in zip(self.outputs_, drawn, strict=True)

@@ -106,8 +106,8 @@ def held(study: Study, pressing: Pressing) -> xr.Dataset:
         study.kind.loads.force: pressing.force
         / (study.device.constants if study.device else {}).get("electrode_length", 1.0)
     }
-    found = study.solved(solve, {**study.fixed, **force})
-    return found.drop_vars(list(found.coords)).rename({name: f"{HELD}{name}" for name in found.data_vars})
+    solved = study.solved(solve, {**study.fixed, **force})
+    return solved.drop_vars(list(solved.coords)).rename({name: f"{HELD}{name}" for name in solved.data_vars})
 
 
 def _beside(body: Stack, case: Mapping[str, Any]) -> Material:

@@ -85,13 +85,13 @@ def learn(
         return shown(list(instruments), model, rows, z[count:], mean + own[:, 0], own[:, 1 : count + 1])
 
     try:
-        found = learning.learn(forward, rows, model.inputs_, len(unknown), spread, single)
+        posterior = learning.learn(forward, rows, model.inputs_, len(unknown), spread, single)
     except (learning.NotSettledError, MaterialError) as error:
         raise InputError(str(error)) from None
-    taught = Taught.of(found, rows, unknown, single, model, mean)
+    taught = Taught.of(posterior, rows, unknown, single, model, mean)
     names = {constant.name: constant.prior for constant in unknown}
     surrogate = CorrectedGP(
-        model, latest[0], names, found.about, found.draws, rows, effects.error, "\n".join(taught.lines)
+        model, latest[0], names, posterior.about, posterior.draws, rows, effects.error, "\n".join(taught.lines)
     )
     return surrogate, taught
 

@@ -137,19 +137,19 @@ def page(
         content["validation"] = tables.validation(folder, study)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = [row for row in by_quantity(study, times) if row["name"] in told]
-        found = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
+        answers = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
         solved = json.loads((folder / "solved.json").read_text(encoding="utf-8"))
         exact = [solved["designs"][target] for target in study.design]
         content["datum_changes"] = solved["datum"]
-        content["designs"] = [tables.design(answer) | told for answer, told in zip(found, exact, strict=True)]
+        content["designs"] = [tables.design(answer) | told for answer, told in zip(answers, exact, strict=True)]
         content["answers"] = [
             firstscreen.answered(study, *target, answer, told["contact"], told["around"])
-            for target, answer, told in zip(study.design.items(), found, exact, strict=True)
+            for target, answer, told in zip(study.design.items(), answers, exact, strict=True)
         ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")
         fields = load(folder / "surface.nc") if study.surrogate.fields else None
-        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, found, hangs, fields)
+        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers, hangs, fields)
         content["whatif_json"] = whatif.as_json(content["whatif"])
     if study.signal:
         content["signal"] = pressed = tables.signal(folder)

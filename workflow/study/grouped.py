@@ -91,10 +91,10 @@ def _powers(text: str, node: Expression) -> dict[str, int]:
     if isinstance(node, Power):
         return {name: power * node.exponent for name, power in _powers(text, node.base).items()}
     if isinstance(node, Operation) and node.symbol in "*/":
-        found, sign = _powers(text, node.left), 1 if node.symbol == "*" else -1
+        powers, sign = _powers(text, node.left), 1 if node.symbol == "*" else -1
         for name, power in _powers(text, node.right).items():
-            found[name] = found.get(name, 0) + sign * power
-        return found
+            powers[name] = powers.get(name, 0) + sign * power
+        return powers
     raise ValueError(f"{text!r}: only products and quotients of whole powers of factors make a group")
 
 
@@ -179,13 +179,13 @@ def leads(products: Iterable[Product], factors: Mapping[str, Axis]) -> dict[str,
     ValueError
         Two axes would vary the same, in one line.
     """
-    found: dict[str, str] = {}
+    first_of: dict[str, str] = {}
     for axis in products:
         first = next(name for name in axis.powers if name in factors)
-        if first in found.values():
+        if first in first_of.values():
             raise ValueError(f"groups: {axis.text}: begins with {first!r} as another group does; begin with another")
-        found[axis.name] = first
-    return found
+        first_of[axis.name] = first
+    return first_of
 
 
 def unlike(products: Sequence[Product], factors: Sequence[str], fixed: Mapping[str, Weight]) -> dict[str, float] | None:

@@ -150,21 +150,21 @@ def lacked(study: Contents) -> frozenset[str]:
     if not study.factors:
         return frozenset()
     if study.groups and study.kind.air:
-        found = _solve_stored(study, representatives.corners(study))
+        solved = _solve_stored(study, representatives.corners(study))
     else:
         ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in study.factors.items()}
         ends |= {name: xr.DataArray(ends[name], dims="end") for name in study.tabled}
-        found = _answered(study, {**study.fixed, **study.categories, **ends})
+        solved = _answered(study, {**study.fixed, **study.categories, **ends})
         if study.groups:
             _solve_stored(study, representatives.ends(study))
-    if REFUSAL in found:
+    if REFUSAL in solved:
         _check_share(study)
     peaks = set(study.kind.peaks)
     if "rigid" in study.categories.get("base", [study.fixed.get("base")]):
         peaks -= {name for name in peaks if name.startswith("base_")}
     if len(study.body) > 1:
         peaks -= {name for name in peaks if name.startswith("film_")}
-    return frozenset(set(ALL_QUANTITIES) - set(found.data_vars) - peaks)
+    return frozenset(set(ALL_QUANTITIES) - set(solved.data_vars) - peaks)
 
 
 def _solve_stored(study: Contents, cases: Mapping[str, Any]) -> xr.Dataset:

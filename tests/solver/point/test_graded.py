@@ -19,15 +19,14 @@ from solver.film.powerlaw import constants_of
 from solver.film.stack import Layer, Stack
 from solver.film.windows import Coat
 from solver.point.galerkin import Added
-from solver.point.gradedspread import graded_spread
 from solver.point.gradedterms import GradedTerms
 from solver.point.halfspace import halfspace
 from solver.point.interactions import interactions
 from solver.point.pieces import Pieces
 from solver.point.profile import Shape
 from solver.point.quantities import quantities
+from solver.point.spread import spread
 from solver.point.surface import surface_fields
-from solver.surroundings.spread import spread
 from tests.solver.film.test_grading import linear, uncoupled
 from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, Conducts, of_coats, on_film
 
@@ -190,7 +189,7 @@ def test_local_tails_are_cosine_transforms() -> None:
 
 def test_spread_of_a_constant_profile_is_that_of_a_layer() -> None:
     x = np.array([1e-3, 0.1, 0.9, 4.0, 19.0])
-    exact, found = spread(PLAIN.stack()).at(x), graded_spread(CONSTANT.stack(), 20.0).at(x)
+    exact, found = spread(PLAIN.stack()).at(x), spread(CONSTANT.stack(), 20.0).at(x)
     np.testing.assert_allclose(found, exact, atol=1e-11 * np.max(np.abs(exact)))
 
 

@@ -98,7 +98,7 @@ def nearest(study: Study, corner: Mapping[str, Array]) -> Bound | None:
 
 def _bounds(study: Study, corner: Mapping[str, Array], below: float | None) -> list[Bound]:
     """Every quantity that something known bounds."""
-    found = []
+    bounds = []
     for name in BORNE:
         try:
             borne = study.bears(name)
@@ -106,8 +106,8 @@ def _bounds(study: Study, corner: Mapping[str, Array], below: float | None) -> l
             continue
         for quantity in _bounded(name):
             words, size = _largest(quantity, corner, study.kind.ends, below)
-            found.append(Bound(name, words, size, borne))
-    return found
+            bounds.append(Bound(name, words, size, borne))
+    return bounds
 
 
 def _bounded(name: str) -> list[str]:
