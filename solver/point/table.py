@@ -238,7 +238,13 @@ class Window:
 
 
 def interval(number: int, count: int = _NODES) -> Interval:
-    """Range of log a of a window, with so many Chebyshev points."""
+    """Range of log a of a window.
+
+    Parameters
+    ----------
+    number : int, that of the window
+    count : int, Chebyshev points
+    """
     step, beyond = np.log(10) / _A_DECADE, np.log(_OVERLAP)
     low, high = np.clip([number * step - beyond, (number + 1) * step + beyond], np.log(LEAST), np.log(MOST))
     return Interval(float(low), float(high), count)
