@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import block_array, coo_array, csr_array, eye_array
+from scipy.sparse.linalg import splu
 from scipy.special import eval_jacobi, gamma
 
-from verification.oracles.fem import STIFFNESS, UNITS
+from verification.oracles.fem import FIELDS, STIFFNESS, UNITS
 from verification.oracles.fem_film import ELECTRIC, MAGNETIC, Layer, Punch
 from verification.oracles.film_mesh import layered_mesh
 from verification.oracles.gap_response import VACUUM, Dry, along, contact, lagrange, lobatto, sides
@@ -80,8 +81,8 @@ class GapContact:
     def _below(self) -> Index:
         return contact(self.body)
 
-    def _held(self) -> NDArray[np.bool_]:
-        """Which of (u_x, u_y, phi, psi) of the body's nodes are given, and all of the punch's that are not its u."""
+    def _fixed(self) -> NDArray[np.bool_]:
+        """Which of (u_x, u_y, phi, psi) of the body's nodes are zero: far away, at the base, where grounded."""
         x, y = self.body.places.T
         held = np.zeros((len(x), 4), dtype=bool)
         held[np.isclose(np.abs(x), x.max())] = True
@@ -90,6 +91,11 @@ class GapContact:
         for depth, layer in zip(depths, self.layers, strict=True):
             for potential in layer.grounded:
                 held[np.isclose(y, -depth), potential] = True
+        return held
+
+    def _held(self) -> NDArray[np.bool_]:
+        """Which of the body's nodes are given, and all of the punch's that are not its u."""
+        held = self._fixed()
         held[self._below, 1] = True
         for potential in self.punch.conducted:
             held[self._below, potential] = True
@@ -287,6 +293,28 @@ class GapContact:
         """(x - c)/h of nodes beside the contact, and phi [V] (``ELECTRIC``) or psi [A] (``MAGNETIC``); (node,) each."""
         nodes = np.setdiff1d(self._edges, self._below)
         return self.body.places[nodes, 0], self._solved[0].reshape(-1, 4)[nodes, which] * UNITS[which]
+
+    def fields(self, X: ArrayLike, depth: float, layer: int = 0) -> dict[str, Array]:
+        """``FIELDS`` at a depth; SI units.
+
+        Parameters
+        ----------
+        X : array_like, shape (n,), places over the half-length
+        depth : float, m
+        layer : int, number from the top, the base's the last
+        """
+        points = np.column_stack([X, np.full(np.size(X), -depth / self.half_length)])
+        return dict(zip(FIELDS, self.body.fluxes(self._inside, points, layer) / self.half_length, strict=True))
+
+    @cached_property
+    def _inside(self) -> Array:
+        """u of all nodes of the body, (node, 4), from what loads its surface."""
+        free = ~self._fixed().ravel()
+        matrix, loads = self.body.matrix()[free][:, free].tocsc(), self._solved[1].ravel()[free]
+        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.001, options={"SymmetricMode": True})
+        u = np.zeros(free.size)
+        u[free] = factors.solve(loads)
+        return u.reshape(-1, 4) * UNITS
 
     @property
     def gap_field(self) -> float:
