@@ -25,7 +25,7 @@ class Card:
     title
         In words.
     on
-        What is pressed: punch and body.
+        What is pressed, within a sentence.
     build, does, stops, doubt
         The three lines, and what the library doubts.
     good
@@ -67,7 +67,7 @@ def card(study: Study, signal: Mapping[str, float], held: Mapping[str, float]) -
     title = own.title or f"{capital(firstscreen.punch_in_words(case))}, read by its amplifier"
     return Card(
         title=title,
-        on=f"{firstscreen.punch_in_words(case)} on {firstscreen.body_in_words(own, case)}",
+        on=firstscreen.unbroken(f"the contact beside the designs ({built})"),
         build=firstscreen.unbroken(built),
         does=firstscreen.unbroken(
             f"{shown(signal['force'], 'N', 3)} gives {shown(abs(signal['contact_charge']), 'C', 3)} and "
