@@ -36,7 +36,7 @@ def chebyshev(levels: Sequence[Array], values: Array) -> Predict:
     return predict
 
 
-def cubic_spline(levels: Sequence[Array], values: Array) -> Predict:
+def _cubic_spline(levels: Sequence[Array], values: Array) -> Predict:
     """The tensor product of cubic splines, not-a-knot; of lower degree along a factor with fewer than four levels.
 
     Parameters
@@ -133,6 +133,6 @@ def _contracted(tensor: Array, rows: Sequence[Array]) -> Array:
 
 GRID_RIVALS: dict[str, GridFit] = {
     "tensor Chebyshev interpolation": chebyshev,
-    "cubic grid spline (scipy NdBSpline)": cubic_spline,
+    "cubic grid spline (scipy NdBSpline)": _cubic_spline,
     "Kronecker RBF GP (numpy)": kronecker,
 }

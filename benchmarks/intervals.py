@@ -98,7 +98,7 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
     methods = {"raw": raw, "standardised": _standardised(raw, (known - mean) / std)}
     measured = {}
     if find_spec("mapie"):
-        measured["standardised, largest difference to MAPIE's own ends over their distance"] = beside_mapie(
+        measured["standardised, largest difference to MAPIE's own ends over their distance"] = _beside_mapie(
             methods["standardised"], known - mean, std
         )
     start = perf_counter()
@@ -123,20 +123,20 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
         measured |= {
             f"{name}, +- one std, least": one_std.min(),
             f"{name}, +- one std, largest": one_std.max(),
-            **{f"{name}, {part}": share for part, share in worst_parts(t, inside).items()},
+            **{f"{name}, {part}": share for part, share in _worst_parts(t, inside).items()},
             f"{name}, PIT off by": float(distance(pit(true, method.mean, method.std, method.distribution)).max()),
             f"{name}, CRPS over raw, median": float(np.median(score / before)),
             f"{name}, largest error over range": error.max(),
             f"{name}, largest error over range, median": float(np.median(error)),
         }
     random = np.random.default_rng(0)
-    ideal = [worst_parts(t, random.uniform(size=true.shape) < NOMINAL) for _ in range(DRAWS)]
+    ideal = [_worst_parts(t, random.uniform(size=true.shape) < NOMINAL) for _ in range(DRAWS)]
     measured |= {f"ideal, {part}": float(np.mean([one[part] for one in ideal])) for part in ideal[0]}
     measured["calibrated, more microseconds a query"] = 1e6 * seconds
     return {key: float(value) for key, value in measured.items()}
 
 
-def worst_parts(t: Array, inside: Flags) -> dict[str, float]:
+def _worst_parts(t: Array, inside: Flags) -> dict[str, float]:
     """Least coverage of any output in deciles of an input, corners of two and slabs.
 
     Parameters
@@ -190,7 +190,7 @@ class _Column(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # untyped
         return X[:, self.column]
 
 
-def beside_mapie(method: Method, errors: Array, std: Array) -> float:
+def _beside_mapie(method: Method, errors: Array, std: Array) -> float:
     """Largest difference of standardised intervals to those that MAPIE makes of the same cases, over their width.
 
     Parameters

@@ -43,7 +43,7 @@ def scikit_learn(t: Array, y: Array) -> Predict:
     return predict
 
 
-def perceptron(t: Array, y: Array) -> Predict:
+def _perceptron(t: Array, y: Array) -> Predict:
     """Neural network of scikit-learn, two layers of 64, all outputs at once; it has no standard deviation.
 
     Parameters
@@ -55,7 +55,7 @@ def perceptron(t: Array, y: Array) -> Predict:
     return lambda at, with_std: (np.asarray(model.predict(at)), None)
 
 
-def rbf_interpolator(t: Array, y: Array) -> Predict:
+def _rbf_interpolator(t: Array, y: Array) -> Predict:
     """Scipy's interpolator, quintic, all cases at once; it has no standard deviation.
 
     Parameters
@@ -154,8 +154,8 @@ class Rival:
 
 RIVALS = [
     Rival("scikit-learn GP (RBF)", "sklearn", True, scikit_learn, (256, 1024)),
-    Rival("scikit-learn MLP", "sklearn", False, perceptron, (1024, 4096)),
-    Rival("scipy RBFInterpolator", "scipy", False, rbf_interpolator, (256, 1024, 4096)),
+    Rival("scikit-learn MLP", "sklearn", False, _perceptron, (1024, 4096)),
+    Rival("scipy RBFInterpolator", "scipy", False, _rbf_interpolator, (256, 1024, 4096)),
     Rival("SMT Kriging", "smt", True, smt, (64, 128)),
     Rival("GPyTorch exact GP", "gpytorch", True, gpytorch, (256, 512)),
 ]

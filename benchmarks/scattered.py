@@ -100,7 +100,7 @@ def scikit_learn(t: Array, y: Array) -> Predict:
     return lambda at: model.predict(at, return_std=True)
 
 
-def libkriging(t: Array, y: Array) -> Predict:
+def _libkriging(t: Array, y: Array) -> Predict:
     """Nested kriging (D. Rulliere et al., Stat. Comput. 28 (2018) 849), groups of 250 cases, without noise.
 
     Parameters
@@ -143,7 +143,7 @@ def smt(t: Array, y: Array) -> Predict:
 METHODS = [
     Method("ScatterGP", "surrogate", CASES[-1], ours),
     Method("scikit-learn GP (RBF, noise)", "sklearn", 1000, scikit_learn),
-    Method("libKriging nested kriging", "pylibkriging", 10_000, libkriging),
+    Method("libKriging nested kriging", "pylibkriging", 10_000, _libkriging),
     Method("SMT Kriging", "smt", 1000, smt),
 ]
 

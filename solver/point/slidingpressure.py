@@ -111,7 +111,7 @@ def _added(shape: Shape, even: int, count: int) -> tuple[Array, Array]:
     return 2 / np.pi * ray.summed(second_kind_rates(b, even)), ray.summed(legendre_rates(b, count).T)
 
 
-def turned_pressures(response: Response, density: Density, shift: Array, series: Array) -> Array:
+def _turned_pressures(response: Response, density: Density, shift: Array, series: Array) -> Array:
     """p1 per eta at the places of the ray; (column, place).
 
     Parameters
@@ -135,7 +135,7 @@ def _of_halfspace(shape: Shape) -> Array:
     density = Density(shape, 0 * one, -one, np.zeros((1, 3, 0)))
     response = Response(np.eye(3), np.eye(3)[0], shape)
     shift = response.shift(density.turned(np.ones(1))[:, 0, 0])
-    return np.asarray(turned_pressures(response, density, shift, np.zeros((1, 1)))[0])
+    return np.asarray(_turned_pressures(response, density, shift, np.zeros((1, 1)))[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +154,7 @@ class TurnedWindow:
     def _series(self) -> Array:
         """Chebyshev coefficients of p1 per (V, Psi, g) and eta; (node, 3, place)."""
         found = [
-            turned_pressures(self.window.response, causes, shift, series[:, 0])
+            _turned_pressures(self.window.response, causes, shift, series[:, 0])
             for causes, shift, series in self.window.solutions
         ]
         return coefficients(np.array(found))
