@@ -37,13 +37,7 @@ def chebyshev(levels: Sequence[Array], values: Array) -> Predict:
 
 
 def _cubic_spline(levels: Sequence[Array], values: Array) -> Predict:
-    """The tensor product of cubic splines, not-a-knot; of lower degree along a factor with fewer than four levels.
-
-    Parameters
-    ----------
-    levels : sequence of ndarray, shape (n_f,), of every factor in [-1, 1]
-    values : ndarray, shape (n_1, ..., n_d, p), the outputs
-    """
+    """The tensor product of cubic splines, not-a-knot; of lower degree along a factor with fewer than four levels."""
     knots, degrees, kept = [], [min(3, len(own) - 1) for own in levels], values
     for axis, (own, degree) in enumerate(zip(levels, degrees, strict=True)):
         spline = make_interp_spline(own, kept, degree, axis=axis)

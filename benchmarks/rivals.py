@@ -44,25 +44,13 @@ def scikit_learn(t: Array, y: Array) -> Predict:
 
 
 def _perceptron(t: Array, y: Array) -> Predict:
-    """Neural network of scikit-learn, two layers of 64, all outputs at once; it has no standard deviation.
-
-    Parameters
-    ----------
-    t : ndarray, shape (n, d), scaled coordinates of the cases
-    y : ndarray, shape (n, p), the outputs
-    """
+    """Neural network of scikit-learn, two layers of 64, all outputs at once; it has no standard deviation."""
     model = MLPRegressor(hidden_layer_sizes=(64, 64), solver="lbfgs", max_iter=1000, tol=1e-7, random_state=0).fit(t, y)
     return lambda at, with_std: (np.asarray(model.predict(at)), None)
 
 
 def _rbf_interpolator(t: Array, y: Array) -> Predict:
-    """Scipy's interpolator, quintic, all cases at once; it has no standard deviation.
-
-    Parameters
-    ----------
-    t : ndarray, shape (n, d), scaled coordinates of the cases
-    y : ndarray, shape (n, p), the outputs
-    """
+    """Scipy's interpolator, quintic, all cases at once; it has no standard deviation."""
     model = RBFInterpolator(t, y, kernel="quintic")
     return lambda at, with_std: (np.asarray(model(at)), None)
 

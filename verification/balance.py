@@ -67,13 +67,7 @@ def run(sizes: Sizes) -> Findings:
 
 
 def _closed_boxes(case: Case, seed: int) -> float:
-    """Largest resultant over closed boxes in the body, over the sum of the sizes of its sides' resultants.
-
-    Parameters
-    ----------
-    case : Case
-    seed : int, of the random boxes
-    """
+    """Largest resultant over closed boxes in the body, over the sum of the sizes of its sides' resultants."""
     worst = 0.0
     for box in _boxes(seed):
         for along_x, along_y in FLOWS:
@@ -84,13 +78,7 @@ def _closed_boxes(case: Case, seed: int) -> float:
 
 
 def _circulation(case: Case, seed: int) -> float:
-    """Largest work around closed boxes in the body, over the sum of the sizes of its sides'.
-
-    Parameters
-    ----------
-    case : Case
-    seed : int, of the random boxes
-    """
+    """Largest work around closed boxes in the body, over the sum of the sizes of its sides'."""
     worst = 0.0
     for box in _boxes(seed):
         for along_x, along_y in POTENTIAL_FIELDS:

@@ -112,15 +112,7 @@ def _added(shape: Shape, even: int, count: int) -> tuple[Array, Array]:
 
 
 def _turned_pressures(response: Response, density: Density, shift: Array, series: Array) -> Array:
-    """p1 per eta at the places of the ray; (column, place).
-
-    Parameters
-    ----------
-    response, density
-        Of the half-space of the top, and without friction.
-    shift, series
-        c over a times the densities' unit, and what layers add to psi_sigma as P_n(2 b - 1); (column,), (column, n).
-    """
+    """p1 per eta at the places of the ray; (column, place)."""
     along, unit = response.answers
     moved, form = _own(density.shape)
     even, more = _added(density.shape, density.signed.shape[-1], series.shape[-1])
