@@ -173,7 +173,15 @@ class Discs(Patches):
 
 @lru_cache(_KEPT)
 def discs(stack: Stack, number: int, size: float, pitch: float, floating: int) -> Discs:
-    """Kept: what they are found from does not depend on the contact."""
+    """Kept: what they are found from does not depend on the contact.
+
+    Parameters
+    ----------
+    stack : Stack, layers and base
+    number : int, of the electrode
+    size, pitch : float, diameter and distance of the discs over the unit of the stack
+    floating : int, how many float
+    """
     return Discs(stack, number, size, pitch, floating)
 
 

@@ -81,7 +81,13 @@ class GradedTerms:
         return _forms(self._pieces, tuple(x.tolist()))
 
     def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
-        """A traction less its strength over x at x within limits (case,), of coefficients (case, n)."""
+        """A traction less its strength over x at x within limits (case,), of coefficients (case, n).
+
+        Parameters
+        ----------
+        series : ndarray, shape (case, n), coefficients
+        low, high : ndarray, shape (case,), limits of x
+        """
         x = np.stack([mapped_points(_BETWEEN, *pair) for pair in zip(low.tolist(), high.tolist(), strict=True)])
         values = np.stack([self.forms(own) @ row for own, row in zip(x, series, strict=True)], 1)
         polynomials = coefficients(values)

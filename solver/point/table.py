@@ -100,7 +100,13 @@ class Terms(Protocol):
         """Shares of them in a traction less its strength over x = sqrt(1 - r^2/a^2) > 0; (x, n)."""
 
     def between(self, series: Array, low: Array, high: Array) -> Callable[[Array], Array]:
-        """A traction less its strength over x at x within limits (case,), of coefficients (case, n)."""
+        """A traction less its strength over x at x within limits (case,), of coefficients (case, n).
+
+        Parameters
+        ----------
+        series : ndarray, shape (case, n), coefficients
+        low, high : ndarray, shape (case,), limits of x
+        """
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +182,13 @@ class Window:
         return np.linspace(self.interval.low, self.interval.high, _RUNGS)
 
     def forces(self, log_radius: Array, held: tuple[bool, bool]) -> tuple[Array, Array]:
-        """P over C a^(e+1) and d log P / d log a of contacts without charges, or with potentials held at zero."""
+        """P over C a^(e+1) and d log P / d log a of contacts without charges, or with potentials held at zero.
+
+        Parameters
+        ----------
+        log_radius : ndarray, shape (case,), log (a/h)
+        held : tuple of bool, whether (V, Psi) are held at zero
+        """
         series, rates = self._forces[held]
         polynomials = self.polynomials(log_radius)
         return np.exp(polynomials @ series), polynomials @ rates + self.kind.shape.exponent + 1
@@ -193,12 +205,24 @@ class Window:
         return found
 
     def pressures(self, log_radius: Array, causes: Array) -> Array:
-        """What the layers add to the pressure at ``SAMPLES``; (case, sample)."""
+        """What the layers add to the pressure at ``SAMPLES``; (case, sample).
+
+        Parameters
+        ----------
+        log_radius : ndarray, shape (case,), log (a/h)
+        causes : ndarray, shape (case, 4), u0 and g
+        """
         read = (self.polynomials(log_radius) @ self._series[:, 24:]).reshape(-1, SAMPLES.size, 4)
         return np.asarray(np.einsum("csd,cd->cs", read, causes))
 
     def tractions(self, log_radius: Array, causes: Array) -> Array:
-        """Coefficients that the layers add to the tractions, times a; (case, 3, n)."""
+        """Coefficients that the layers add to the tractions, times a; (case, 3, n).
+
+        Parameters
+        ----------
+        log_radius : ndarray, shape (case,), log (a/h)
+        causes : ndarray, shape (case, 4), u0 and g
+        """
         read = np.tensordot(self.polynomials(log_radius), coefficients(self.added), 1)
         return np.asarray(np.einsum("cind,cd->cin", read, causes))
 
@@ -208,7 +232,13 @@ class Window:
 
 
 def interval(number: int, count: int = _NODES) -> Interval:
-    """Range of log a of a window, with so many Chebyshev points."""
+    """Range of log a of a window.
+
+    Parameters
+    ----------
+    number : int, that of the window
+    count : int, Chebyshev points
+    """
     step, beyond = np.log(10) / _A_DECADE, np.log(_OVERLAP)
     low, high = np.clip([number * step - beyond, (number + 1) * step + beyond], np.log(LEAST), np.log(MOST))
     return Interval(float(low), float(high), count)
@@ -216,7 +246,13 @@ def interval(number: int, count: int = _NODES) -> Interval:
 
 @lru_cache(_KEPT)
 def window(kind: PointKind, number: int) -> Window:
-    """The window of a kind, made once."""
+    """The window of a kind, made once.
+
+    Parameters
+    ----------
+    kind : PointKind, film and punch
+    number : int, of the window
+    """
     return Window(kind, number)
 
 

@@ -19,7 +19,7 @@ from solver.film.reflection import low
 from solver.surroundings.grid import CLOSE, Grid
 from solver.surroundings.rules import RULE, spans
 
-_SAMPLED = 64  # kept: 1 MB each, the half-lengths of some windows
+_SAMPLED = 128  # kept: 1 MB each, the half-lengths of all windows of a stack, which its frictions share
 _DIGITS = 30.0  # exponent of what is left between Chebyshev points: below rounding
 
 #: Pieces of panels: target, panel, start and end of each.

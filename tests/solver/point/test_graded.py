@@ -241,9 +241,22 @@ def test_what_is_not_solved_below_points_is_told_in_one_line(own: dict[str, Any]
     assert "\n" not in str(refusal.value)
 
 
-def test_largest_stresses_inside_are_refused() -> None:
-    with pytest.raises(solver.FactorError, match="peaks: are not given of a film that is graded"):
-        solver.solve(GRADED, peaks=True)
+def test_largest_stresses_are_those_of_the_fields_inside() -> None:
+    """On the interface and below it; graded by nothing, those of a layer."""
+    found = solver.solve(GRADED, peaks=["interface_shear", "interface_shear_position", "base_peak_von_mises"])
+    depth = float(GRADED["thickness"] / found["contact_radius"])
+    names, place = ["stress_xy", "von_mises"], float(found["interface_shear_position"])
+    around = place + np.array([-0.05, 0.0, 0.05])
+    shear = np.abs(solver.solve_interior(GRADED, around, [-depth], fields=names[:1])["stress_xy"].values.squeeze())
+    assert shear[1] == pytest.approx(float(found["interface_shear"]), rel=1e-6)
+    assert shear[1] > max(shear[0], shear[2])
+    below = solver.solve_interior(GRADED, np.linspace(-1.5, 1.5, 13), [-1.0001 * depth], fields=names[1:])
+    assert 0.97 < float(below["von_mises"].max() / found["base_peak_von_mises"]) < 1
+    nothing = solver.solve(GRADED | {"base_volume_fraction": 0.2000001}, peaks=["base_peak_von_mises"])
+    layer = solver.solve(
+        {name: value for name, value in GRADED.items() if name != "base_volume_fraction"}, peaks=["base_peak_von_mises"]
+    )
+    assert float(nothing["base_peak_von_mises"]) == pytest.approx(float(layer["base_peak_von_mises"]), rel=1e-6)
 
 
 FALLING = solver.Graded(lambda depth: solver.fibrous(BTO, CFO, 0.8 - 0.6 * depth), 1e-4)
