@@ -212,13 +212,13 @@ def _seconds(action: Callable[[], object], repeats: int = 3) -> float:
 
 def measure() -> dict[str, Any]:
     """Errors and times of every base, region and grid."""
-    figures: dict[str, Any] = {}
+    measured: dict[str, Any] = {}
     for base in BASES:
         for region, grids in GRIDS.items():
             cases = fresh(base, region, _PLACES, _TOGETHER, 1)
             for counts, error in zip(grids, (1e-5, 1e-6), strict=False):
-                figures[f"{base}, {region}, {np.prod(counts)} cases"] = compared(base, region, counts, cases, error)
-    return figures
+                measured[f"{base}, {region}, {np.prod(counts)} cases"] = compared(base, region, counts, cases, error)
+    return measured
 
 
 if __name__ == "__main__":

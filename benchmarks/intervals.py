@@ -71,15 +71,15 @@ def measure(studies: tuple[str, ...] = ("quickstart", "precise", "sensor"), fres
     studies : tuple of str, their names
     fresh : int, number of fresh cases
     """
-    figures: dict[str, float] = {}
+    measured: dict[str, float] = {}
     for name in studies:
         study = _closed(named(name), name)
         model = training.fit(study, factorial.exact(study, factorial.levels(study), curves=True))
         held = curves.learned(study, factorial.cases(study, "calibration"))
         new = factorial.learned(study, factorial.sample(study, fresh, (SEED, 0)))
         for key, value in compare(model, held, new).items():
-            figures[f"{name}: {key}"] = value
-    return figures
+            measured[f"{name}: {key}"] = value
+    return measured
 
 
 def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict[str, float]:
@@ -96,14 +96,14 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
     at, known = _cases(model, held)
     mean, std = _predicted(model, at)
     methods = {"raw": raw, "standardised": _standardised(raw, (known - mean) / std)}
-    figures = {}
+    measured = {}
     if find_spec("mapie"):
-        figures["standardised, largest difference to MAPIE's own ends over their distance"] = beside_mapie(
+        measured["standardised, largest difference to MAPIE's own ends over their distance"] = beside_mapie(
             methods["standardised"], known - mean, std
         )
     start = perf_counter()
     model.calibrate(held)
-    figures |= {"calibrated, seconds of the calibration": perf_counter() - start}
+    measured |= {"calibrated, seconds of the calibration": perf_counter() - start}
     methods["calibrated"] = Method(*_predicted(model, X), model.distribution)
     seconds += _seconds(model, X)
     t, spread = unit_coordinates(model.inputs_, X), np.ptp(true, axis=1)
@@ -112,7 +112,7 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
     for name, method in methods.items():
         for level in LEVELS:
             share = method.inside(true, level).mean(axis=1)
-            figures[f"{name}, {100 * level:g} %, least"], figures[f"{name}, {100 * level:g} %, largest"] = (
+            measured[f"{name}, {100 * level:g} %, least"], measured[f"{name}, {100 * level:g} %, largest"] = (
                 share.min(),
                 share.max(),
             )
@@ -120,7 +120,7 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
         one_std = (np.abs(true - method.mean) <= method.std).mean(axis=1)
         error = np.abs(true - method.mean).max(axis=1) / over
         score = crps(true, method.mean, method.std, method.distribution).mean(axis=1)
-        figures |= {
+        measured |= {
             f"{name}, +- one std, least": one_std.min(),
             f"{name}, +- one std, largest": one_std.max(),
             **{f"{name}, {part}": share for part, share in worst_parts(t, inside).items()},
@@ -131,9 +131,9 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
         }
     random = np.random.default_rng(0)
     ideal = [worst_parts(t, random.uniform(size=true.shape) < NOMINAL) for _ in range(DRAWS)]
-    figures |= {f"ideal, {part}": float(np.mean([one[part] for one in ideal])) for part in ideal[0]}
-    figures["calibrated, more microseconds a query"] = 1e6 * seconds
-    return {key: float(value) for key, value in figures.items()}
+    measured |= {f"ideal, {part}": float(np.mean([one[part] for one in ideal])) for part in ideal[0]}
+    measured["calibrated, more microseconds a query"] = 1e6 * seconds
+    return {key: float(value) for key, value in measured.items()}
 
 
 def worst_parts(t: Array, inside: Flags) -> dict[str, float]:

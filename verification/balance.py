@@ -117,9 +117,9 @@ def _sides(case: Case, box: Array, across: str, along: str) -> tuple[Array, Arra
     left, right, bottom, top = box
     x, y = (low + (high - low) * (_NODES + 1) / 2 for low, high in ((left, right), (bottom, top)))
     upright = solver.solve_interior(case, [left, right], y, fields=[across])[across].values
-    level = solver.solve_interior(case, x, [bottom, top], fields=[along])[along].values
+    horizontal = solver.solve_interior(case, x, [bottom, top], fields=[along])[along].values
     heights, widths = _WEIGHTS * (top - bottom) / 2, _WEIGHTS * (right - left) / 2
-    return upright[:, 0] * heights, upright[:, 1] * heights, level[0] * widths, level[1] * widths
+    return upright[:, 0] * heights, upright[:, 1] * heights, horizontal[0] * widths, horizontal[1] * widths
 
 
 def totals(case: Case) -> float:

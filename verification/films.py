@@ -67,9 +67,9 @@ def run(_: Sizes) -> Findings:
 def own_base(punch: Case) -> float:
     """Largest relative difference of a quantity of the half-plane, and of a film of the same material on it."""
     worst = 0.0
-    for kinds in ((), ("electric",), ("magnetic",), ("electric", "magnetic")):
+    for fields in ((), ("electric",), ("magnetic",), ("electric", "magnetic")):
         case = {**CHARGED, **punch, "material": SIH_SONG}
-        case |= dict.fromkeys(set(CHARGES) - set(kinds), "insulating") | dict(CHARGES[kind] for kind in kinds)
+        case |= dict.fromkeys(set(CHARGES) - set(fields), "insulating") | dict(CHARGES[kind] for kind in fields)
         bonded = {"thickness": 2e-4, "base": SIH_SONG, "interface_electric": "bonded", "interface_magnetic": "bonded"}
         exact, film = solver.solve(case), solver.solve(case | bonded)
         shared = [name for name in exact.data_vars if name in film and np.any(exact[name] != 0)]

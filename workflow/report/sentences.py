@@ -84,10 +84,10 @@ def sensitivity(charts: Sequence[Chart]) -> str:
     for chart in charts:
         quantity, kind = parted(chart.name)
         shares.setdefault(chart.bars[0].name, {}).setdefault(quantity, {})[kind] = chart.bars[0].high
-    kinds = Counter(parted(chart.name)[0] for chart in charts)
+    counts = Counter(parted(chart.name)[0] for chart in charts)
     parts = []
     for factor, depending in shares.items():
-        names = [_depending(name, own, whole=len(own) == kinds[name]) for name, own in depending.items()]
+        names = [_depending(name, own, whole=len(own) == counts[name]) for name, own in depending.items()]
         said = [f"{name} ({_size(own.values())})" for name, own in zip(names, depending.values(), strict=True)]
         parts.append(f"{listed(said)} depend{'s' if len(said) == 1 else ''} most on {titles.title(factor)}")
     return f"{capital('; '.join(parts))}: shares of the variance over the box, interactions included."

@@ -222,8 +222,8 @@ class Effects(Strict):
         taken = {name for profile in known for name in PROFILES[profile].takes}
         of_others = {name for outline in PROFILES.values() for name in outline.takes} - taken - {factor}
         fractions = dict.fromkeys(COMPOSITES.values())
-        kinds = np.atleast_1d(case.get("composite", list(COMPOSITES)))
-        of_others |= set(fractions) - {COMPOSITES.get(str(kind)) for kind in kinds} - {factor}
+        composites = np.atleast_1d(case.get("composite", list(COMPOSITES)))
+        of_others |= set(fractions) - {COMPOSITES.get(str(kind)) for kind in composites} - {factor}
         other = {
             "material": ("composite", *fractions),
             **dict.fromkeys(("composite", *fractions), ("material",)),
