@@ -164,12 +164,12 @@ class SplitGP(Transformed):
         weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
         """
         mean = np.empty((len(self.outputs_), t.shape[1]))
-        variance = None if weights is None else np.empty_like(mean)
+        variance = np.zeros_like(mean)
         for model, own, inside, _ in self._split(t):
             mean[:, own], spread = model.mean_variance(inside, weights)
-            if variance is not None:
-                variance[:, own] = model.variance(inside, weights) if spread is None or weights is None else spread
-        return mean, variance
+            if spread is not None:
+                variance[:, own] = spread
+        return mean, None if weights is None else variance
 
     def slopes(self, t: Array) -> Array:
         """Return the derivatives of the means by the scaled inputs (d, B): (d, p, B)."""

@@ -38,9 +38,9 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
     Parameters
     ----------
     model : GaussianProcess
-        A fitted `GridGP`, `GroupedGP`, `CurveGP` or `SplitGP`. Indices are those of its tensor train, without the correction of
-        the mean that `calibrate` learns; the correction counts as an error of the train, beside the calibrated
-        standard deviation. The train of the others is over their inputs: their mean on a grid of them, `EXPANDED`
+        A fitted `GridGP`, `GroupedGP`, `CurveGP` or `SplitGP`. Indices are those of its tensor train, without the
+        correction of the mean that `calibrate` learns; the correction counts as an error of the train, beside the
+        calibrated standard deviation. The train of the others is over their inputs: their mean on a grid of them, `EXPANDED`
         points at most, whose error counts too.
 
     Returns
@@ -62,9 +62,8 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
         The model is none of these.
     """
     if not isinstance(model, GridGP | GroupedGP | CurveGP | SplitGP):
-        raise TypeError(
-            f"exact sensitivity indices need a GridGP, GroupedGP, CurveGP or SplitGP, got {type(model).__name__}"
-        )
+        known = "GridGP, GroupedGP, CurveGP or SplitGP"
+        raise TypeError(f"exact sensitivity indices need a {known}, got {type(model).__name__}")
     names, d = list(model.box), len(model.box)
     train = model.uncalibrated() if isinstance(model, GridGP) else _expanded(model)
     moments = _Moments(train)
