@@ -40,8 +40,8 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
     model : GaussianProcess
         A fitted `GridGP`, `GroupedGP`, `CurveGP` or `SplitGP`. Indices are those of its tensor train, without the
         correction of the mean that `calibrate` learns; the correction counts as an error of the train, beside the
-        calibrated standard deviation. The train of the others is over their inputs: their mean on a grid of them, `EXPANDED`
-        points at most, whose error counts too.
+        calibrated standard deviation. The train of the others is over their inputs: their mean on a grid of them,
+        `EXPANDED` points at most, whose error counts too.
 
     Returns
     -------
