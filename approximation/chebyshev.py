@@ -6,7 +6,7 @@ Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013),
 from typing import Any
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebpts1, chebvander
+from numpy.polynomial.chebyshev import chebvander
 from scipy.fft import dct
 from scipy.special import eval_chebyt
 
@@ -25,7 +25,8 @@ def gauss_points(count: int) -> Array:
     """
     if count != int(count) or count < 1:
         raise ValueError(f"a number of Chebyshev points must be a whole number >= 1, got {count!r}")
-    return np.asarray(chebpts1(int(count)))
+    # equal shares of a right angle are equal numbers: those of n are among those of 3 n, to the last bit
+    return np.asarray(np.sin(np.pi / 2 * (np.arange(1 - int(count), int(count), 2) / count)))
 
 
 def mapped_points(count: int, start: float, end: float) -> Array:
@@ -55,11 +56,11 @@ def coefficients(values: Array, axis: int = 0) -> Array:
         Of the shape of `values`: the m-th entry along the axis multiplies T_m.
     """
     # the transform counts points from the right end
-    found = dct(np.flip(values, axis), type=2, axis=axis) / values.shape[axis]
+    series = dct(np.flip(values, axis), type=2, axis=axis) / values.shape[axis]
     first: list[Any] = [slice(None)] * values.ndim
     first[axis] = 0
-    found[tuple(first)] /= 2
-    return np.asarray(found)
+    series[tuple(first)] /= 2
+    return np.asarray(series)
 
 
 def interpolation(count: int, places: Array) -> Array:

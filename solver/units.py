@@ -159,10 +159,10 @@ def in_si(text: str, units: str) -> float:
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None:
         raise ValueError(f"{text[:_LONGEST]!r} is not a finite number [{units}], nor one with its unit")
-    found = parse(match[2])
-    if not found.fits(parse(units)):
+    unit = parse(match[2])
+    if not unit.fits(parse(units)):
         raise ValueError(f"{text!r}: unit mismatch: {match[2]!r} does not measure what {units!r} measures")
-    value = scaled(match[1], found.scale)
+    value = scaled(match[1], unit.scale)
     if not isfinite(value):
         raise ValueError(f"{text!r} is not a finite number [{units}]")
     return value
@@ -170,6 +170,11 @@ def in_si(text: str, units: str) -> float:
 
 def scaled(text: str, scale: float) -> float:
     """A number in digits, times a scale, rounded once; one that is not finite as it is.
+
+    Parameters
+    ----------
+    text : str, the digits
+    scale : float
 
     Examples
     --------

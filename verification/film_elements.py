@@ -93,8 +93,8 @@ class Compared:
     @property
     def ends(self) -> tuple[Answers, Answers]:
         """a and b; like the others below by the elements and by the solver."""
-        one = self.contact
-        ends = np.array([one.half_length + one.centre, one.half_length - one.centre])
+        contact = self.contact
+        ends = np.array([contact.half_length + contact.centre, contact.half_length - contact.centre])
         return {"ends": ends}, {"ends": np.array([self.quantities[f"contact_{end}"] for end in _ENDS])}
 
     @property
@@ -103,7 +103,9 @@ class Compared:
         names = ["depth", *(name for _, name, _ in self._potentials)]
         if self.solved.interface[1] == "insulated":
             names.remove("magnetic_potential")
-        return {k: np.array(getattr(self.contact, k)) for k in names}, {k: self.quantities[k] for k in names}
+        numbers = {name: number for number, name, _ in self._potentials}
+        found = {k: self.contact.potential(numbers[k]) if k in numbers else self.contact.depth for k in names}
+        return {k: np.array(value) for k, value in found.items()}, {k: self.quantities[k] for k in names}
 
     @property
     def edges(self) -> tuple[Answers, Answers]:
@@ -138,9 +140,11 @@ class Compared:
     @property
     def interface(self) -> tuple[Answers, Answers]:
         """Largest shear, and largest tension or 0."""
-        found = self.contact.interface(len(self.solved.layers) - 1)
+        tractions = self.contact.interface(len(self.solved.layers) - 1)
         expected = [self.quantities[f"interface_{name}"] for name in ("shear", "tension")]
-        return {"extremes": np.array([found["shear"], max(found["tension"], 0.0)])}, {"extremes": np.array(expected)}
+        return {"extremes": np.array([tractions["shear"], max(tractions["tension"], 0.0)])}, {
+            "extremes": np.array(expected)
+        }
 
     @cached_property
     def _potentials(self) -> list[tuple[int, str, str]]:

@@ -40,13 +40,13 @@ class _InAir(OnPoints):
         def solved(pressed: Pressed, places: Indices) -> dict[str, Array]:
             warn_of_order(pressed)
             permittivity, end = self._gap(places)
-            found = with_nominal_field(quantities(pressed, permittivity, end), pressed)
-            if "gap_radius" in self.cases.values and np.any(narrow := found["contact_radius"] > end):
+            values = with_nominal_field(quantities(pressed, permittivity, end), pressed)
+            if "gap_radius" in self.cases.values and np.any(narrow := values["contact_radius"] > end):
                 raise CaseError(
                     f"gap_radius: {end[narrow][0]:g} is less than the contact's radius "
-                    f"{found['contact_radius'][narrow][0]:.4g} m: the punch is at least as wide as its contact"
+                    f"{values['contact_radius'][narrow][0]:.4g} m: the punch is at least as wide as its contact"
                 )
-            return {name: value for name, value in found.items() if not (slides and name in _BESIDE)}
+            return {name: value for name, value in values.items() if not (slides and name in _BESIDE)}
 
         return self.put_together(solved)
 
@@ -64,12 +64,12 @@ class _InAir(OnPoints):
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
         """Fields of ``solver.fields.POINT_FIELDS`` at r/a that every case has; (..., position)."""
         self._refuse_sliding("positions: fields")
-        found = self.put_together(lambda pressed, own: fields(pressed, *self._gap(own), positions))
+        values = self.put_together(lambda pressed, own: fields(pressed, *self._gap(own), positions))
         if self._lacks_c12 is None:
             names = [name for name in SURFACE if SURFACE[name] in POINT_NEED_C12]
             stresses = self.interior(positions, np.zeros(1), [SURFACE[name] for name in names])
-            found |= {name: stresses[SURFACE[name]][..., 0, :] for name in names}
-        return self.with_regular(found, positions) if regular else found
+            values |= {name: stresses[SURFACE[name]][..., 0, :] for name in names}
+        return self.with_regular(values, positions) if regular else values
 
     def _peaks(self, pressed: Pressed, places: Indices, asked: Set[str]) -> dict[str, Array]:
         self._refuse_sliding("peaks: those")

@@ -137,8 +137,8 @@ def _among(arrays: Mapping[str, xr.DataArray], name: str, some: Sequence[str]) -
     """Which cases have one of some names."""
     if name not in arrays:
         return xr.DataArray(False)
-    found = [arrays[name].values == choice for choice in some]
-    return xr.DataArray(np.any(found, axis=0), dims=arrays[name].dims)
+    matches = [arrays[name].values == choice for choice in some]
+    return xr.DataArray(np.any(matches, axis=0), dims=arrays[name].dims)
 
 
 def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:

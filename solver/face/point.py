@@ -78,7 +78,7 @@ class OnPoints:
         return self.put_together(lambda pressed, places: self._peaks(pressed, places, asked), self._apart())
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """Refused: peaks of points are searched for, not learned from curves."""
+        """Refused: peaks of points are searched for, not learnt from curves."""
         raise FactorError("curves: of a body under a point contact are not given; ask for peaks")
 
     @np.errstate(all="ignore")
@@ -140,14 +140,14 @@ class OnPoints:
 
     # -- what is beside the contact has its part in ------------------------------------------------------------------
     def _peaks(self, pressed: Pressed, places: Indices, asked: Set[str]) -> dict[str, Array]:
-        return peaks(pressed, self._inside(places, pressed), asked)
+        return peaks(pressed, self._within(places, pressed), asked)
 
     def _fields(self, pressed: Pressed, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
         """Fields of ``LINEAR`` and potentials; (case, field, y, x)."""
-        found = self._within(places, pressed).fields(Rubbed(pressed.charged).tractions, x, y, names)
+        values = self._within(places, pressed).fields(Rubbed(pressed.charged).tractions, x, y, names)
         potentials = [number for number, name in enumerate(names) if name in POTENTIALS]
-        found[:, potentials] *= pressed.length[:, None, None, None]
-        return found
+        values[:, potentials] *= pressed.length[:, None, None, None]
+        return values
 
     @property
     def _lacks_c12(self) -> str | None:
@@ -179,14 +179,14 @@ class OnPoints:
         parts : sequence of (ndarray of int, Pressed), places and contacts; None: those of all cases
         """
         try:
-            found = [(places, output(pressed, places)) for places, pressed in parts or self._parts]
+            solved = [(places, output(pressed, places)) for places, pressed in parts or self._parts]
         except ContactError as error:
             raise CaseError(str(error)) from None
         out: dict[str, Array] = {}
-        for name in found[0][1]:
-            if all(name in values for _, values in found):
-                whole = np.empty((int(np.prod(self.shape)), *found[0][1][name].shape[1:]))
-                for places, values in found:
+        for name in solved[0][1]:
+            if all(name in values for _, values in solved):
+                whole = np.empty((int(np.prod(self.shape)), *solved[0][1][name].shape[1:]))
+                for places, values in solved:
                     whole[places] = values[name]
                 out[name] = whole.reshape((*self.shape, *whole.shape[1:]))
         return out

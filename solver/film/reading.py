@@ -105,18 +105,18 @@ class Reading:
         StackError
             A patch that reaches farther than is resolved.
         """
-        octaves, found = _octave_of(self.reach + extent), list[tuple[Indices, dict[str, Array]]]()
+        octaves, parts = _octave_of(self.reach + extent), list[tuple[Indices, dict[str, Array]]]()
         for number in np.unique(self.collector).tolist():
             for octave in np.unique(octaves).tolist():
                 some = np.flatnonzero((self.collector == number) & (octaves == octave))
                 if not some.size:
                     continue
                 try:
-                    found.append((some, answer(some, int(number), octave)))
+                    parts.append((some, answer(some, int(number), octave)))
                 except FarError as error:
                     size = "" if self.size is None else f"{self.size[some].max():.3g} thicknesses of the top layer; "
                     raise StackError(f"patch_size: {size}{error}") from None
-        return joined(found, extent.size)
+        return joined(parts, extent.size)
 
     @property
     def reach(self) -> Array:

@@ -26,9 +26,16 @@ def body_curves(contact: Contact) -> dict[str, Array]:
 
 
 def named(stresses: Array, half_width: Array, depth: Array) -> dict[str, Array]:
-    """Stresses (..., 4, point) and depths over h by the names of the region."""
-    found = {f"body_{name}": stresses[..., k, :] for k, name in enumerate(_STRESSES)}
-    return found | {"body_depth": half_width[..., None] * depth}
+    """Fields of the region by their names, SI.
+
+    Parameters
+    ----------
+    stresses : ndarray, shape (..., 4, point), Pa
+    half_width : ndarray, h [m]; (...)
+    depth : ndarray, shape (point,), over h
+    """
+    curves = {f"body_{name}": stresses[..., k, :] for k, name in enumerate(_STRESSES)}
+    return curves | {"body_depth": half_width[..., None] * depth}
 
 
 def lines() -> tuple[Array, Array]:

@@ -123,5 +123,11 @@ class State:
 
 
 def conducting(field: int, conducts: BoolArray) -> bool:
-    """Whether a punch conducts a field in every case."""
+    """Whether a punch conducts a field in every case.
+
+    Parameters
+    ----------
+    field : int, 0 electric, 1 magnetic
+    conducts : ndarray of bool, shape (..., 2)
+    """
     return bool(np.all(conducts[..., field]))

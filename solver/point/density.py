@@ -122,7 +122,13 @@ class Density:
 
 
 def turned_form_rates(exponent: float, b: Array) -> Array:
-    """d/db of b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds; (b,)."""
+    """d/db of b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds; (b,).
+
+    Parameters
+    ----------
+    exponent : float, of the profile
+    b : ndarray, shape (b,), 0 < b < 1
+    """
     steep = np.arctanh(np.minimum(b, 1 - 1e-16))
     return np.asarray(exponent * (b ** (exponent - 2) * _stretched(exponent, b) - b ** (exponent - 1) * steep))
 
@@ -142,6 +148,11 @@ def second_kind_rates(b: Array, count: int) -> Array:
     """d (Q_2n - artanh) / db of Legendre functions, n < count; (n, b).
 
     As P_n' artanh + D_n' - E_n / (1 + b), where Q_n = P_n artanh + D_n and P_n = 1 - (1 - b) E_n.
+
+    Parameters
+    ----------
+    b : ndarray, shape (b,), 0 <= b < 1
+    count : int, number of functions
     """
     degree = max(2 * count - 2, 1)
     P, D, E = (np.zeros((degree + 1, b.size)) for _ in range(3))

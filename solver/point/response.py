@@ -46,7 +46,14 @@ class Response:
         return np.asarray(along[..., 0] * turned / moved[..., 0])
 
     def closed(self, turned: Array, b: Array, shift: Array) -> Array:
-        """psi of H[phi_sigma] (..., b) and shifts (...); (..., 3, b)."""
+        """psi of H[phi_sigma] (..., b) and shifts (...); (..., 3, b).
+
+        Parameters
+        ----------
+        turned : ndarray, shape (..., b), H[phi_sigma]
+        b : ndarray, shape (b,)
+        shift : ndarray, shape (...), c over a times the densities' unit
+        """
         along, moved = self.answers
         return np.asarray(
             shift[..., None, None] * moved[..., None] * b ** (self.shape.exponent - 1)
@@ -73,11 +80,23 @@ def contact_coupling(coupling: Array, scale: Array, punch: Array | float, conduc
 
 
 def legendre(b: Array, count: int) -> Array:
-    """P_n(2 b - 1); (b, n)."""
+    """P_n(2 b - 1); (b, n).
+
+    Parameters
+    ----------
+    b : ndarray, shape (b,), 0 to 1
+    count : int, number of polynomials
+    """
     return np.asarray(np.polynomial.legendre.legvander(2 * b - 1, count - 1))
 
 
 def legendre_rates(b: Array, count: int) -> Array:
-    """d P_n(2 b - 1) / db; (b, n)."""
+    """d P_n(2 b - 1) / db; (b, n).
+
+    Parameters
+    ----------
+    b : ndarray, shape (b,), 0 to 1
+    count : int, number of polynomials
+    """
     derived = np.polynomial.legendre.legder(np.eye(count), axis=0) if count > 1 else np.zeros((1, count))
     return np.asarray(2 * np.polynomial.legendre.legvander(2 * b - 1, len(derived) - 1) @ derived)

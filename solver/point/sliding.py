@@ -23,11 +23,11 @@ from solver.point import hankel
 from solver.point.body import Film
 from solver.point.density import Density
 from solver.point.gradedterms import pieces
-from solver.point.inside import Tractions
 from solver.point.pressed import Contact, Friction, Pressed
 from solver.point.response import Response, legendre
 from solver.point.rim import Rim
 from solver.point.slidingtable import sliding_window
+from solver.point.tractions import Tractions
 
 _MOST_FRICTION, _MOST_ANGLE = 0.6, 0.2  # beyond which a warning tells the size of what is neglected
 _EDGE = np.ones(1)
@@ -128,7 +128,13 @@ class Rubbed:
         return np.asarray(self._friction.coefficient * self._added[0] * self.contact.radius)
 
     def sines(self, b: Array, columns: Indices | None = None) -> Array:
-        """psi, units of the body; (case, 3, b)."""
+        """psi, units of the body; (case, 3, b).
+
+        Parameters
+        ----------
+        b : ndarray, shape (b,), 0 to 1
+        columns : ndarray of int, some of the cases; None: all
+        """
         some = np.arange(self.ratio.size) if columns is None else columns
         (shift, series), unit = self._added, self._unit
         turned = self.density.part(some).turned(b)[:, 0]

@@ -85,7 +85,12 @@ class Ray:
         return np.asarray(rates.reshape(*rates.shape[:-1], *self.b.shape) @ LINE_WEIGHTS * (self.x / self.r))
 
     def top(self, middle: Array, turned: Array) -> Array:
-        """Largest of p0 + p1 cos(angle); (case,)."""
+        """Largest of p0 + p1 cos(angle); (case,).
+
+        Parameters
+        ----------
+        middle, turned : ndarray, shape (case, place), p0 and p1 at the places of the ray
+        """
         both = np.concatenate([(middle - turned)[:, ::-1], middle + turned], 1)
         return highest(both[:, None, None], self.counts, ITSELF, _CLOSE).value
 
@@ -160,7 +165,13 @@ class TurnedWindow:
         return coefficients(np.array(found))
 
     def read(self, log_radius: Array, causes: Array) -> Array:
-        """p1 per eta of causes (V, Psi, g); (case, place)."""
+        """p1 per eta of causes (V, Psi, g); (case, place).
+
+        Parameters
+        ----------
+        log_radius : ndarray, shape (case,), log (a/h)
+        causes : ndarray, shape (case, 3), V, Psi and g
+        """
         read = np.tensordot(self.window.window.polynomials(log_radius), self._series, 1)
         return np.asarray(np.einsum("cdp,cd->cp", read, causes))
 
@@ -174,6 +185,11 @@ def largest_pressure(contact: Contact, friction: Friction) -> Array:
     """Largest pressure of curved punches that slide [Pa], p0 + p1 cos(angle) over the contact; (case,).
 
     At the sharp apex of exponents below 2 it is that at rest.
+
+    Parameters
+    ----------
+    contact : Contact, at rest
+    friction : Friction, what slides
     """
     at_rest = contact.peak_pressure
     found = np.array(at_rest)

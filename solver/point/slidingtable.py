@@ -17,9 +17,10 @@ from solver.film.electroded import difference, surface
 from solver.film.kernel import strip, wavenumbers
 from solver.point import hankel
 from solver.point.density import Density
-from solver.point.inside import Inside, Tractions
+from solver.point.inside import Inside
 from solver.point.response import Response, contact_coupling, legendre
 from solver.point.table import PointKind, Window, window
+from solver.point.tractions import Tractions
 
 _FIRST, _MORE = 24, 12.0  # nodes of a small contact, and what a wide one adds
 _KEPT = 128
@@ -164,7 +165,15 @@ class Layers:
     along: Array
 
     def solved(self, response: Response, causes: Density, radius: float, count: int) -> Array:
-        """c/a and Legendre coefficients of psi without the half-space's, per eta; (cause, 1 + 3 count)."""
+        """c/a and Legendre coefficients of psi without the half-space's, per eta; (cause, 1 + 3 count).
+
+        Parameters
+        ----------
+        response : Response, of the half-space of the top
+        causes : Density, without friction
+        radius : float, a in the unit of the stack's lengths
+        count : int, number of nodes
+        """
         phases = self.k * radius
         x, w = np.polynomial.legendre.leggauss(count)
         b, weights = (1 + x) / 2, w / 2
@@ -196,5 +205,12 @@ class Layers:
 
 @lru_cache(_KEPT)
 def sliding_window(kind: PointKind, number: int, punch: float) -> SlidingWindow:
-    """Made once."""
+    """Made once.
+
+    Parameters
+    ----------
+    kind : PointKind, film and punch
+    number : int, of the window
+    punch : float, k_p of the punch [1/Pa]
+    """
     return SlidingWindow(window(kind, number), punch)

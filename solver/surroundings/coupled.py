@@ -11,7 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from solver.surroundings.posed import Posed
-from solver.surroundings.state import Chord, GapError, State
+from solver.surroundings.refusal import GapError
+from solver.surroundings.state import Chord, State
 
 _STEPS = 40
 _CLOSE = 1e-11

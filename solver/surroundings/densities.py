@@ -19,7 +19,7 @@ from solver.film.reflection import low
 from solver.surroundings.grid import CLOSE, Grid
 from solver.surroundings.rules import RULE, spans
 
-_SAMPLED = 64  # kept: 1 MB each, the half-lengths of some windows
+_SAMPLED = 128  # kept: 1 MB each, the half-lengths of all windows of a stack, which its frictions share
 _DIGITS = 30.0  # exponent of what is left between Chebyshev points: below rounding
 
 #: Pieces of panels: target, panel, start and end of each.
@@ -80,9 +80,7 @@ class Densities:
         grid = self.grid
         some = np.flatnonzero(rough.any(1))
         found = []
-        for piece, infinite in zip(
-            self._pieces(h, X[some], self.kernel.edges, rough[some]), (False, True), strict=True
-        ):
+        for piece, infinite in zip(self._pieces(h, X[some], self.kernel.ends, rough[some]), (False, True), strict=True):
             row, panel, start, stop = piece
             u, weights = spans(start, stop)
             theta = -np.log(u) if infinite else u

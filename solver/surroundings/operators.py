@@ -75,7 +75,7 @@ class Operators:
     def _wide(self) -> Kernel | None:
         """Kernels as far as charges lie; none of a stack that is a half-plane."""
         stack, own = self.system.kernel.stack, self.system.kernel
-        if np.max(np.abs(own.coefficients)) < _NOTHING:
+        if np.max(np.abs(own.positive.series)) < _NOTHING:
             return None
         return kernel(stack, float(max(_REACH * own.width, own.reach)), by_distance=True)
 

@@ -16,7 +16,7 @@ from solver.point.profile import Shape
 from solver.point.quantities import RESPONSES
 from solver.surroundings.airpoint import AirPoint, PointState
 from solver.surroundings.largest import peak_of_panels
-from solver.surroundings.refusal import require_gap_of_point
+from solver.surroundings.refusal import lacking_at_point, require
 from solver.surroundings.ringoperators import WITHIN, RingOperators
 from solver.surroundings.rings import rings
 from solver.surroundings.ringtable import RingsByRadius, RingsOnHalfSpace
@@ -119,7 +119,7 @@ class Case:
 
 def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[Case, dict[str, Contact]]]:
     conducts, body, windows = np.broadcast_to(pressed.conducts, (pressed.force.size, 2)), pressed.body, None
-    require_gap_of_point(body, conducts)
+    require(lacking_at_point(body, conducts))
     contacts = {"charged": pressed.charged, "uncharged": pressed.uncharged, "grounded": pressed.grounded}
     if isinstance(body, Film):
         radii = np.concatenate([contact.radius / body.thickness for contact in contacts.values()])

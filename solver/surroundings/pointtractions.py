@@ -16,8 +16,8 @@ from solver.film.kernel import on_panels, panels
 from solver.film.stack import Stack
 from solver.point import hankel
 from solver.point.density import Density
-from solver.point.inside import Tractions
 from solver.point.pressure import added_forms, halfspace_form
+from solver.point.tractions import Tractions
 from solver.surroundings.airpoint import PointState
 from solver.surroundings.charges import Charges
 from solver.surroundings.ringoperators import RingOperators

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from solver.arrays import BoolArray
+from solver.arrays import Array, BoolArray
 from solver.film.windows import Kind
+from solver.halfplane.pressing import ContactError
 from solver.material.constants import MaterialError
 from solver.point.body import Film, HalfSpace
 from solver.point.profile import Shape
@@ -20,6 +21,10 @@ _ALL_TOUCHES = (
 
 class SurroundingsError(MaterialError):
     """A punch or a body beside which air has no meaning here."""
+
+
+class GapError(ContactError):
+    """A punch that touches the surface beside the contact, or a gap that nothing converges for."""
 
 
 def lacking(kind: Kind) -> str | None:
@@ -49,28 +54,40 @@ def lacking_at_point(body: HalfSpace | Film, conducts: BoolArray) -> str | None:
     return None
 
 
-def require_gap(kind: Kind) -> None:
-    """Refuse a kind of contact that cannot have air beside it.
+def require(why: str | None) -> None:
+    """Refuse a contact that cannot have air beside it, by what `lacking` and `lacking_at_point` say.
 
     Raises
     ------
     SurroundingsError
         Saying why.
     """
-    _require(lacking(kind))
-
-
-def require_gap_of_point(body: HalfSpace | Film, conducts: BoolArray) -> None:
-    """The same of point contacts.
-
-    Raises
-    ------
-    SurroundingsError
-        Saying why.
-    """
-    _require(lacking_at_point(body, conducts))
-
-
-def _require(why: str | None) -> None:
     if why is not None:
         raise SurroundingsError(f"surroundings: 'air' is not allowed: {why}")
+
+
+def require_open(gap: Array, alone: Array, places: Array, coordinate: str, held: str = "") -> None:
+    """Refuse a gap that closes.
+
+    Parameters
+    ----------
+    gap, alone
+        Gap, and that of the profile alone; (place,).
+    places
+        Where; (place,).
+    coordinate
+        What they are.
+    held
+        Potentials that are held at zero.
+
+    Raises
+    ------
+    GapError
+        With the place.
+    """
+    if not np.all(gap > 0):
+        raise GapError(
+            f"surroundings: the punch touches the surface beside the contact, at {coordinate} = "
+            f"{places[int(np.argmin(gap / alone))]:.3g}{f', where its {held} is 0' if held else ''}: "
+            "the gap is negative there"
+        )

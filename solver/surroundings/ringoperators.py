@@ -6,7 +6,7 @@ half-space is then the same at every radius. Below the contact chi is given, so 
 of the second kind; beside it gap and potentials are what chi leaves from its value at the edge.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Self
 
@@ -17,9 +17,9 @@ from solver.arrays import Array, BoolArray
 from solver.film.kernel import CHANNEL
 from solver.point.pressure import SAMPLES, added_forms, finite, halfspace_form
 from solver.point.profile import Shape
+from solver.point.spread import Spread
 from solver.surroundings.grid import gauss
 from solver.surroundings.rings import Rings
-from solver.surroundings.spread import Spread
 
 _FIRST, _MORE = 14, 6.0  # of S below a narrow contact, and what wide ones add
 _POWER = 3  # of the nodes where the profile is a power of s that is not even
@@ -230,7 +230,7 @@ class RingOperators:
     def _added(self) -> Spread:
         """Of these pairs."""
         assert self.layers is not None
-        return replace(self.layers, series=self.layers.series[..., self._pairs[0]])
+        return self.layers.of(self._pairs[0])
 
     def _paired(self, kernels: Array) -> Array:
         """Kernels of the channels, from those of their pairs; (channel, channel, target, node)."""

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebder
 
 from approximation.chebyshev import coefficients
 from solver.arrays import Array, BoolArray
@@ -77,8 +76,7 @@ class AirTable:
         """Chebyshev coefficients of the Taylor coefficients in log h, of values at the half-lengths; (_TERMS, ...)."""
         found = [coefficients(np.eye(self.table.nodes))]
         for power in range(1, _TERMS):
-            derived = chebder(found[-1]) * 2 / np.log(self.table.upper / self.table.lower) / power
-            found.append(np.concatenate([derived, np.zeros((1, self.table.nodes))]))
+            found.append(self.table.interval.derived(found[-1]) / power)
         return np.stack(found)
 
 

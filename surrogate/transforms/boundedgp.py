@@ -126,8 +126,8 @@ class BoundedGP(Transformed):
         told = steep > 0
         with np.errstate(divide="ignore", invalid="ignore"):
             learnt = np.stack([_link(y, low, high) for y, low, high in zip(mean, *self._bounds(), strict=True)])
-            found = self._outputs(learnt + away * np.where(told, std / steep, 0.0))
-        return np.asarray(np.where(told, found, mean))
+            ends = self._outputs(learnt + away * np.where(told, std / steep, 0.0))
+        return np.asarray(np.where(told, ends, mean))
 
     # -- answers -------------------------------------------------------------------------------------------------------
     @property
@@ -212,14 +212,7 @@ class BoundedGP(Transformed):
 
         Parameters
         ----------
-        stored : Dataset, the state
-        inputs : tuple of Input
-        outputs : dict, `units` and `long_name` of every output
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent, by its name.
+        stored, inputs, outputs : as of `Core.restore`, with its errors
         """
         given, ends = (stored[name].transpose("output", "end").values for name in ("bounded", "bound"))
         if given.shape != (len(outputs), 2) or ends.shape != given.shape:

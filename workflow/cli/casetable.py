@@ -176,12 +176,12 @@ def _scale(path: Path, name: str, unit: str, more: Mapping[str, str]) -> float:
         raise InputError(f"{path}: column {name!r}: holds names, which have no unit")
     own = more.get(name) or FACTORS[name].units
     try:
-        found = units.parse(unit)
+        parsed = units.parse(unit)
     except ValueError as error:
         raise InputError(f"{path}: column {name!r}: {error}") from None
-    if not found.fits(units.parse(own)):
+    if not parsed.fits(units.parse(own)):
         raise InputError(f"{path}: column {name!r}: unit mismatch: {unit!r} does not measure what {own!r} measures")
-    return found.scale
+    return parsed.scale
 
 
 def _number(path: Path, line: int, name: str, text: str, more: Mapping[str, str], scale: float) -> float:

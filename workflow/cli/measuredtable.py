@@ -45,9 +45,9 @@ def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measureme
     wrong = outside(X, model.inputs_)
     if wrong.any():
         row, k = np.argwhere(wrong)[0]
-        one = model.inputs_[k]
+        own = model.inputs_[k]
         raise InputError(
-            f"{table.at(int(row))}: {one.name} = {X[row, k]:.10g} is outside the trained box {one.range_text()}"
+            f"{table.at(int(row))}: {own.name} = {X[row, k]:.10g} is outside the trained box {own.range_text()}"
         )
     if not (answers := model.has_answers(X)).all():
         row = int((~answers).argmax())
@@ -55,12 +55,12 @@ def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measureme
             model.require_answers(X[row : row + 1])
         except OutOfBoxError as error:
             raise InputError(f"{table.at(row)}: {error}") from None
-    kinds = _kinds(table, study)
+    named = _kinds(table, study)
     rows, outputs, values, errors = [], [], [], []
     for name in quantities:
         for row in np.flatnonzero(_measured(table, name)).tolist():
             rows.append(row)
-            outputs.append(model.outputs_.index(output(name, kinds[row])))
+            outputs.append(model.outputs_.index(output(name, named[row])))
             values.append(float(table.columns[name][row]))
             errors.append(float(table.columns[f"{name}{ERROR}"][row]) if f"{name}{ERROR}" in table.columns else np.nan)
     return Measurements(

@@ -103,10 +103,10 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
         if name not in said and _usual(study, name):
             asked["at"][name] = _usual(study, name)
     try:
-        found = Target.model_validate(asked).meets(study.meeting)
+        read = Target.model_validate(asked).meets(study.meeting)
     except ValidationError as error:
         raise InputError(f"design: {first_problem(error, Target, asked)}") from None
-    return found
+    return read
 
 
 def _checked(study: Study, asked: Target) -> Study:
@@ -190,18 +190,18 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
     try:
         for name, given in at.items():
             check_values(study, "--at", name, [given])
-        kinds = {name: str(at.pop(name)) for name in study.categories}
+        named = {name: str(at.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in at.items()}
-        asked = [_learned(study, name, kinds) for name, _ in pairs]
+        asked = [_learned(study, name, named) for name, _ in pairs]
         inversion = Inversion(model.only(asked) if study.kind.tabled else model, infer, asked, held)
     except ValueError as error:
         raise InputError(f"invert: {error}") from None
-    found = inversion.estimate(np.array(values), np.array(errors))
-    if found.misfit > _IMPOSSIBLE + len(pairs):
+    estimate = inversion.estimate(np.array(values), np.array(errors))
+    if estimate.misfit > _IMPOSSIBLE + len(pairs):
         raise InputError(
-            f"invert: no case within the study's ranges gives these measurements (misfit {found.misfit:.3g})"
+            f"invert: no case within the study's ranges gives these measurements (misfit {estimate.misfit:.3g})"
         )
-    rows = zip(infer, found.mean, found.low, found.high, strict=True)
+    rows = zip(infer, estimate.mean, estimate.low, estimate.high, strict=True)
     return "\n".join(_told(model.box[name], *numbers, si=si) for name, *numbers in rows)
 
 

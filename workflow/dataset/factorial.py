@@ -12,6 +12,7 @@ from solver.names import ALL_QUANTITIES
 from surrogate import Grouping, Input, chebyshev_levels
 from surrogate.data.points import EVEN
 from workflow.dataset import refused, similar
+from workflow.dataset.kept import Kept
 from workflow.language.factors import FACTORS
 from workflow.study import categories, representatives
 from workflow.study.model import Study
@@ -20,8 +21,8 @@ from workflow.study.sections import Axis
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
-#: Random cases of films that share the values for which the solver makes tables: these cost 0.1 to 1 s, a case 0.1 ms,
-#: but of these values few places tell little.
+#: How many random cases of films share the values for which the solver makes tables. A table costs 0.1 to 1 s, a case
+#: 0.1 ms; but a sample with few tables tells little of these values.
 TOGETHER = 10
 #: Parameters of the beta distribution of shares of a range that are drawn towards its ends.
 TOWARDS_ENDS = 0.3, 0.3
@@ -62,7 +63,7 @@ def grouping(study: Study, learned: xr.Dataset | None = None) -> Grouping:
 
 
 def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
-    """What is learned of the factorial over its axes: the outputs, or with groups the outputs over their scales.
+    """What is learnt of the factorial over its axes: the outputs, or with groups the outputs over their scales.
 
     Parameters
     ----------
@@ -111,7 +112,7 @@ def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
     }
 
 
-def cases(study: Study, name: str) -> xr.Dataset:
+def cases(study: Study, name: str, kept: Kept | None = None) -> xr.Dataset:
     """Random exact cases of one of `SAMPLES`, over dimension ``case`` and the categories.
 
     Those for calibration have the curves that the surrogate learns, where it can correct them. Those that the solver
@@ -121,14 +122,15 @@ def cases(study: Study, name: str) -> xr.Dataset:
     ----------
     study : Study
     name : str, that of the sample
+    kept : Kept, what was solved before; None: nothing
     """
     number, key = SAMPLES[name]
     drawn = points(study, getattr(study.validation, key), (study.validation.seed, number))
     if name != "calibration" or not study.groups or study.regions:
-        return exact(study, drawn, curves=name == "calibration" and not study.groups, holes=np.inf)
+        return exact(study, drawn, curves=name == "calibration" and not study.groups, holes=np.inf, kept=kept)
     with_ends, even = towards_ends(study, drawn, (study.validation.seed, number, 1))
     told = {"long_name": "1 where a case is spread evenly over the box, 0 where it is drawn towards its ends"}
-    return exact(study, with_ends, holes=np.inf).assign_coords({EVEN: ("case", even, told)})
+    return exact(study, with_ends, holes=np.inf, kept=kept).assign_coords({EVEN: ("case", even, told)})
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
@@ -157,14 +159,14 @@ def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETH
     together : int, how many cases of films share the factors for which the solver makes tables
     """
     random = np.random.default_rng(list(seed))
-    found: dict[str, xr.DataArray] = {}
+    drawn: dict[str, xr.DataArray] = {}
     for name, axis in study.factors.items():
         u = random.uniform(size=count)
         if name in study.tabled and together > 1:
             places = -(-count // together)
             u = np.repeat((random.permutation(places) + u[:places]) / places, together)[:count]
-        found[name] = xr.DataArray(_along(name, axis, u), dims="case")
-    return found
+        drawn[name] = xr.DataArray(_along(name, axis, u), dims="case")
+    return drawn
 
 
 def towards_ends(
@@ -186,12 +188,12 @@ def towards_ends(
     tables = np.stack([drawn[name].values for name in study.tabled or study.factors])
     place = np.unique(tables, axis=1, return_index=True, return_inverse=True)[1:]
     order = np.argsort(np.tile(place[0][place[1].reshape(-1)], 2), kind="stable")  # as they came
-    found = {}
+    both = {}
     for name, axis in study.factors.items():
         u = random.beta(*TOWARDS_ENDS, size=count)
         values = drawn[name].values if name in study.tabled else _along(name, axis, u)
-        found[name] = xr.DataArray(np.concatenate([drawn[name].values, values])[order], dims="case")
-    return found, (order < count).astype(np.int8)
+        both[name] = xr.DataArray(np.concatenate([drawn[name].values, values])[order], dims="case")
+    return both, (order < count).astype(np.int8)
 
 
 def _along(name: str, axis: Axis, u: Array) -> Array:
@@ -214,6 +216,7 @@ def exact(
     regular: bool = False,
     curves: bool = False,
     holes: float | None = None,
+    kept: Kept | None = None,
 ) -> xr.Dataset:
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
@@ -229,6 +232,7 @@ def exact(
     regular : bool, whether the regular parts of the surface fields are wanted
     curves : bool, whether the curves that the surrogate learns are wanted
     holes : float, the most cases that may be refused, which are then masked (`workflow.study.refusals`); None: none
+    kept : Kept, what was solved before; None: nothing
 
     Raises
     ------
@@ -246,20 +250,24 @@ def exact(
     rest |= {name: kinds for name, kinds in study.categories.items() if name not in axes}
     factors = {**study.fixed, **own, **rest}
 
-    def whole(cases: Mapping[str, Any]) -> xr.Dataset:
-        searched = study.searched if peaks is None else peaks
-        found = study.solved(solve, cases, positions, peaks=searched, regular=regular)
-        if not (curves and study.regions):
-            return found
-        along = study.solved(solve_curves, cases, study.regions)
-        return found.merge(along, compat="override", join="exact", combine_attrs="override")
+    searched = study.searched if peaks is None else peaks
 
+    def whole(cases: Mapping[str, Any]) -> xr.Dataset:
+        solved = study.solved(solve, cases, positions, peaks=searched, regular=regular)
+        if not (curves and study.regions):
+            return solved
+        along = study.solved(solve_curves, cases, study.regions)
+        return solved.merge(along, compat="override", join="exact", combine_attrs="override")
+
+    options = {"peaks": sorted(searched), "regular": regular, "regions": study.regions if curves else []}
+    options |= {"positions": None if positions is None else list(map(float, positions))}
+    asked = whole if kept is None else kept.around(study, whole, options)
     try:
-        solved = whole(factors) if holes is None else answered(whole, factors, holes)
+        solved = asked(factors) if holes is None else answered(asked, factors, holes)
     except AllRefusedError:
         raise
     except FactorError as error:
-        raise refused.named(study, whole, factors, error) from None
+        raise refused.named(study, asked, factors, error) from None
     if over:
         along = {name: _axis(study, name, axes[name]) for name in over}
         solved = solved.assign_coords(along).transpose(*dict.fromkeys(one.dims[0] for one in along.values()), ...)

@@ -70,13 +70,13 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
     )
     circuit = Circuit.of(numbers, material)
     times, told = history(pressing), Figures.of(contact, circuit, numbers["temperature"])
-    found = read(times, contact, circuit)
+    reading = read(times, contact, circuit)
     out = xr.Dataset(coords={"time": ("time", times.times, {"units": "s", "long_name": "time"})})
     for name, values, units, said in (
         ("force", times.forces, "N", "force on the punch"),
-        ("charge", found.charge, "C", "charge of the contact"),
-        ("voltage", found.voltage, "V", "voltage that the contact is read at"),
-        ("output", found.output, "V", "output of the amplifier"),
+        ("charge", reading.charge, "C", "charge of the contact"),
+        ("voltage", reading.voltage, "V", "voltage that the contact is read at"),
+        ("output", reading.output, "V", "output of the amplifier"),
     ):
         out[name] = ("time", values, {"units": units, "long_name": said})
     for name, value, units, said in (
@@ -106,8 +106,8 @@ def held(study: Study, pressing: Pressing) -> xr.Dataset:
         study.kind.loads.force: pressing.force
         / (study.device.constants if study.device else {}).get("electrode_length", 1.0)
     }
-    found = study.solved(solve, {**study.fixed, **force})
-    return found.drop_vars(list(found.coords)).rename({name: f"{HELD}{name}" for name in found.data_vars})
+    solved = study.solved(solve, {**study.fixed, **force})
+    return solved.drop_vars(list(solved.coords)).rename({name: f"{HELD}{name}" for name in solved.data_vars})
 
 
 def _beside(body: Stack, case: Mapping[str, Any]) -> Material:

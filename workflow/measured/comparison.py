@@ -72,13 +72,13 @@ def dataset(rows: Sequence[Row]) -> xr.Dataset:
         "model_std": scale * _numbers(row.get("deviation") for row in first),
         "deviations": _numbers(row.get("off") for row in first),
     }
-    found = xr.Dataset(
+    table = xr.Dataset(
         {name: ("row", values) for name, values in numbers.items()}
         | {"verdict": ("row", np.array([row["verdict"] for row in rows], dtype=object))},
         {"row": np.array([row["name"] for row in rows], dtype=object),
          "unit": ("row", np.array([_SI[row["unit"]] for row in rows], dtype=object))},
     )  # fmt: skip
-    return described(found, "Published measurements beside the model", _SOURCE, _MEANINGS)
+    return described(table, "Published measurements beside the model", _SOURCE, _MEANINGS)
 
 
 def _numbers(values: Any) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

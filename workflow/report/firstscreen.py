@@ -247,16 +247,16 @@ def _round(profile: str, case: Case) -> str:
     return made + words[profile].format(titles.value(size, float(case[size]), 3))
 
 
-def _good(target: Target, found: Answer, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:
+def _good(target: Target, answer: Answer, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:
     """What a design does: every goal's value with its band, its datum if it depends on one, and over what."""
     datum = f" (ground {titles.value('datum', reference)} away)"
     parts = [
         f"{goal.title}{'' if hangs.isdisjoint(goal.statement.expression.names()) else datum} {_with_band(goal)}"
-        for goal in found.objectives
+        for goal in answer.objectives
     ]
     together = ", the compromise of both" if len(parts) == 2 else ", the compromise of all" if len(parts) > 2 else ""
     built = all(
-        {*goal.statement.expression.names()} <= {*found.case} for goal in found.objectives
+        {*goal.statement.expression.names()} <= {*answer.case} for goal in answer.objectives
     )  # a factor as a goal
     return capital(listed(parts)) + together + ("" if built else _over(target))
 
@@ -288,9 +288,9 @@ def cost(found: Answer) -> str:
     return f"{capital('; '.join(parts))}." if parts else ""
 
 
-def _sure(found: Answer) -> str:
+def _sure(answer: Answer) -> str:
     """How the first goal's value was found, and how far the surrogate was off."""
-    goal = found.terms[0]
+    goal = answer.terms[0]
     if not goal.exact:
         return "Solved exactly."
     inside = "within" if goal.inside else "outside"

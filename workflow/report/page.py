@@ -40,7 +40,6 @@ _MEANINGS = {
     "interface_magnetic": "the film's interface in the magnetic field",
 }
 
-#: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 _COMMENT = re.compile(r"^\s*//.*\n|^ +", re.MULTILINE)
 _LEAST = 1e-5  # share that is told
 _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
@@ -49,6 +48,7 @@ _SCRIPTS = (
     "contents.js", "numbers.js", "hover.js", "surrogate.js", "largest.js", "stack.js", "chart.js", "fields.js",
     "judging.js", "explore.js", "share.js", "whatif.js", "effects.js",
 )  # fmt: skip
+#: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -137,19 +137,19 @@ def page(
         content["validation"] = tables.validation(folder, study)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = [row for row in by_quantity(study, times) if row["name"] in told]
-        found = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
+        answers = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
         solved = json.loads((folder / "solved.json").read_text(encoding="utf-8"))
         exact = [solved["designs"][target] for target in study.design]
         content["datum_changes"] = solved["datum"]
-        content["designs"] = [tables.design(answer) | told for answer, told in zip(found, exact, strict=True)]
+        content["designs"] = [tables.design(answer) | told for answer, told in zip(answers, exact, strict=True)]
         content["answers"] = [
             firstscreen.answered(study, *target, answer, told["contact"], told["around"])
-            for target, answer, told in zip(study.design.items(), found, exact, strict=True)
+            for target, answer, told in zip(study.design.items(), answers, exact, strict=True)
         ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")
         fields = load(folder / "surface.nc") if study.surrogate.fields else None
-        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, found, hangs, fields)
+        content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers, hangs, fields)
         content["whatif_json"] = whatif.as_json(content["whatif"])
     if study.signal:
         content["signal"] = pressed = tables.signal(folder)

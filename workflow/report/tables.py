@@ -250,10 +250,10 @@ def readout(name: str, path: Path) -> dict[str, Any]:
 def signal(folder: Path) -> dict[str, Any]:
     """Numbers of a press in time; ``held``: quantities of a contact of its own at the force that is held."""
     data = read_whole(folder / "signal.nc")
-    found = {str(name): float(value) for name, value in data.data_vars.items() if not value.dims}
+    numbers = {str(name): float(value) for name, value in data.data_vars.items() if not value.dims}
     held = data["force"].values >= float(data["force"].max()) * (1 - 1e-9)
-    of_contact = {name.removeprefix(HELD): found.pop(name) for name in [*found] if name.startswith(HELD)}
-    return found | {
+    of_contact = {name.removeprefix(HELD): numbers.pop(name) for name in [*numbers] if name.startswith(HELD)}
+    return numbers | {
         "held": of_contact,
         "force": float(data["force"].max()),
         "output": float(data["output"].values[held][0]),

@@ -59,7 +59,7 @@ def content(
     if stored is None:
         return None
     values = [answer.case for answer in designs]
-    kinds = [study.combinations.index(answer.kinds) for answer in designs]
+    places = [study.combinations.index(answer.kinds) for answer in designs]
     start = values[0] if values else {}
     return {
         "surrogate": stored if _combines(study, designs) else {key: stored[key] for key in stored if key != "together"},
@@ -76,11 +76,11 @@ def content(
         "fixed": _held(study),
         "cases": [
             {"values": case, "kind": kind, **_target(study.narrowed(study.combinations[kind]), name, target, design)}
-            for (name, target), design, case, kind in zip(study.design.items(), designs, values, kinds, strict=True)
+            for (name, target), design, case, kind in zip(study.design.items(), designs, values, places, strict=True)
         ],
         "stack": live.drawable(study),
         **live.fields(study, fields),
-        "kind": kinds[0] if kinds else 0,
+        "kind": places[0] if places else 0,
         "start": [
             float(np.clip(own.to_unit(start[name]), -1, 1)) if name in start else 0.1 for name, own in model.box.items()
         ],
@@ -90,7 +90,7 @@ def content(
 def _combines(study: Study, designs: Sequence[Answer]) -> bool:
     """Whether some goal, limit or figure has several quantities, whose errors the page then counts together."""
     asked = [term.statement.expression.names() for answer in designs for term in answer.terms]
-    asked += [grammar.parse(one["name"], study.meeting).names() for one in figures(study)]
+    asked += [grammar.parse(figure["name"], study.meeting).names() for figure in figures(study)]
     return any(len({*names} & {*study.outputs}) > 1 for names in asked)
 
 
@@ -161,7 +161,9 @@ def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str
                 "held": not term.broken,
             }
         )
-    ranges = target.worst_case | {factor: list(one.support) for factor, one in target.uncertain.items()}
+    ranges = target.worst_case | {
+        factor: list(distribution.support) for factor, distribution in target.uncertain.items()
+    }
     over = [f"{titles.title(factor)} {titles.span(factor, low, high)}" for factor, (low, high) in ranges.items()]
     if target.tolerance:
         over.append(f"the tolerances of {titles.listed([titles.title(name) for name in target.tolerance])}")

@@ -90,6 +90,17 @@ def begun(name: str, results: str | Path = RESULTS) -> Any:
     return _read(Path(results) / name / _LOCK).get("study")
 
 
+def results(name: str, output: Path) -> Path:
+    """The folder of all results, by a file of a study in it: below the prefix of a module that uses the Snakefile.
+
+    Parameters
+    ----------
+    name : str, the study's
+    output : Path, the file
+    """
+    return next(folder.parent for folder in output.parents if (folder.parent.name, folder.name) == (RESULTS.name, name))
+
+
 def sources(output: Path) -> dict[str, str]:
     """Digests of the sources with which the run began that makes this file; none where there is no run."""
     locks = (folder / _LOCK for folder in output.absolute().parents)
@@ -127,15 +138,15 @@ def _locked(name: str, path: Path) -> IO[str]:
 
 
 def _holder(path: Path) -> str:
-    found = _read(path)
-    where = "" if found.get("host") == socket.gethostname() else f" on {found.get('host', 'unknown')}"
-    return f"process {found.get('process', 'unknown')}{where}"
+    holder = _read(path)
+    where = "" if holder.get("host") == socket.gethostname() else f" on {holder.get('host', 'unknown')}"
+    return f"process {holder.get('process', 'unknown')}{where}"
 
 
 def _read(path: Path) -> dict[str, Any]:
     """What a lock says; nothing where it is absent or just being written."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return content if isinstance(content, dict) else {}

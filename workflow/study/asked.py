@@ -85,7 +85,7 @@ def _check_readout(study: Contents, where: str, readout: Readout) -> None:
 
 
 def check_target(study: Contents, where: str, target: Target) -> None:
-    """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs.
+    """Raise ValueError unless a target asks for every factor once, within its range, and for learnt outputs.
 
     Parameters
     ----------

@@ -78,7 +78,7 @@ def _least(limit: str, parts: Sequence[Material], composite: str) -> Borne:
         names = " and ".join(part.name for part in parts)
         wanted = "give a number with a unit in its place, or limits in the material's file"
         raise ValueError(f"{limit}: none is known of {names}; {wanted}")
-    weakest = min(known, key=lambda one: one.limits[limit].value)
+    weakest = min(known, key=lambda material: material.limits[limit].value)
     unknown = ", ".join(part.name for part in parts if part not in known)
     words = weakest.name
     if len(parts) > 1:

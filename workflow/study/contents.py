@@ -193,9 +193,9 @@ class Contents(Keys):
 
     @property
     def added(self) -> frozenset[str]:
-        """Quantities whose logarithm of the datum is added exactly: of a film's groups, the depth on its base.
+        """Quantities to which the logarithm of the datum is added exactly: the depth, where a film has groups.
 
-        Under an elastic punch none: its depth has a second logarithm, of the punch's own datum.
+        Under an elastic punch there are none: the depth has a second logarithm then, that of the punch's own datum.
         """
         alone = self.kind.datum == "by_base" and not self.elastic
         return frozenset({"depth"} if alone else set()) & self._hanging
@@ -205,7 +205,7 @@ class Contents(Keys):
         """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
 
         None where it stands on a cross approximation, which knows no largest stresses, and under points, whose largest
-        stresses are learned as other quantities are.
+        stresses are learnt as other quantities are.
         """
         if self.crossed or not self.surrogate.curves or not self.kind.regions:
             return []
@@ -215,21 +215,23 @@ class Contents(Keys):
     @property
     def learned(self) -> list[str]:
         """What the surrogate calls them: those of every combination of categories."""
-        return [output(name, kinds) for kinds in self.combinations for name in self.outputs]
+        return [output(name, combination) for combination in self.combinations for name in self.outputs]
 
     @property
     def of_interest(self) -> list[str]:
         """What the designs ask for of it, or else all."""
         asked = [name for target in self.design.values() for name in target.names() if name in self.outputs]
-        return [output(name, kinds) for name in dict.fromkeys(asked) for kinds in self.combinations] or self.learned
+        return [
+            output(name, combination) for name in dict.fromkeys(asked) for combination in self.combinations
+        ] or self.learned
 
     @property
     def aims(self) -> list[str]:
         """What the goals of its designs are made of, of it; without designs, its first two quantities."""
         goals = [goal.expression for target in self.design.values() for goal in target.objectives]
         asked = dict.fromkeys(name for goal in goals for name in goal.names())
-        found = [name for name in asked if name in self.outputs] or self.outputs[:2]
-        return [output(name, kinds) for name in found for kinds in self.combinations]
+        outputs = [name for name in asked if name in self.outputs] or self.outputs[:2]
+        return [output(name, combination) for name in outputs for combination in self.combinations]
 
     @property
     def titles(self) -> dict[str, str]:
@@ -287,11 +289,11 @@ class Contents(Keys):
         """
         if name in BORNE:
             return self.bears(name).value
-        found = self.device.constants if self.device else {}
-        if name not in found:
+        constants = self.device.constants if self.device else {}
+        if name not in constants:
             part = "device" if name in Device.model_fields else "device: amplifier"
             raise ValueError(f"{part}: {name}: missing; must be a number with a unit [{DEVICE[name].units}]")
-        return found[name]
+        return constants[name]
 
     def narrowed(self, kinds: Mapping[str, str]) -> Self:
         """The study with some of its categories held at a name."""
@@ -317,9 +319,9 @@ class Contents(Keys):
             for name, names in self.categories.items()
         }
         return [
-            self.narrowed(kinds)
-            for kinds in self.combinations
-            if all(kind in allowed[name] for name, kind in kinds.items())
+            self.narrowed(combination)
+            for combination in self.combinations
+            if all(kind in allowed[name] for name, kind in combination.items())
         ]
 
     def digest(self, *sections: str) -> str:

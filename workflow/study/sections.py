@@ -14,7 +14,7 @@ MOST_CASES = 20_000_000
 MOST_CORNERS = 2**18
 #: Most values of one field on disk: cases times positions.
 MOST_VALUES = 2_000_000_000
-#: Most values of one field that are learned, in memory at once: cases times angles.
+#: Most values of one field that are learnt, in memory at once: cases times angles.
 MOST_LEARNED = 20_000_000
 #: Most curves of a figure of effects, points of all of its curves, and points of a grid below the punch.
 _MOST_CURVES, _MOST_POINTS, _MOST_GRID = 200, 200_000, 250_000
@@ -222,8 +222,8 @@ class Effects(Strict):
         taken = {name for profile in known for name in PROFILES[profile].takes}
         of_others = {name for outline in PROFILES.values() for name in outline.takes} - taken - {factor}
         fractions = dict.fromkeys(COMPOSITES.values())
-        kinds = np.atleast_1d(case.get("composite", list(COMPOSITES)))
-        of_others |= set(fractions) - {COMPOSITES.get(str(kind)) for kind in kinds} - {factor}
+        composites = np.atleast_1d(case.get("composite", list(COMPOSITES)))
+        of_others |= set(fractions) - {COMPOSITES.get(str(kind)) for kind in composites} - {factor}
         other = {
             "material": ("composite", *fractions),
             **dict.fromkeys(("composite", *fractions), ("material",)),

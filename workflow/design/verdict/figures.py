@@ -14,8 +14,8 @@ from workflow.language.constants import CONSTANTS, FIGURES_BY
 from workflow.language.expressions import Expression
 from workflow.language.factors import FACTORS
 
-_LOADS = 33  # of one search, which is refined
-_REFINED = 3
+_LOADS = 9  # of one search, which is refined: few, since one costs 50 ms in air
+_REFINED = 5
 #: How far a load is raised in search of the first limit.
 MOST_LOAD = 10.0
 
@@ -34,9 +34,9 @@ def over(design: Designs, corner: Mapping[str, Array]) -> tuple[Figure, ...]:
     if question.study.device is None:
         return ()
     meeting = question.target.objectives[0].meeting  # that of all choices, of which this may be one
-    found = {name: _figure(design, corner, grammar.parse(name, meeting)) for name in FIGURES_BY[meeting]}
+    figures = {name: _figure(design, corner, grammar.parse(name, meeting)) for name in FIGURES_BY[meeting]}
     return tuple(
-        Figure(name, float(values.min()), float(values.max())) for name, values in found.items() if values is not None
+        Figure(name, float(values.min()), float(values.max())) for name, values in figures.items() if values is not None
     )
 
 

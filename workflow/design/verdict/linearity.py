@@ -53,8 +53,8 @@ def bound(study: Study, limit: Limit) -> tuple[str, str]:
     """
     if not limit.borne:
         return "", ""
-    found = study.bears(limit.borne)
-    return f"{titles.title(limit.borne)} of {found.of}", found.source
+    evidence = study.bears(limit.borne)
+    return f"{titles.title(limit.borne)} of {evidence.of}", evidence.source
 
 
 def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None) -> list[tuple[str, str]]:
@@ -71,12 +71,12 @@ def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None
     """
     bounds = _bounds(study, corner, below)
     lines = [
-        (f"{one.words} of {shown(one.size, one.units, 3)} exceeds the {one.bears}", one.borne.source)
-        for one in bounds
-        if one.share > 1
+        (f"{own.words} of {shown(own.size, own.units, 3)} exceeds the {own.bears}", own.borne.source)
+        for own in bounds
+        if own.share > 1
     ]
     words, size = _largest("nominal_field", corner, study.kind.ends, below)
-    if {one.name for one in bounds}.isdisjoint(_FIELDS) and size > _CERAMIC_FIELD:
+    if {own.name for own in bounds}.isdisjoint(_FIELDS) and size > _CERAMIC_FIELD:
         usual = f"{shown(_CERAMIC_FIELD, 'V m-1', 3)}, beyond which ferroelectric ceramics are not linear"
         unknown = "the library has no coercive or breakdown field of the material"
         lines.append((f"{words} of {shown(size, 'V m-1', 3)} exceeds {usual}", unknown))
@@ -93,12 +93,12 @@ def nearest(study: Study, corner: Mapping[str, Array]) -> Bound | None:
     corner
         Quantities of the case, exactly.
     """
-    return max(_bounds(study, corner, None), key=lambda one: one.share, default=None)
+    return max(_bounds(study, corner, None), key=lambda own: own.share, default=None)
 
 
 def _bounds(study: Study, corner: Mapping[str, Array], below: float | None) -> list[Bound]:
     """Every quantity that something known bounds."""
-    found = []
+    bounds = []
     for name in BORNE:
         try:
             borne = study.bears(name)
@@ -106,8 +106,8 @@ def _bounds(study: Study, corner: Mapping[str, Array], below: float | None) -> l
             continue
         for quantity in _bounded(name):
             words, size = _largest(quantity, corner, study.kind.ends, below)
-            found.append(Bound(name, words, size, borne))
-    return found
+            bounds.append(Bound(name, words, size, borne))
+    return bounds
 
 
 def _bounded(name: str) -> list[str]:
