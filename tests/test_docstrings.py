@@ -55,7 +55,7 @@ def of_module(path: Path) -> Iterator[str]:
             yield f"{path.relative_to(ROOT)}:{function.lineno} {function.name}: {', '.join(sorted(asked))}"
 
 
-OWED = ("solver/point/", "solver/surroundings/")
+OWED = ("solver/surroundings/",)
 
 
 def test_a_section_says_what_every_parameter_is() -> None:

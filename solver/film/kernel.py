@@ -168,7 +168,13 @@ def growing(width: float, reach: float, *, halvings: int = 0) -> Array:
 
 
 def octave(ends: Array, width: float) -> Array:
-    """Distances of a panel over the width, as a power of two: transforms of one octave share their wavenumbers."""
+    """Distances of a panel over the width, as a power of two: transforms of one octave share their wavenumbers.
+
+    Parameters
+    ----------
+    ends : ndarray, shape (panel + 1,), of the panels [m]
+    width : float, m
+    """
     return np.asarray(np.floor(np.log2(ends[1:] / width)))
 
 

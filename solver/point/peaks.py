@@ -109,7 +109,15 @@ def peaks(pressed: Pressed, inside: Inside | GradedInside, asked: Set[str]) -> d
 
 
 def peaks_of(inside: Inside | GradedInside, tractions: Tractions, radius: Array, asked: Set[str]) -> dict[str, Array]:
-    """The same of tractions and the contact radii [m] of their columns; (column,) each."""
+    """The same of tractions; (column,) each.
+
+    Parameters
+    ----------
+    inside : Inside or GradedInside
+    tractions : Tractions, of the columns
+    radius : ndarray, shape (column,), of the contacts [m]
+    asked : set of str, names of the quantities
+    """
     found: dict[str, Array] = {}
     for places in _by_radius(tractions.ratio):
         own = tractions.part(places)

@@ -65,7 +65,12 @@ class Tractions:
         return plain, np.concatenate([-self.friction[columns, None, None] * own[:, :1], self.sines(b, columns)], 1)
 
     def nodes(self, radius: float, near: float) -> hankel.Nodes:
-        """Nodes in b for a field point, its r/a and its depth over a."""
+        """Nodes in b for a field point.
+
+        Parameters
+        ----------
+        radius, near : float, its r/a, and its depth over a
+        """
         return hankel.nodes(radius, near, kinked=self.kinked)
 
     def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:

@@ -30,7 +30,15 @@ class Layered(Protocol):
         """The shear waves of the top; none without c12."""
 
     def rows(self, number: int, depth: Array, names: tuple[str, ...], *, sliding: bool) -> Array:
-        """What fields take of the waves at depths within one body."""
+        """What fields take of the waves at depths within one body.
+
+        Parameters
+        ----------
+        number : int, of the body
+        depth : ndarray, shape (depth,), over the unit of the body's lengths
+        names : tuple of str, the fields
+        sliding : bool, whether the waves are those of friction
+        """
 
 
 @dataclass(frozen=True, eq=False)

@@ -123,7 +123,13 @@ class FilmContact:
         return self.weighed(loads[:, 1], loads.sum(axis=0))
 
     def weighed(self, forces: Array, totals: Array) -> Array:
-        """Weights that leave no singular pressure; nodal forces (nodes of the contact, states), totals (4, states)."""
+        """Weights that leave no singular pressure.
+
+        Parameters
+        ----------
+        forces : ndarray, shape (nodes of the contact, states), nodal
+        totals : ndarray, shape (4, states)
+        """
         conducted = self.punch.conducted
         charges = {ELECTRIC: self.punch.charge, MAGNETIC: self.punch.magnetic_charge}
         rows = np.array([*self._singular(forces), *(-totals[list(conducted)])])

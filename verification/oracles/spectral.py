@@ -218,7 +218,13 @@ def _bilinear_slopes(at: Array) -> tuple[Array, Array]:
 
 
 def lagrange(line: Array, x: Array) -> tuple[Array, Array]:
-    """Values and slopes of the Lagrange polynomials on ``line`` at x; both (len(x), len(line))."""
+    """Values and slopes of the Lagrange polynomials on a line; (n, count) each.
+
+    Parameters
+    ----------
+    line : ndarray, shape (count,), their points, within [-1, 1]
+    x : ndarray, shape (n,), places
+    """
     n = len(line)
     legendre = np.linalg.inv(np.polynomial.legendre.legvander(line, n - 1))
     slopes = np.polynomial.legendre.legder(np.eye(n)) @ legendre

@@ -108,7 +108,13 @@ class Kept:
 
 
 def taken(results: Path, study: str) -> dict[str, int]:
-    """How many cases of a study's files were asked for piece by piece, and how many of these were solved before."""
+    """How many cases of a study's files were asked for piece by piece, and how many of these were solved before.
+
+    Parameters
+    ----------
+    results : Path, the folder of all results
+    study : str, its name
+    """
     folder, found = results / FOLDER / _TALLIES / study, {"cases": 0, "taken": 0}
     for file in sorted(folder.rglob("*.json")):
         if (results / study / file.relative_to(folder)).with_suffix(".nc").is_file():
@@ -118,7 +124,13 @@ def taken(results: Path, study: str) -> dict[str, int]:
 
 
 def sweep(results: Path, most: int = MOST_BYTES) -> None:
-    """Remove what was used longest ago, beyond so many bytes, and what killed writers have left."""
+    """Remove what was used longest ago, and what killed writers have left.
+
+    Parameters
+    ----------
+    results : Path, the folder of all results
+    most : int, bytes that may stay
+    """
     now, files = time.time(), []
     for file in (results / FOLDER / _OF_CASES).rglob("*"):
         try:

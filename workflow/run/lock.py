@@ -91,7 +91,13 @@ def begun(name: str, results: str | Path = RESULTS) -> Any:
 
 
 def results(name: str, output: Path) -> Path:
-    """The folder of all results, by a file of a study in it: below the prefix of a module that uses the Snakefile."""
+    """The folder of all results, by a file of a study in it: below the prefix of a module that uses the Snakefile.
+
+    Parameters
+    ----------
+    name : str, the study's
+    output : Path, the file
+    """
     return next(folder.parent for folder in output.parents if (folder.parent.name, folder.name) == (RESULTS.name, name))
 
 
