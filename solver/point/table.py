@@ -63,7 +63,7 @@ class PointKind:
     @property
     def compliance(self) -> Array:
         """N of the contact in the units of the stack; (3, 3)."""
-        return contact_compliance(surface(self.film.stack())[1:, 1:], self)
+        return _contact_compliance(surface(self.film.stack())[1:, 1:], self)
 
     def stiffness(self, added: Array) -> Stiffness:
         """Of the half-space and of what the layers add to loads, edges and their rates (..., 3, 3, 4)."""
@@ -74,14 +74,8 @@ class PointKind:
         )  # fmt: skip
 
 
-def contact_compliance(compliance: Array, kind: PointKind) -> Array:
-    """N of the body with that of the punch, without what the punch does not conduct; (3, 3).
-
-    Parameters
-    ----------
-    compliance : ndarray, shape (3, 3), N of the body
-    kind : PointKind, with the punch
-    """
+def _contact_compliance(compliance: Array, kind: PointKind) -> Array:
+    """N of the body with that of the punch, without what the punch does not conduct; (3, 3)."""
     both = np.array(compliance)
     both[0, 0] += kind.punch / kind.scale[1] ** 2
     return conducted(both, np.array(kind.conducts))
