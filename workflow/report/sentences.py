@@ -170,7 +170,7 @@ def effects(study: Study) -> str:
     assert study.effects is not None
     spans = []
     for name, values in study.effects.vary.items():
-        said = [value if isinstance(value, str) else titles.value(name, value) for value in values]
+        said = [value.replace("_", " ") if isinstance(value, str) else titles.value(name, value) for value in values]
         named = isinstance(values[0], str)
         spans.append(f"{titles.title(name)} {', '.join(said) if named else f'{said[0]} to {said[-1]}'}")
     return f"Varied one at a time: {'; '.join(spans)}."
