@@ -179,7 +179,12 @@ class GapContact(FilmContact):
         return self.body.places[nodes, 0], self.u[nodes, which]
 
     def fields(self, X: ArrayLike, depth: float, layer: int = 0) -> dict[str, Array]:
-        """As without air."""
+        """As without air.
+
+        Parameters
+        ----------
+        X, depth, layer : as of `FilmContact.fields`
+        """
         points = np.column_stack([X, np.full(np.size(X), -depth / self.half_length)])
         return dict(zip(FIELDS, self.body.fluxes(self._inside, points, layer) / self.half_length, strict=True))
 
