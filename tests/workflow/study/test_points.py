@@ -63,6 +63,7 @@ def test_cases_have_the_quantities_of_points_and_no_datum(study: Study) -> None:
 
 
 RESTS = """\
+title: A ball at rest
 fixed: {material: PZT-4, profile: sphere}
 factors:
   radius: {low: 5 mm, high: 50 mm, levels: 3}
