@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from solver.names import PEAKS
+from tests.studies import shipped
 from workflow.study import model, schema
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError, read_material, read_yaml
@@ -311,7 +312,7 @@ factors: {volume_fraction: {low: 0.2, high: 0.8, levels: 4}, friction: {low: 0.0
 
 
 def test_an_effect_of_the_profile_takes_what_each_profile_needs() -> None:
-    study = load(Path("config/parametric.yaml"))
+    study = shipped("parametric")
     assert study.effects is not None
     case = study.effects.case("profile")
     assert {"radius", "width"} <= set(case)
