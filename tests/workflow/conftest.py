@@ -74,9 +74,9 @@ class Project:
         assert not check or done.returncode == 0, done.stdout[-4000:] + done.stderr[-4000:]
         return done
 
-    def snakemake(self, *arguments: str, check: bool = True) -> subprocess.CompletedProcess[str]:
+    def snakemake(self, *arguments: str, check: bool = True, cold: bool = False) -> subprocess.CompletedProcess[str]:
         """Run Snakemake on two cores."""
-        return self.run("snakemake", "--cores", "2", *arguments, check=check)
+        return self.run("snakemake", "--cores", "2", *arguments, check=check, cold=cold)
 
     def planned(self, target: str) -> set[str]:
         """Rules that a dry run would execute for a target."""
