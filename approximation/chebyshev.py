@@ -29,7 +29,13 @@ def gauss_points(count: int) -> Array:
 
 
 def mapped_points(count: int, start: float, end: float) -> Array:
-    """Return the points of `gauss_points` on another interval, from `start` on; (count,)."""
+    """Return the points of `gauss_points` on another interval, from `start` on; (count,).
+
+    Parameters
+    ----------
+    count : int, number of points
+    start, end : float, the interval
+    """
     return np.asarray((start + end) / 2 + (end - start) / 2 * gauss_points(count))
 
 
@@ -57,7 +63,13 @@ def coefficients(values: Array, axis: int = 0) -> Array:
 
 
 def interpolation(count: int, places: Array) -> Array:
-    """Return what takes values at `gauss_points` to the polynomial through them at places; (place, count)."""
+    """Return what takes values at `gauss_points` to the polynomial through them at places; (n, count).
+
+    Parameters
+    ----------
+    count : int, number of points
+    places : ndarray, shape (n,), within [-1, 1]
+    """
     return np.asarray(chebvander(places, count - 1) @ coefficients(np.eye(count)))
 
 
@@ -85,7 +97,13 @@ def polynomials(t: Array, count: int) -> Array:
 
 
 def slopes(t: Array, T: Array) -> Array:
-    """Return the derivatives of the polynomials T, (count, B), at t, (B,): (count, B)."""
+    """Return the derivatives of the polynomials, (count, B).
+
+    Parameters
+    ----------
+    t : ndarray, shape (B,), places
+    T : ndarray, shape (count, B), count > 1, the polynomials there
+    """
     S = np.zeros_like(T)
     S[1] = 1
     for m in range(2, len(T)):

@@ -140,13 +140,25 @@ def _some(count: int) -> Indices:
 
 
 def spacing(place: Array, count: int | Indices) -> Array:
-    """About the distance of Chebyshev points near a place."""
+    """About the distance of Chebyshev points near a place.
+
+    Parameters
+    ----------
+    place : ndarray of any shape, within [-1, 1]
+    count : int or ndarray that broadcasts with it, number of points
+    """
     angle = np.pi / count
     return np.asarray(angle * np.sqrt(np.maximum(1 - place**2, 0)) + angle**2 / 2)
 
 
 def rows(count: int, places: Array) -> Array:
-    """Return what takes values at the points of a panel to value and two derivatives at places: (n, 3, point)."""
+    """Return what takes values at the points of a panel to value and two derivatives at places: (n, 3, count).
+
+    Parameters
+    ----------
+    count : int, number of points
+    places : ndarray, shape (n,), within [-1, 1]
+    """
     if count == 1:
         return np.tile([[1.0], [0.0], [0.0]], (len(places), 1, 1))
     T = np.cos(np.arccos(places)[:, None] * np.arange(count))
@@ -163,9 +175,14 @@ def _derived(count: int) -> Array:
 
 
 def jets(fields: Array, across: Array, down: Array) -> Array:
-    """Return values and derivatives of fields (n, m, down, across) at a place of each: (n, m, 3, 3).
+    """Return values and derivatives of fields at a place of each: (n, m, 3, 3).
 
-    The last axes are the orders in the second and the first coordinate; `across`, `down` are those of `rows`.
+    The last axes are the orders in the second and the first coordinate.
+
+    Parameters
+    ----------
+    fields : ndarray, shape (n, m, down, across), values at the points of a panel
+    across, down : ndarray, shape (n, 3, across), (n, 3, down), as of `rows`
     """
     n, m, height, width = fields.shape
     along = (fields.reshape(n, m * height, width) @ np.swapaxes(across, 1, 2)).reshape(n, m, height, 3)

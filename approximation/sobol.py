@@ -6,10 +6,11 @@ from approximation.arrays import Array
 
 
 def sobol_points(count: int, dimension: int, seed: int | None = 0) -> Array:
-    """The first ``count`` points, of shape ``(count, dimension)``, in the unit cube; in [-1, 1]: twice them less one.
+    """The first points, of shape ``(count, dimension)``, in the unit cube; in [-1, 1]: twice them less one.
 
     Parameters
     ----------
+    count, dimension : int
     seed
         Of Owen's scrambling; ``None`` leaves the sequence as Sobol gave it.
 

@@ -129,7 +129,13 @@ def climb(
 
 
 def hill(jet: Array, bent: Bent) -> tuple[Array, Array]:
-    """Return gradient (2, n) and curvature (3, n), of uu, vv and uv, of a measure by the coordinates of a panel."""
+    """Return gradient, (2, n), and curvature, (3, n), of uu, vv and uv, of a measure by the coordinates of a panel.
+
+    Parameters
+    ----------
+    jet : ndarray, shape (n, m, 3, 3), of the fields, as `panels.jets` gives it
+    bent : Bent, how the measure depends on them
+    """
     slope, steep = bent.slope, jet[..., [0, 1], [1, 0]]  # by u, by v: (n, m, 2)
     gradient = np.asarray(slope[:, None] @ steep)[:, 0].T
     quadratic = np.swapaxes(steep, 1, 2) @ bent.bend @ steep
@@ -138,7 +144,13 @@ def hill(jet: Array, bent: Bent) -> tuple[Array, Array]:
 
 
 def held(place: Array, slope: Array, count: int | Indices) -> Flags:
-    """Whether an end of the panel holds a coordinate, or there is no such coordinate."""
+    """Whether an end of the panel holds a coordinate, or there is no such coordinate.
+
+    Parameters
+    ----------
+    place, slope : ndarray, shape (n,), the coordinate, within [-1, 1], and the measure's derivative by it
+    count : int or ndarray of int, number of the panel's points along it
+    """
     return np.asarray(((np.abs(place) >= 1) & (place * slope > 0)) | (np.asarray(count) == 1))
 
 

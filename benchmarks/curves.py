@@ -51,7 +51,15 @@ def inputs(base: str) -> list[Input]:
 
 
 def solved(base: str, region: str, place: Sequence[float], G: Array, charges: Array) -> dict[str, Array]:
-    """Curves and exact maxima over P/h of cases of one composition and friction; (case, ...)."""
+    """Curves and exact maxima over P/h of cases of one composition and friction; (case, ...).
+
+    Parameters
+    ----------
+    base, region : str, what is below the film, and where its curves lie
+    place : sequence of float, volume fraction and friction
+    G : ndarray, shape (case,), load P R / (h^2 c33)
+    charges : ndarray, shape (case, 2), T/P and J/P as groups
+    """
     fraction, friction = place
     material = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), fraction)
     body = BASES[base][0]
@@ -79,7 +87,13 @@ def solved(base: str, region: str, place: Sequence[float], G: Array, charges: Ar
 
 
 def grid(base: str, region: str, counts: Sequence[int]) -> xr.Dataset:
-    """Curves and maxima on the levels of the groups."""
+    """Curves and maxima on the levels of the groups.
+
+    Parameters
+    ----------
+    base, region : str, what is below the film, and where its curves lie
+    counts : sequence of int, levels of every group
+    """
     axes = [one.levels(count) for one, count in zip(inputs(base), counts, strict=True)]
     loads, *charges = (one.ravel() for one in np.meshgrid(*axes[2:], indexing="ij"))
     parts = [
@@ -94,7 +108,14 @@ def grid(base: str, region: str, counts: Sequence[int]) -> xr.Dataset:
 
 
 def fresh(base: str, region: str, places: int, together: int, seed: int) -> xr.Dataset:
-    """Random cases, some at a time of one composition and friction, over `case`."""
+    """Random cases, some at a time of one composition and friction, over `case`.
+
+    Parameters
+    ----------
+    base, region : str, what is below the film, and where its curves lie
+    places, together : int, compositions with a friction, and cases of each
+    seed : int, of the random generator
+    """
     random, groups = np.random.default_rng(seed), inputs(base)
     columns: dict[str, list[Array]] = {}
     # few as the places are, each lies in a part of its own of either axis
@@ -113,7 +134,13 @@ def fresh(base: str, region: str, places: int, together: int, seed: int) -> xr.D
 
 
 def model(base: str, region: str, error: float) -> CurveGP:
-    """The model of a region, not fitted."""
+    """The model of a region, not fitted.
+
+    Parameters
+    ----------
+    base, region : str, what is below the film, and where its curves lie
+    error : float, of the curves' basis, as a share of their size
+    """
     here = REGIONS[region]
     largest: dict[str, Largest] = {}
     for name in _OUTPUTS[region]:
@@ -133,7 +160,15 @@ def model(base: str, region: str, error: float) -> CurveGP:
 
 
 def compared(base: str, region: str, counts: Sequence[int], cases: xr.Dataset, error: float) -> dict[str, Any]:
-    """Errors of the curves' maxima and of the maximum itself, learnt on the same grid, and times."""
+    """Errors of the curves' maxima and of the maximum itself, learnt on the same grid, and times.
+
+    Parameters
+    ----------
+    base, region : str, what is below the film, and where its curves lie
+    counts : sequence of int, levels of every group
+    cases : Dataset, fresh cases
+    error : float, of the curves' basis, as a share of their size
+    """
     start = process_time()
     data = grid(base, region, counts)
     solved_in = process_time() - start

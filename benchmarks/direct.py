@@ -33,7 +33,13 @@ class Job:
 
 
 def planned(target: str, cores: int) -> tuple[dict[int, Job], dict[int, set[int]]]:
-    """The jobs that Snakemake would run, and which of them each waits for."""
+    """The jobs that Snakemake would run, and which of them each waits for.
+
+    Parameters
+    ----------
+    target : str, of Snakemake
+    cores : int
+    """
     from snakemake.api import SnakemakeApi
     from snakemake.iocontainers import Snakemake
     from snakemake.settings.types import DAGSettings, OutputSettings, Quietness, ResourceSettings
@@ -59,7 +65,14 @@ def planned(target: str, cores: int) -> tuple[dict[int, Job], dict[int, set[int]
 
 
 def run(jobs: dict[int, Job], waits: dict[int, set[int]], cores: int) -> None:
-    """Run every job once those are done that it waits for, as many at a time as there are cores, by priority."""
+    """Run every job once those are done that it waits for, as many at a time as there are cores, by priority.
+
+    Parameters
+    ----------
+    jobs : dict of int to Job
+    waits : dict of int to set of int, for which jobs each waits
+    cores : int
+    """
     order = TopologicalSorter(waits)
     order.prepare()
     ready: list[int] = []
@@ -80,7 +93,13 @@ def _processor() -> float:
 
 
 def main(target: str, cores: int) -> None:
-    """Plan, run, and print what it took."""
+    """Plan, run, and print what it took.
+
+    Parameters
+    ----------
+    target : str, of Snakemake
+    cores : int
+    """
     jobs, waits = planned(target, cores)
     start, used = perf_counter(), _processor()
     run(jobs, waits, cores)

@@ -22,7 +22,12 @@ QUERIES, OUTPUTS = 1_000_000, 21
 
 
 def measure(fresh: int = 1000, held: int = 2500, queries: int = QUERIES) -> dict[str, float]:
-    """Seconds and largest errors over range on fresh cases, before and after the calibration, for every base."""
+    """Seconds and largest errors over range on fresh cases, before and after the calibration, for every base.
+
+    Parameters
+    ----------
+    fresh, held, queries : int, fresh cases, cases of the calibration, and queries that are timed
+    """
     whole = studies.load(ROOT / "config" / "film.yaml")
     found: dict[str, float] = {}
     for base in BASES:
@@ -33,7 +38,14 @@ def measure(fresh: int = 1000, held: int = 2500, queries: int = QUERIES) -> dict
 
 
 def alone(whole: Study, base: str, levels: tuple[int, ...]) -> Study:
-    """The study of films on one base, with these levels of its groups."""
+    """The study of films on one base, with these levels of its groups.
+
+    Parameters
+    ----------
+    whole : Study
+    base : str, below the film
+    levels : tuple of int, of every group
+    """
     groups = {
         text: group.model_dump() | {"levels": count}
         for (text, group), count in zip(whole.groups.items(), levels, strict=True)
@@ -43,7 +55,13 @@ def alone(whole: Study, base: str, levels: tuple[int, ...]) -> Study:
 
 
 def of(study: Study, fresh: int, held: int, queries: int) -> dict[str, float]:
-    """What one data set costs, and what is learnt from it."""
+    """What one data set costs, and what is learnt from it.
+
+    Parameters
+    ----------
+    study : Study
+    fresh, held, queries : int, fresh cases, cases of the calibration, and queries that are timed
+    """
     start = process_time()
     data = factorial.exact(study, factorial.axes(study))
     solved = process_time()

@@ -20,7 +20,13 @@ _NOISE = 1e-10
 
 
 def chebyshev(levels: Sequence[Array], values: Array) -> Predict:
-    """The tensor polynomial through all cases; the transform belongs to the fit."""
+    """The tensor polynomial through all cases; the transform belongs to the fit.
+
+    Parameters
+    ----------
+    levels : sequence of ndarray, shape (n_f,), of every factor in [-1, 1]
+    values : ndarray, shape (n_1, ..., n_d, p), the outputs
+    """
     kept = np.stack([coefficients(own) for own in np.moveaxis(values, -1, 0)], axis=-1)
 
     def predict(at: Array, with_std: bool) -> tuple[Array, None]:
@@ -31,7 +37,13 @@ def chebyshev(levels: Sequence[Array], values: Array) -> Predict:
 
 
 def cubic_spline(levels: Sequence[Array], values: Array) -> Predict:
-    """The tensor product of cubic splines, not-a-knot; of lower degree along a factor with fewer than four levels."""
+    """The tensor product of cubic splines, not-a-knot; of lower degree along a factor with fewer than four levels.
+
+    Parameters
+    ----------
+    levels : sequence of ndarray, shape (n_f,), of every factor in [-1, 1]
+    values : ndarray, shape (n_1, ..., n_d, p), the outputs
+    """
     knots, degrees, kept = [], [min(3, len(own) - 1) for own in levels], values
     for axis, (own, degree) in enumerate(zip(levels, degrees, strict=True)):
         spline = make_interp_spline(own, kept, degree, axis=axis)
@@ -47,6 +59,11 @@ def kronecker(levels: Sequence[Array], values: Array) -> Predict:
     The covariance is a Kronecker product (Y. Saatci, Scalable Inference for Structured Gaussian Process Models, 2011,
     chapter 5): eigenvectors of every factor's matrix diagonalise it, and mean and variance are contractions over the
     whole grid.
+
+    Parameters
+    ----------
+    levels : sequence of ndarray, shape (n_f,), of every factor in [-1, 1]
+    values : ndarray, shape (n_1, ..., n_d, p), the outputs
     """
     parts = [_process(levels, own) for own in np.moveaxis(values, -1, 0)]
 

@@ -47,7 +47,13 @@ class Method:
     symmetric: dict[float, Array] | None = None  # standard deviations to either side, (p,), by level
 
     def inside(self, true: Array, level: float) -> Flags:
-        """Whether the interval of a level holds the truth, (p, n)."""
+        """Whether the interval of a level holds the truth, (p, n).
+
+        Parameters
+        ----------
+        true : ndarray, shape (p, n), in the outputs' units
+        level : float, probability of the interval
+        """
         lower, upper = (
             self.distribution.ends(level) if self.symmetric is None else (-self.symmetric[level], self.symmetric[level])
         )
@@ -59,6 +65,11 @@ def measure(studies: tuple[str, ...] = ("quickstart", "precise", "sensor"), fres
     """Coverage by level, least and largest over quantities, and in the worst parts of the box; PIT, CRPS and errors.
 
     Every study is calibrated on the cases of its own run.
+
+    Parameters
+    ----------
+    studies : tuple of str, their names
+    fresh : int, number of fresh cases
     """
     found: dict[str, float] = {}
     for name in studies:
@@ -72,7 +83,13 @@ def measure(studies: tuple[str, ...] = ("quickstart", "precise", "sensor"), fres
 
 
 def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict[str, float]:
-    """What `measure` gives, for one raw model; calibrates it."""
+    """What `measure` gives, for one raw model; calibrates it.
+
+    Parameters
+    ----------
+    model : GaussianProcess, not calibrated
+    held, fresh : Dataset, over ``case``, for the calibration, and never seen
+    """
     X, true = _cases(model, fresh)
     raw = Method(*_predicted(model, X), Normal())
     seconds = -_seconds(model, X)
@@ -120,7 +137,13 @@ def compare(model: GaussianProcess, held: xr.Dataset, fresh: xr.Dataset) -> dict
 
 
 def worst_parts(t: Array, inside: Flags) -> dict[str, float]:
-    """Least coverage of any output in deciles of an input, corners of two and slabs: t (d, n), flags (p, n)."""
+    """Least coverage of any output in deciles of an input, corners of two and slabs.
+
+    Parameters
+    ----------
+    t : ndarray, shape (d, n), scaled coordinates of the cases
+    inside : ndarray of bool, shape (p, n), whether the interval holds the truth
+    """
     return {
         "worst decile": min(float(inside[:, part].mean(axis=1).min()) for x in t for part in _deciles(x)),
         "worst corner": float(np.nanmin(worst_corner(t, inside))),
@@ -129,7 +152,13 @@ def worst_parts(t: Array, inside: Flags) -> dict[str, float]:
 
 
 def worst_slab(t: Array, inside: Flags) -> Array:
-    """Coverage in the worst slab of every output: scaled cases (d, n), flags (p, n) -> (p,)."""
+    """Coverage in the worst slab of every output, (p,).
+
+    Parameters
+    ----------
+    t : ndarray, shape (d, n), scaled coordinates of the cases
+    inside : ndarray of bool, shape (p, n), whether the interval holds the truth
+    """
     random = np.random.default_rng(0)
     half, width = t.shape[1] // 2, int(SLAB * (t.shape[1] // 2))
     least, judged = np.full(len(inside), np.inf), np.ones(len(inside))
@@ -164,7 +193,10 @@ class _Column(RegressorMixin, BaseEstimator):  # type: ignore[misc]  # untyped
 def beside_mapie(method: Method, errors: Array, std: Array) -> float:
     """Largest difference of standardised intervals to those that MAPIE makes of the same cases, over their width.
 
-    Errors and raw standard deviations of the calibration cases, (p, n).
+    Parameters
+    ----------
+    method : Method, the standardised one
+    errors, std : ndarray, shape (p, n), errors and raw standard deviations of the calibration cases
     """
     from mapie.conformity_scores import ResidualNormalisedScore
     from mapie.regression import SplitConformalRegressor

@@ -76,7 +76,13 @@ SCENARIOS = {
 
 
 def model(X: Array, logs: Array) -> Array:
-    """Four outputs (n, 4) at points (n, 2), of logarithms of nine constants over nominal ones, a family three each."""
+    """Four outputs, (n, 4), of nine constants.
+
+    Parameters
+    ----------
+    X : ndarray, shape (n, 2), points
+    logs : ndarray, shape (9,), logarithms of the constants over nominal ones, a family three each
+    """
     x, y = X[:, 0], np.log10(X[:, 1])
     (c1, c2, c3), (e1, e2, e3), (k1, k2, k3) = np.exp(logs).reshape(3, 3)
     return np.stack(
@@ -96,7 +102,13 @@ def logs(z: Array) -> Array:
 
 
 def slopes(X: Array, z: Array) -> Array:
-    """Derivatives of the outputs by all scaled constants, (n, 4, 12)."""
+    """Derivatives of the outputs by all scaled constants, (n, 4, 12).
+
+    Parameters
+    ----------
+    X : ndarray, shape (n, 2), points
+    z : ndarray, shape (12,), scaled constants
+    """
     steps = 1e-5 * np.eye(12)
     return np.stack([(model(X, logs(z + step)) - model(X, logs(z - step))) / 2e-5 for step in steps], -1)
 
@@ -212,7 +224,15 @@ def judged(device: Device) -> Held:
 
 
 def wrong(found: Learnt, rows: Measurements, off: set[int], scenario: Scenario) -> list[str]:
-    """What is said that is not so."""
+    """What is said that is not so.
+
+    Parameters
+    ----------
+    found : Learnt
+    rows : Measurements
+    off : set of int, numbers of the values that are outliers
+    scenario : Scenario, what is true
+    """
     said = []
     for q, odds in found.odds.items():
         if not scenario.discrepancy and odds > REAL:
@@ -229,7 +249,13 @@ def wrong(found: Learnt, rows: Measurements, off: set[int], scenario: Scenario) 
 
 
 def measure(devices: int = 200, first: int = FIRST) -> dict[str, float]:
-    """Shares of intervals that hold, by scenario."""
+    """Shares of intervals that hold, by scenario.
+
+    Parameters
+    ----------
+    devices : int, of every scenario
+    first : int, seed of the first of them
+    """
     found: dict[str, float] = {}
     for name, scenario in SCENARIOS.items():
         start = process_time()

@@ -24,7 +24,13 @@ _FRESH = 40
 
 
 def measure(tolerance: float = 1e-3, path: str | Path = ROOT / "config" / "two_layers.yaml") -> dict[str, float]:
-    """Places, seconds of processor time, and errors over range: largest of all quantities, their median, voltage."""
+    """Places, seconds of processor time, and errors over range: largest of all quantities, their median, voltage.
+
+    Parameters
+    ----------
+    tolerance : float, over the range, of the cross approximation
+    path : str or path, the study's file
+    """
     study = load(path)
     study = study.model_copy(
         update={"validation": study.validation.model_copy(update={"tolerance": tolerance, "cases": _FRESH})}
@@ -70,18 +76,38 @@ def measure(tolerance: float = 1e-3, path: str | Path = ROOT / "config" / "two_l
 
 
 def scaled(study: Study, box: dict[str, Input], places: xr.Dataset) -> Array:
-    """Places in the scaled coordinates of the crossed factors, (n, d)."""
+    """Places in the scaled coordinates of the crossed factors, (n, d).
+
+    Parameters
+    ----------
+    study : Study
+    box : dict of str to Input
+    places : Dataset, the crossed factors over ``place``, SI
+    """
     return np.stack([box[name].to_unit(places[name].values) for name in study.crossed], axis=1)
 
 
 def solved(study: Study, box: dict[str, Input], t: Array) -> xr.Dataset:
-    """Exact cases at scaled places (n, d) and all levels of the other factors."""
+    """Exact cases at places and all levels of the other factors.
+
+    Parameters
+    ----------
+    study : Study
+    box : dict of str to Input
+    t : ndarray, shape (n, d), scaled coordinates of the crossed factors
+    """
     places = {name: xr.DataArray(box[name].from_unit(t[:, k]), dims="place") for k, name in enumerate(study.crossed)}
     return batches.exact(study, xr.Dataset(places))
 
 
 def blocks(study: Study, cases: xr.Dataset) -> Array:
-    """Cases as blocks, (n, b, p)."""
+    """Cases as blocks, (n, b, p).
+
+    Parameters
+    ----------
+    study : Study
+    cases : Dataset, n places with b levels of the other factors, p outputs
+    """
     whole = [name for name in study.factors if name not in study.crossed]
     arrays = xr.broadcast(*(cases[name] for name in study.outputs))
     return np.stack(

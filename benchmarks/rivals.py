@@ -20,7 +20,13 @@ Fit = Callable[[Array, Array], Predict]
 
 
 def scikit_learn(t: Array, y: Array) -> Predict:
-    """One Gaussian process an output, RBF kernel with a length scale an input, marginal likelihood."""
+    """One Gaussian process an output, RBF kernel with a length scale an input, marginal likelihood.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n, d), scaled coordinates of the cases
+    y : ndarray, shape (n, p), the outputs
+    """
     models = [
         GaussianProcessRegressor(
             ConstantKernel(1.0, (1e-4, 1e5)) * RBF(np.ones(t.shape[1]), (1e-2, 1e3)), alpha=1e-10, random_state=0
@@ -38,19 +44,37 @@ def scikit_learn(t: Array, y: Array) -> Predict:
 
 
 def perceptron(t: Array, y: Array) -> Predict:
-    """Neural network of scikit-learn, two layers of 64, all outputs at once; it has no standard deviation."""
+    """Neural network of scikit-learn, two layers of 64, all outputs at once; it has no standard deviation.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n, d), scaled coordinates of the cases
+    y : ndarray, shape (n, p), the outputs
+    """
     model = MLPRegressor(hidden_layer_sizes=(64, 64), solver="lbfgs", max_iter=1000, tol=1e-7, random_state=0).fit(t, y)
     return lambda at, with_std: (np.asarray(model.predict(at)), None)
 
 
 def rbf_interpolator(t: Array, y: Array) -> Predict:
-    """Scipy's interpolator, quintic, all cases at once; it has no standard deviation."""
+    """Scipy's interpolator, quintic, all cases at once; it has no standard deviation.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n, d), scaled coordinates of the cases
+    y : ndarray, shape (n, p), the outputs
+    """
     model = RBFInterpolator(t, y, kernel="quintic")
     return lambda at, with_std: (np.asarray(model(at)), None)
 
 
 def smt(t: Array, y: Array) -> Predict:
-    """Kriging of the Surrogate Modeling Toolbox, one model an output, one start of its search."""
+    """Kriging of the Surrogate Modeling Toolbox, one model an output, one start of its search.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n, d), scaled coordinates of the cases
+    y : ndarray, shape (n, p), the outputs
+    """
     from smt.surrogate_models import KRG
 
     models = []
@@ -71,7 +95,13 @@ def smt(t: Array, y: Array) -> Predict:
 
 
 def gpytorch(t: Array, y: Array) -> Predict:
-    """Exact batch of independent Gaussian processes in double precision, 100 steps of Adam."""
+    """Exact batch of independent Gaussian processes in double precision, 100 steps of Adam.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n, d), scaled coordinates of the cases
+    y : ndarray, shape (n, p), the outputs
+    """
     import gpytorch as gp
     import torch
 

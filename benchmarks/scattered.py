@@ -68,7 +68,13 @@ FUNCTIONS: dict[str, tuple[Callable[[Array], Array], float]] = {
 
 
 def ours(t: Array, y: Array) -> Predict:
-    """`ScatterGP` as it comes."""
+    """`ScatterGP` as it comes.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n, d), scaled coordinates of the cases
+    y : ndarray, shape (n,), the output
+    """
     names = [f"x{k}" for k in range(t.shape[1])]
     data = xr.Dataset({name: ("case", column) for name, column in zip(names, t.T, strict=True)})
     model = ScatterGP(inputs=[Input(name, -1, 1) for name in names]).fit(data.assign(y=("case", y)))
@@ -81,7 +87,13 @@ def ours(t: Array, y: Array) -> Predict:
 
 
 def scikit_learn(t: Array, y: Array) -> Predict:
-    """Its Gaussian process, RBF kernel with a length scale an input, noise by marginal likelihood."""
+    """Its Gaussian process, RBF kernel with a length scale an input, noise by marginal likelihood.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n, d), scaled coordinates of the cases
+    y : ndarray, shape (n,), the output
+    """
     smooth = ConstantKernel(1.0, (1e-4, 1e5)) * RBF(np.ones(t.shape[1]), (1e-2, 1e3))
     kernel = smooth + WhiteKernel(1e-4, (1e-10, 1.0))
     model = GaussianProcessRegressor(kernel, normalize_y=True, random_state=0).fit(t, y)
@@ -89,7 +101,13 @@ def scikit_learn(t: Array, y: Array) -> Predict:
 
 
 def libkriging(t: Array, y: Array) -> Predict:
-    """Nested kriging (D. Rulliere et al., Stat. Comput. 28 (2018) 849), groups of 250 cases, without noise."""
+    """Nested kriging (D. Rulliere et al., Stat. Comput. 28 (2018) 849), groups of 250 cases, without noise.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n, d), scaled coordinates of the cases
+    y : ndarray, shape (n,), the output
+    """
     import pylibkriging
 
     model = pylibkriging.NestedKriging(y, np.asfortranarray(t), "matern5_2", max(2, len(t) // 250))
@@ -102,7 +120,13 @@ def libkriging(t: Array, y: Array) -> Predict:
 
 
 def smt(t: Array, y: Array) -> Predict:
-    """Kriging of the Surrogate Modeling Toolbox, noise estimated, one start of its search."""
+    """Kriging of the Surrogate Modeling Toolbox, noise estimated, one start of its search.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n, d), scaled coordinates of the cases
+    y : ndarray, shape (n,), the output
+    """
     from smt.surrogate_models import KRG
 
     model = KRG(theta0=[1e-1] * t.shape[1], print_global=False, n_start=1, eval_noise=True)

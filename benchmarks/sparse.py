@@ -24,7 +24,13 @@ def leja(count: int) -> Array:
 
 
 def basis(t: Array, points: Array) -> Array:
-    """Newton's polynomials at t, each one at its own point and zero at those before; (count, B)."""
+    """Newton's polynomials, each one at its own point and zero at those before; (count, B).
+
+    Parameters
+    ----------
+    t : ndarray, shape (B,), places
+    points : ndarray, shape (count,)
+    """
     found = np.ones((len(points), len(t)))
     for level in range(1, len(points)):
         before = points[:level, None]

@@ -11,7 +11,12 @@ INPUTS = [surrogate.Input("volume_fraction", 0.2, 0.8), surrogate.Input("radius"
 
 
 def scattered(count: int, seed: int) -> xr.Dataset:
-    """Random exact cases, along one dimension."""
+    """Random exact cases, along one dimension.
+
+    Parameters
+    ----------
+    count, seed : int, number of cases, and what draws them
+    """
     unit = 2 * qmc.LatinHypercube(len(INPUTS), rng=seed).random(count) - 1
     columns = {one.name: ("case", one.from_unit(unit[:, k])) for k, one in enumerate(INPUTS)}
     return solver.solve(dict(xr.Dataset(columns)) | {"load": 1e4, "friction": 0.2})

@@ -32,7 +32,12 @@ def shown(value: object) -> str:
 
 
 def dot(one: Array, two: Array) -> Array:
-    """Sum of products over the last axis."""
+    """Sum of products over the last axis.
+
+    Parameters
+    ----------
+    one, two : ndarray, shape (..., n)
+    """
     return np.asarray(np.einsum("...i,...i", one, two))
 
 
@@ -64,7 +69,13 @@ def components(vector: Array) -> list[Array]:
 
 
 def power_series(coefficients: Array, x: Points) -> Points:
-    """Sum of coefficients[..., k] x^k (Horner) at points (..., point); case axes of both broadcast."""
+    """Sum of coefficients[..., k] x^k (Horner), (..., point).
+
+    Parameters
+    ----------
+    coefficients : ndarray, shape (..., degree + 1)
+    x : ndarray, shape (..., point); case axes of both broadcast
+    """
     value: Any = coefficients[..., -1, None]
     for k in range(coefficients.shape[-1] - 2, -1, -1):
         value = value * x + coefficients[..., k, None]

@@ -91,5 +91,11 @@ class Outline:
 
 
 def on_datum(units: str, long_name: str, *, on_punch: bool = False) -> Described:
-    """An output that depends on the datum of a half-plane; ``on_punch``: also on that of an elastic punch."""
+    """An output that depends on the datum of a half-plane.
+
+    Parameters
+    ----------
+    units, long_name : str, of the output
+    on_punch : bool, whether it depends on the datum of an elastic punch too
+    """
     return Described(units, long_name, _DATUM, on_datum=True, on_punch=on_punch)

@@ -142,9 +142,14 @@ def _power(text: str) -> Fraction:
 
 @lru_cache(maxsize=1024)  # numbers of a device are asked for at every step of a search
 def in_si(text: str, units: str) -> float:
-    """Read a number with its unit, as ``115 GPa`` or ``115GPa``: its value in `units`, which are of the SI.
+    """Read a number with its unit, as ``115 GPa`` or ``115GPa``: its value in SI.
 
     What a decimal prefix does is rounded once: ``11.2 nF/m`` is 11.2e-9 to the last bit.
+
+    Parameters
+    ----------
+    text : str
+    units : str, of the SI, which the text's unit must fit
 
     Raises
     ------

@@ -135,7 +135,18 @@ def limit() -> None:
 
 
 def examine(path: Path, max_bytes: int) -> None:
-    """Read everything in a file; `NotPlainError` at what is not plain, any other error where it cannot be read."""
+    """Read everything in a file.
+
+    Parameters
+    ----------
+    path : Path, the file
+    max_bytes : int, the most that its contents may take in memory
+
+    Raises
+    ------
+    NotPlainError
+        Something is not plain; any other error where the file cannot be read.
+    """
     hdf5 = Hdf5()
     limit()
     hdf5.check(path)
@@ -180,7 +191,13 @@ def _bounded(what: str, text: str) -> int:
 
 
 def outcome(path: Path, max_bytes: int) -> tuple[int, str]:
-    """Exit status and reason: 0 for a plain file, `NOT_PLAIN`, or 1 for one that cannot be read."""
+    """Exit status and reason: 0 for a plain file, `NOT_PLAIN`, or 1 for one that cannot be read.
+
+    Parameters
+    ----------
+    path : Path, the file
+    max_bytes : int, the most that its contents may take in memory
+    """
     try:
         examine(path, max_bytes)
     except NotPlainError as error:

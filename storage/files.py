@@ -27,6 +27,11 @@ def regular(path: Path) -> Path:
 def output(path: Path, *inputs: Path) -> Path:
     """Where to write what an option asks for: the file itself, or what a link leads to.
 
+    Parameters
+    ----------
+    path : Path, what the option says
+    *inputs : Path, files that are read for it
+
     Raises
     ------
     FileNotFoundError
@@ -47,12 +52,23 @@ def output(path: Path, *inputs: Path) -> Path:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text in UTF-8, whole or not at all."""
+    """Write a text in UTF-8, whole or not at all.
+
+    Parameters
+    ----------
+    path : Path, the file
+    text : str
+    """
     write_bytes(path, text.encode())
 
 
 def write_bytes(path: Path, content: bytes) -> None:
     """Write beside the final name, then rename: a reader never sees half a file.
+
+    Parameters
+    ----------
+    path : Path, the file
+    content : bytes
 
     Raises
     ------

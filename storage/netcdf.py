@@ -140,7 +140,14 @@ def checksum_parts(dataset: xr.Dataset) -> dict[str, str]:
 
 
 def started(dims: Iterable[Hashable], shape: Iterable[int], dtype: np.dtype[Any]) -> "hashlib._Hash":
-    """Digest of a variable's shape, to be fed with its contents, in pieces where it is large."""
+    """Digest of a variable's shape, to be fed with its contents, in pieces where it is large.
+
+    Parameters
+    ----------
+    dims : iterable of str, the variable's
+    shape : iterable of int, along them
+    dtype : dtype, of its values
+    """
     kind = dtype.newbyteorder("<").str if dtype.kind in "biuf" else "text"
     return hashlib.sha256(json.dumps([[str(dim) for dim in dims], list(shape), kind]).encode())
 
@@ -155,13 +162,25 @@ def contents(values: np.ndarray[Any, Any]) -> memoryview | bytes:
 
 
 def finished(digest: "hashlib._Hash", attrs: Mapping[Any, Any]) -> str:
-    """Digest of a variable with its attributes."""
+    """Digest of a variable with its attributes.
+
+    Parameters
+    ----------
+    digest : as `started` gave it, fed with the contents
+    attrs : mapping, the variable's attributes
+    """
     digest.update(_attributes(attrs))
     return digest.hexdigest()
 
 
 def combined(digests: Mapping[str, str], attrs: Mapping[Any, Any]) -> str:
-    """Digest of a whole data set from those of its variables."""
+    """Digest of a whole data set from those of its variables.
+
+    Parameters
+    ----------
+    digests : mapping of str to str, by variable
+    attrs : mapping, the data set's attributes
+    """
     own = {key: value for key, value in attrs.items() if key != CHECKSUM}
     return hashlib.sha256(json.dumps(sorted(digests.items())).encode() + _attributes(own)).hexdigest()
 

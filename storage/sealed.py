@@ -71,7 +71,13 @@ def seal(path: Path) -> None:
 
 
 def check_seal(path: Path, max_bytes: int, *, digest: bool = True) -> str:
-    """Refuse a file that is too large, incomplete or (unless ``digest`` is false) altered, by :class:`FormatError`.
+    """Refuse a file that is too large, incomplete or altered, by :class:`FormatError`.
+
+    Parameters
+    ----------
+    path : Path, the file
+    max_bytes : int, the largest that is read
+    digest : bool, whether it is looked for what was altered, which reads the whole file
 
     Returns
     -------
@@ -93,7 +99,13 @@ def check_seal(path: Path, max_bytes: int, *, digest: bool = True) -> str:
 
 
 def sha256(path: Path, length: int | None = None) -> bytes:
-    """SHA-256 of a file's first ``length`` bytes, by default of all."""
+    """SHA-256 of the beginning of a file.
+
+    Parameters
+    ----------
+    path : Path, the file
+    length : int, bytes; None: all
+    """
     digest, left = hashlib.sha256(), path.stat().st_size if length is None else length
     with path.open("rb") as file:
         while left > 0 and (part := file.read(min(left, 2**20))):

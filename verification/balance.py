@@ -67,7 +67,13 @@ def run(sizes: Sizes) -> Findings:
 
 
 def closed_boxes(case: Case, seed: int) -> float:
-    """Largest resultant over closed boxes in the body, over the sum of the sizes of its sides' resultants."""
+    """Largest resultant over closed boxes in the body, over the sum of the sizes of its sides' resultants.
+
+    Parameters
+    ----------
+    case : Case
+    seed : int, of the random boxes
+    """
     worst = 0.0
     for box in _boxes(seed):
         for along_x, along_y in FLOWS:
@@ -78,7 +84,13 @@ def closed_boxes(case: Case, seed: int) -> float:
 
 
 def circulation(case: Case, seed: int) -> float:
-    """Largest work around closed boxes in the body, over the sum of the sizes of its sides'."""
+    """Largest work around closed boxes in the body, over the sum of the sizes of its sides'.
+
+    Parameters
+    ----------
+    case : Case
+    seed : int, of the random boxes
+    """
     worst = 0.0
     for box in _boxes(seed):
         for along_x, along_y in POTENTIAL_FIELDS:

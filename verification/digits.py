@@ -82,7 +82,13 @@ def _told(case: dict[str, Any]) -> str:
 
 
 def surface_error(case: dict[str, Any], places: tuple[float, ...]) -> float:
-    """Largest relative error of a quantity or of a surface field at a place."""
+    """Largest relative error of a quantity or of a surface field at a place.
+
+    Parameters
+    ----------
+    case : dict, SI, as of `solver.solve`
+    places : tuple of float, over the contact's half-width
+    """
     found = solver.solve(case, places)
     factors = {name: value for name, value in case.items() if name != "material"}
     exact = precise.solve(constants(solver.find(case["material"])), positions=places, **factors)

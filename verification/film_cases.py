@@ -123,7 +123,13 @@ class Solved:
         return {name: solved[name].values for name in names}
 
     def inside(self, at: Array, Y: Array) -> Answers:
-        """``FIELDS`` (depth, place)."""
+        """``FIELDS`` (depth, place).
+
+        Parameters
+        ----------
+        at : ndarray, shape (place,), along the surface over the contact's half-width
+        Y : ndarray, shape (depth,), depths over the same
+        """
         if not self.stacked:
             found = solver.solve_interior(self.case, at, Y, fields=FIELDS)
             return {name: found[name].values for name in FIELDS}

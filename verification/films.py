@@ -78,7 +78,13 @@ def own_base(punch: Case) -> float:
 
 
 def thick(base: Case, expected: tuple[float, float]) -> float:
-    """Largest relative error of how much shorter a thick film makes the contact."""
+    """Largest relative error of how much shorter a thick film makes the contact.
+
+    Parameters
+    ----------
+    base : mapping, what is below the film
+    expected : (float, float), length over that on a half-plane less one, at 10 and at 100 half-widths
+    """
     half = _half(solver.solve(COMPOSITE))
     films = (solver.solve(COMPOSITE | base | {"thickness": ratio * half}) for ratio in (10.0, 100.0))
     return off_each([_half(film) / half - 1 for film in films], expected)

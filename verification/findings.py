@@ -102,19 +102,37 @@ class Findings:
 
 
 def check(name: str, compared: str, tolerance: float, error: Callable[..., float], *of: Any) -> Check:
-    """Measure one error, ``error(*of)``, and its time."""
+    """Measure one error and its time.
+
+    Parameters
+    ----------
+    name, compared : str, what is checked, and against what
+    tolerance : float, in the error's unit
+    error : callable, of `of`, gives the error
+    of : what the error is of
+    """
     start = perf_counter()
     measured = float(error(*of))
     return Check(name, compared, measured, tolerance, perf_counter() - start)
 
 
 def off(found: ArrayLike, expected: ArrayLike) -> float:
-    """Largest difference over the largest expected size."""
+    """Largest difference over the largest expected size.
+
+    Parameters
+    ----------
+    found, expected : array_like of one shape, in one unit
+    """
     found, expected = np.asarray(found, dtype=float), np.asarray(expected, dtype=float)
     return float(np.max(np.abs(found - expected)) / np.max(np.abs(expected)))
 
 
 def off_each(found: ArrayLike, expected: ArrayLike) -> float:
-    """Largest difference of a value over its own expected size."""
+    """Largest difference of a value over its own expected size.
+
+    Parameters
+    ----------
+    found, expected : array_like of one shape, in one unit
+    """
     found, expected = np.asarray(found, dtype=float), np.asarray(expected, dtype=float)
     return float(np.max(np.abs(found - expected) / np.maximum(np.abs(expected), _NOTHING)))

@@ -131,7 +131,15 @@ def _problem(name: str, case: dict[str, Any], terms: int, surface: SurfaceRespon
 
 
 def error(name: str, conducted: tuple[int, ...], terms: int, surface: SurfaceResponse) -> float:
-    """Largest error of an end or a response over itself, or of a surface field over its largest value."""
+    """Largest error of an end or a response over itself, or of a surface field over its largest value.
+
+    Parameters
+    ----------
+    name : str, the profile's
+    conducted : tuple of int, fields that the punch conducts: 1 the electric, 2 the magnetic one
+    terms : int, of every traction
+    surface : SurfaceResponse, of the half-plane
+    """
     case = _case(name, conducted)
     return _difference(solver.solve(case, X), _collocated(name, case, terms, surface))
 
@@ -193,6 +201,12 @@ def timing(name: str, surface: SurfaceResponse, sizes: Sizes) -> Timing:
 
     The collocation has as few terms as 1e-8 needs, and gets the constants of the half-plane for nothing; the closed
     form finds them anew in every call.
+
+    Parameters
+    ----------
+    name : str, the profile's
+    surface : SurfaceResponse, of the half-plane
+    sizes : Sizes, how many cases are timed
     """
     terms = next(n for n in range(3, 9) if error(name, (1, 2), n, surface) <= TOLERANCE)
     random = np.random.default_rng(sizes.seed)

@@ -105,7 +105,13 @@ def hamilton() -> float:
 
 
 def precise(case: Mapping[str, Any], exponent: float, coefficient: float) -> float:
-    """Largest relative error of every quantity that the oracle tells."""
+    """Largest relative error of every quantity that the oracle tells.
+
+    Parameters
+    ----------
+    case : mapping, SI, as of `solver.solve`
+    exponent, coefficient : float, the profile is coefficient r^exponent; of a disc 0 and its radius [m]
+    """
     charges = {"total_charge": 3e-10, "total_flux": -2e-8}
     found = solver.solve({"material": "BaTiO3-CoFe2O4 50:50", "force": 10.0} | charges | dict(case))
     exact = point.quantities(
@@ -193,7 +199,13 @@ def tangents() -> float:
 
 
 def elements(base: str, order: int) -> float:
-    """Largest relative error of force, depth and voltage at the solver's radius."""
+    """Largest relative error of force, depth and voltage at the solver's radius.
+
+    Parameters
+    ----------
+    base : str, below the film: a material or rigid
+    order : int, of the elements' polynomials
+    """
     case = _FILM | {"base": base, "total_charge": 2e-9}
     ours = solver.solve(case)
     layer = Layer(constants(solver.find("PZT-4")), case["thickness"])

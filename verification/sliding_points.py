@@ -40,6 +40,12 @@ def difference(case: dict[str, Any], friction: float, cells: int) -> Difference:
     """Of a ball on a half-space or a film, at the depth that its force has at rest.
 
     Force and charge are over those of the same grid at rest, so that only friction tells them apart.
+
+    Parameters
+    ----------
+    case : dict, SI, as of `solver.solve`
+    friction : float
+    cells : int, of the grid, a side
     """
     grounded, a, (slid, still) = _on_grids(case, friction, cells)
     first = _moments(grounded | {"friction": friction}, a)
@@ -52,7 +58,14 @@ def difference(case: dict[str, Any], friction: float, cells: int) -> Difference:
 
 
 def raised(case: dict[str, Any], friction: float, cells: int) -> tuple[float, float]:
-    """What friction adds to the largest pressure of a grounded ball over that at rest: on the grid, in first order."""
+    """What friction adds to the largest pressure of a grounded ball over that at rest: on the grid, in first order.
+
+    Parameters
+    ----------
+    case : dict, SI, as of `solver.solve`
+    friction : float
+    cells : int, of the grid, a side
+    """
     grounded, _, (slid, still) = _on_grids(case, friction, cells)
     own = solver.solve(grounded | {"friction": np.array([friction, 0.0])})["peak_pressure"].values
     return slid["peak_pressure"] / still["peak_pressure"] - 1, float(own[0] / own[1]) - 1

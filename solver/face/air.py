@@ -74,6 +74,10 @@ class HalfPlaneInAir(FilmInAir):
 def refuse(name: str, what: str) -> NoReturn:
     """Refuse what is not given of contacts with air beside them, by the argument that asks for it.
 
+    Parameters
+    ----------
+    name, what : str, the argument, and what it asks for
+
     Raises
     ------
     FactorError

@@ -56,7 +56,14 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
 
 
 def of_output(described: Described, arrays: Mapping[str, xr.DataArray], kinds: Sequence[Kind]) -> dict[str, str]:
-    """CF attributes of an output of cases of some kinds; what depends on a datum says which ones they have."""
+    """CF attributes of an output of cases of some kinds; what depends on a datum says which ones they have.
+
+    Parameters
+    ----------
+    described : Described, the output
+    arrays : mapping of str to DataArray, the cases' factors
+    kinds : sequence of Kind, those of the cases
+    """
     attrs = _of_body(described, arrays, kinds)
     line = any(kind.contact == "line" for kind in kinds)
     if described.on_punch and line and not set(OF_A_PUNCH).isdisjoint(arrays):

@@ -135,12 +135,18 @@ class Cases:
     ) -> dict[str, xr.Variable]:
         """Outputs over the dimensions of the cases and own axes; what does not vary is a broadcast view.
 
-        ``hollow``: the body has places without fields, which are NaN.
+        Parameters
+        ----------
+        values : mapping of str to ndarray, shape (..., own axes), SI
+        described : mapping of str to Described, the same outputs
+        of : str, what the cases were solved for, which a message names
+        axes : mapping of str to Variable, the own axes; None: none
+        hollow : bool, whether the body has places without fields, which are NaN
 
         Raises
         ------
         FactorError
-            An output is not finite in some case, for these factors ``of``: no file ever holds such a value unawares.
+            An output is not finite in some case: no file ever holds such a value unawares.
         """
         kinds = present(self.arrays)
         own = {name: axis.size for name, axis in (axes or {}).items()}
@@ -153,7 +159,13 @@ class Cases:
         return found
 
     def solved(self, title: str, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
-        """The part of each kind of case, put together, with global attributes."""
+        """The part of each kind of case, put together, with global attributes.
+
+        Parameters
+        ----------
+        title : str, of the solution
+        part : callable, solves the cases of one kind
+        """
         return self._by_kind(part).assign_attrs(attributes(title, self.arrays, self.phases))
 
     def _by_kind(self, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:

@@ -78,7 +78,13 @@ class OnFilm:
         return self._put_together(lambda films, places: self._curves(films, places, regions))
 
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """The surface fields at X, the singular ones also in regular form if asked; (..., position)."""
+        """The surface fields, (..., position).
+
+        Parameters
+        ----------
+        positions : ndarray, shape (position,), X = (x - c)/h
+        regular : bool, whether the singular ones are wanted in regular form too
+        """
         self._refuse_electroded("fields")
 
         def found(films: Films, places: Indices) -> dict[str, Array]:
@@ -93,7 +99,13 @@ class OnFilm:
         return {name: whole[name] for name in order}
 
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """The fields asked for, by default all of ``INTERIOR`` that the materials have; (..., y, x)."""
+        """The fields inside, (..., y, x).
+
+        Parameters
+        ----------
+        x, y : ndarray, shape (x,), (y,), places (x - c)/h and y/h
+        asked : sequence of str, their names; None: all of ``INTERIOR`` that the materials have
+        """
         self._refuse_electroded("fields")
         names = tuple(asked or [name for name in INTERIOR if name not in NEED_C12 or self._bodies.lacks_c12 is None])
         if (lacks := self._bodies.lacks_c12) is not None:

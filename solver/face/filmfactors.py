@@ -24,7 +24,7 @@ def absent(value: object) -> bool:
     )
 
 
-def has(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
+def _has(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
     """Which cases have a factor of films."""
     if name not in arrays:
         return xr.DataArray(False)
@@ -37,7 +37,7 @@ def has(arrays: Mapping[str, xr.DataArray], name: str) -> xr.DataArray:
 
 def kinds_of(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
     """The kind of body of every case, by name: without thickness or stack, of no layers."""
-    layered = xr.DataArray(True) if BODY in arrays else has(arrays, "thickness")
+    layered = xr.DataArray(True) if BODY in arrays else _has(arrays, "thickness")
     pointed, air = _among(arrays, "profile", _POINTED), _among(arrays, "surroundings", [AIR])
     layered, pointed, air = xr.broadcast(layered, pointed, air)
     holds = [
@@ -61,7 +61,7 @@ def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
     FactorError
         Naming the factor, its value and what is allowed.
     """
-    present = {name: has(arrays, name) for name in OF_A_FILM}
+    present = {name: _has(arrays, name) for name in OF_A_FILM}
     film = present["thickness"]
     if BODY in arrays:
         _check_stacks(arrays)
@@ -85,13 +85,18 @@ def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
 def check_elasticity(arrays: Mapping[str, xr.DataArray], body: str) -> None:
     """A base or a punch is either named or has both modulus and Poisson's ratio.
 
+    Parameters
+    ----------
+    arrays : mapping of str to DataArray, the cases' factors
+    body : str, ``base`` or ``punch``
+
     Raises
     ------
     FactorError
         Naming the factor, its value and what is allowed.
     """
     modulus, poisson = f"{body}_modulus", f"{body}_poisson"
-    there = {name: has(arrays, name) for name in (body, modulus, poisson)}
+    there = {name: _has(arrays, name) for name in (body, modulus, poisson)}
     for name in (modulus, poisson):
         refuse(arrays, name, there[name] & there[body], f"beside a {body}; give either")
     for name, other in ((poisson, modulus), (modulus, poisson)):
@@ -111,10 +116,10 @@ def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
     for name in OF_A_GAP:
         if name in arrays:
             usual = FACTORS[name].default
-            told = has(arrays, name) if usual is None else _bare(arrays, name) != usual
+            told = _has(arrays, name) if usual is None else _bare(arrays, name) != usual
             refuse(arrays, name, told & ~air, f"without surroundings: {AIR}; only its gap has one")
     pointed = _among(arrays, "profile", _POINTED)
-    ended = has(arrays, "gap_radius")
+    ended = _has(arrays, "gap_radius")
     if "gap_radius" in arrays:
         refuse(arrays, "gap_radius", ended & ~pointed, "beside a contact along a line; only a point's gap has one")
     if np.any(air & ~ended & _among(arrays, "profile", ["cone", "power"])):
@@ -149,7 +154,15 @@ def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:
 
 
 def refuse(arrays: Mapping[str, xr.DataArray], name: str, bad: xr.DataArray, why: str) -> None:
-    """Raise, with the first offending value, where it is bad."""
+    """Raise FactorError, with the first offending value, where there is one.
+
+    Parameters
+    ----------
+    arrays : mapping of str to DataArray, the cases' factors
+    name : str, the factor
+    bad : DataArray of bool, where its value is not allowed
+    why : str, what the message says behind the value
+    """
     if not np.any(bad):
         return
     values, places = xr.broadcast(arrays[name].drop_vars(arrays[name].coords), bad)

@@ -82,7 +82,13 @@ class OnHalfPlane:
 
     @np.errstate(all="ignore")
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """The surface fields at X, the singular ones also in regular form if asked; (..., position)."""
+        """The surface fields, (..., position).
+
+        Parameters
+        ----------
+        positions : ndarray, shape (position,), X = (x - c)/h
+        regular : bool, whether the singular ones are wanted in regular form too
+        """
         fields = surface_fields(self.contact, positions)
         found: dict[str, Array] = {}
         for name in FIELDS:
@@ -94,7 +100,13 @@ class OnHalfPlane:
 
     @np.errstate(all="ignore")
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """The fields asked for, by default all of ``solver.fields.INTERIOR`` that the material has; (..., y, x)."""
+        """The fields inside, (..., y, x).
+
+        Parameters
+        ----------
+        x, y : ndarray, shape (x,), (y,), places (x - c)/h and y/h
+        asked : sequence of str, their names; None: all of ``solver.fields.INTERIOR`` that the material has
+        """
         names = asked or [name for name in INTERIOR if name not in NEED_C12 or self._has_c12]
         self._require_c12([name for name in names if name in NEED_C12])
         of_stresses = [name for name in names if name in _OF_STRESSES]

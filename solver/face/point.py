@@ -85,7 +85,13 @@ class OnPoints:
 
     @np.errstate(all="ignore")
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """Fields of ``solver.fields.POINT_FIELDS`` at r/a that every case has, as those of a line; (..., position)."""
+        """Fields of ``solver.fields.POINT_FIELDS`` that every case has, as those of a line; (..., position).
+
+        Parameters
+        ----------
+        positions : ndarray, shape (position,), r/a, of sliding punches x/a
+        regular : bool, whether the singular ones are wanted in regular form too
+        """
         found = self.put_together(lambda pressed, own: surface_fields(pressed, positions, self._stretch(own)))
         if np.any(self._friction):
             inside = np.abs(positions) < 1
@@ -98,13 +104,25 @@ class OnPoints:
         return self.with_regular(found, positions) if regular else found
 
     def with_regular(self, found: dict[str, Array], positions: Array) -> dict[str, Array]:
-        """Fields, and those that are singular at the edge times its root; (..., position) each."""
+        """Fields, and those that are singular at the edge times its root; (..., position) each.
+
+        Parameters
+        ----------
+        found : dict of str to ndarray, shape (..., position), the fields
+        positions : ndarray, shape (position,), r/a
+        """
         root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
         return found | {f"{name}_regular": found[name] * root for name in POINT_SINGULAR if name in found}
 
     @np.errstate(all="ignore")
     def interior(self, x: Array, y: Array, asked: Sequence[str] | None) -> dict[str, Array]:
-        """The fields asked for in the plane of symmetry, by default all of ``INTERIOR`` that the materials have."""
+        """The fields inside, in the plane of symmetry, (..., y, x).
+
+        Parameters
+        ----------
+        x, y : ndarray, shape (x,), (y,), places over the contact's radius
+        asked : sequence of str, their names; None: all of ``INTERIOR`` that the materials have
+        """
         names = tuple(asked or [name for name in INTERIOR if name not in POINT_NEED_C12 or self._lacks_c12 is None])
         for name in names:
             if name in POINT_NEED_C12 and self._lacks_c12 is not None:
@@ -147,7 +165,13 @@ class OnPoints:
         output: Callable[[Pressed, Indices], dict[str, Array]],
         parts: Sequence[tuple[Indices, Pressed]] | None = None,
     ) -> dict[str, Array]:
-        """Outputs of every part and its places among the cases, in one; (...)."""
+        """Outputs of every part and its places among the cases, in one; (...).
+
+        Parameters
+        ----------
+        output : callable, gives the outputs of contacts that are pressed and of their places among the cases
+        parts : sequence of (ndarray of int, Pressed), places and contacts; None: those of all cases
+        """
         try:
             found = [(places, output(pressed, places)) for places, pressed in parts or self._parts]
         except ContactError as error:

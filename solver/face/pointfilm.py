@@ -111,7 +111,13 @@ class OnPointFilm(OnPoints):
         return super().peaks(asked)
 
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """As on a half-space; stresses on a film that is graded are those inside it, at its surface."""
+        """As on a half-space; stresses on a film that is graded are those inside it, at its surface.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (position,), r/a, of sliding punches x/a
+        regular : bool, whether the singular ones are wanted in regular form too
+        """
         found = super().surface(positions, regular=regular)
         if self._lacks_c12 is None and any(_stack(pressed).top.graded for _, pressed in self._parts):
             inside = self.interior(positions, np.zeros(1), ["stress_xx", "stress_zz"])
@@ -132,7 +138,13 @@ def _stack(pressed: Pressed) -> Stack:
 
 
 def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Array]:
-    """Quantities of a body, and the nominal field where it is a film."""
+    """Quantities of a body, and the nominal field where it is a film.
+
+    Parameters
+    ----------
+    out : dict of str to ndarray, SI, the quantities
+    pressed : Pressed, whose quantities they are
+    """
     body = pressed.body
     if isinstance(body, Film) and "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)

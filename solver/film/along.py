@@ -21,7 +21,13 @@ def _surface_window(kind: Kind, number: int, positions: tuple[float, ...]) -> Su
 
 
 def fields(films: Films, positions: Array) -> dict[str, Array]:
-    """Fields of ``solver.fields.FIELDS`` at positions X, finite and never exactly +-1; (case, position) each."""
+    """Fields of ``solver.fields.FIELDS``; (case, position) each.
+
+    Parameters
+    ----------
+    films : Films, the cases
+    positions : ndarray, shape (position,), X = (x - c)/h, finite and never exactly +-1
+    """
     count = films.load.size
     out = {name: np.empty((count, positions.size)) for name in FIELDS}
     block = _VALUES // min(positions.size, _POSITIONS)

@@ -45,7 +45,13 @@ class Antiderivatives:
         return np.asarray(np.moveaxis(powers, 0, -1) / np.maximum(np.arange(self.basis.terms + 1), 1))
 
     def pressed(self, z: ComplexArray, terms: Array) -> ComplexArray:
-        """Of w sum_j terms_j P_j, of terms (pressures, c); (point, c)."""
+        """Of w sum_j terms_j P_j; (point, c).
+
+        Parameters
+        ----------
+        z : ndarray of complex, shape (point,), Im z >= 0
+        terms : ndarray, shape (pressures, c)
+        """
         return np.asarray(self._first(z)[:, None] * terms[0] + self._others(z, terms[1:]))
 
     def _first(self, z: ComplexArray) -> ComplexArray:

@@ -116,7 +116,13 @@ class Basis:
         return jacobi(self.pressures, *self.exponents, X)
 
     def dual(self, X: Array, count: int) -> Array:
-        """P_j^(-A,-B), j < count; (count, X)."""
+        """P_j^(-A,-B); (count, X).
+
+        Parameters
+        ----------
+        X : ndarray, shape (X,), points within [-1, 1]
+        count : int, j < count
+        """
         A, B = self.exponents
         return jacobi(count, -A, -B, X).T
 
@@ -153,7 +159,13 @@ class Basis:
         return np.moveaxis(out, 0, -1)
 
     def transformed(self, z: Points, terms: Array) -> Points:
-        """H[w sum_j terms_j P_j] off the contact, of terms (pressures, c): (..., c); z as for :meth:`transforms`."""
+        """H[w sum_j terms_j P_j] off the contact; (..., c).
+
+        Parameters
+        ----------
+        z : ndarray, shape (...), points as for :meth:`transforms`
+        terms : ndarray, shape (pressures, c)
+        """
         apart = 2 * self.terms * np.log(np.abs(ellipse(z)[0]))
         A, B = self.exponents
         out = np.empty((*z.shape, terms.shape[-1]), z.dtype)
@@ -205,7 +217,13 @@ class Basis:
 
 
 def gauss_jacobi(count: int, one: float, other: float) -> tuple[Array, Array]:
-    """Gauss's rule of weight (1 - X)^one (1 + X)^other."""
+    """Gauss's rule of weight (1 - X)^one (1 + X)^other: nodes and weights.
+
+    Parameters
+    ----------
+    count : int, number of nodes
+    one, other : float, > -1
+    """
     with np.errstate(
         invalid="ignore", divide="ignore"
     ):  # SciPy divides by 0 where one + other = -1, in a place that it then replaces
@@ -225,7 +243,14 @@ def log_mean(S: Array) -> Array:
 
 
 def jacobi(count: int, a: float, b: float, X: Points) -> Points:
-    """Jacobi polynomials P_j^(a,b), j < count, at real or complex points, by their recurrence; (..., count)."""
+    """Jacobi polynomials P_j^(a,b), by their recurrence; (..., count).
+
+    Parameters
+    ----------
+    count : int, j < count
+    a, b : float
+    X : ndarray, shape (...), real or complex points
+    """
     values = np.ones((count, *X.shape), X.dtype)
     if count > 1:
         values[1] = (a + 1) + (a + b + 2) * (X - 1) / 2

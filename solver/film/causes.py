@@ -51,7 +51,15 @@ class Loading:
 
     @classmethod
     def of(cls, table: Table, profile: Profile, load: Array, charges: Array) -> Self:
-        """From SI values of cases (case,) and (case, 2)."""
+        """From SI values of cases.
+
+        Parameters
+        ----------
+        table : Table, of the contacts
+        profile : Profile, with parameters over (case,)
+        load : ndarray, shape (case,), P [N/m]
+        charges : ndarray, shape (case, 2), T and J [C/m, Wb/m]
+        """
         scale = table.system.kernel.stack.scale
         slope = np.zeros((load.size, table.system.degree + 1))
         for k, coefficient in enumerate(profile.slope):
@@ -68,7 +76,12 @@ class Loading:
         return sum(self.smooth) - 1
 
     def at(self, half: Array, centre: Array) -> Causes:
-        """Causes at half-lengths and c/h, (case,) or (case, node)."""
+        """Causes at contacts.
+
+        Parameters
+        ----------
+        half, centre : ndarray, shape (case,) or (case, node), half-length h and c/h
+        """
         axes = (slice(None), *(None,) * (half.ndim - 1))
         slope = self.slope[axes]
         powers = _shifted(slope, half, centre)

@@ -31,6 +31,11 @@ def _tractions(kind: Kind, number: int) -> TractionTable:
 def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
     """Those of ``ELECTRODE_QUANTITIES`` and ``STRIP_QUANTITIES`` of ``solver.names`` that are asked for, SI; (case,).
 
+    Parameters
+    ----------
+    films : Films, the cases
+    reading : Reading, what is read of the electrode, over (case,)
+
     Raises
     ------
     StackError

@@ -324,7 +324,13 @@ def _moved(read: Array, rate: Array, causes: Causes) -> Array:
 
 
 def mean_power(centre: Array, n: int) -> Array:
-    """Mean of (X + c/h)^n with weight (1 - X^2)^(3/2), by Gauss's rule."""
+    """Mean of (X + c/h)^n with weight (1 - X^2)^(3/2), by Gauss's rule; (case,).
+
+    Parameters
+    ----------
+    centre : ndarray, shape (case,), c/h
+    n : int
+    """
     count = n // 2 + 4
     angle = np.pi * np.arange(1, count + 1) / (count + 1)
     weights = 8 / 3 * np.sin(angle) ** 4 / (count + 1)

@@ -34,7 +34,13 @@ def peak_pressure(contact: FilmContact) -> Array:
 
 
 def largest(series: Array, exponent: float) -> Array:
-    """Largest (1 - X)^A (1 + X)^B f(X) of Chebyshev series f (case, coefficient), A = alpha, B = 1 - alpha."""
+    """Largest (1 - X)^A (1 + X)^B f(X), A = alpha, B = 1 - alpha; (case,).
+
+    Parameters
+    ----------
+    series : ndarray, shape (case, coefficient), Chebyshev series of f
+    exponent : float, alpha
+    """
     A, B = exponent, 1 - exponent
     count = series.shape[1]
     grid = np.cos(np.pi * (np.arange(_SCAN * count) + 0.5) / (_SCAN * count))

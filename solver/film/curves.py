@@ -16,6 +16,12 @@ from solver.film.peaks import PeakTable
 def region_curves(of: PeakTable, contact: FilmContact, region: str) -> dict[str, Array]:
     """Fields of a region of contacts read from a table, by name; (case, point), SI.
 
+    Parameters
+    ----------
+    of : PeakTable, that is read
+    contact : FilmContact, of the cases
+    region : str, of ``solver.curves.REGIONS``
+
     Raises
     ------
     StackError

@@ -75,7 +75,13 @@ def surface(stack: Stack) -> Array:
 
 
 def difference(stack: Stack, k: Array) -> Array:
-    """What the layers and the base add to :func:`surface`, at wavenumbers k [1/m]; (k, 4, 4)."""
+    """What the layers and the base add to :func:`surface`; (k, 4, 4).
+
+    Parameters
+    ----------
+    stack : Stack
+    k : ndarray, shape (k,), wavenumbers [1/m]
+    """
     added = waves(stack, k)[0].difference
     if not stack.electroded:
         return added
@@ -100,7 +106,13 @@ def local(stack: Stack) -> Array:
 
 
 def beyond_local(stack: Stack, k: Array) -> Array:
-    """What the layers and the base add to it, ``(Delta_f - v Delta_ff) / (p + Delta_ff)``, at wavenumbers k; (k, 4)."""
+    """What the layers and the base add to it, ``(Delta_f - v Delta_ff) / (p + Delta_ff)``; (k, 4).
+
+    Parameters
+    ----------
+    stack : Stack
+    k : ndarray, shape (k,), wavenumbers [1/m]
+    """
     own, row = stack.media[0].compliance[_PHI, _PHI], waves(stack, k)[0].difference[:, _PHI]
     found = (row - local(stack) * row[:, _PHI, None]) / (own + row[:, _PHI, None])
     found[:, _PHI] = 0.0

@@ -179,7 +179,14 @@ class Electrode:
 
 @lru_cache(_KEPT)
 def transfers(stack: Stack, number: int, octave: int) -> tuple[Array, Array, Array]:
-    """As :meth:`Electrode.transfers`, kept, for distances up to 2^octave times the thickness of the top layer."""
+    """As :meth:`Electrode.transfers`, kept.
+
+    Parameters
+    ----------
+    stack : Stack
+    number : int, that of the electrode
+    octave : int, for distances up to 2^octave times the thickness of the top layer
+    """
     return Electrode(stack, number).transfers(2.0**octave * stack.top.thickness)
 
 

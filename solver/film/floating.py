@@ -36,6 +36,12 @@ def stiffness(stack: Stack, number: int, k: Array) -> tuple[Array, float]:
 
     In the units of the stack.
 
+    Parameters
+    ----------
+    stack : Stack
+    number : int, that of the electrode
+    k : ndarray, shape (k,), wavenumbers [1/m]
+
     Raises
     ------
     StackError
@@ -197,5 +203,10 @@ class Strips:
 
 @lru_cache(_KEPT)
 def strips(stack: Stack, number: int, size: float, pitch: float, floating: int) -> Strips:
-    """Kept: what they are found from does not depend on the contact."""
+    """Kept: what they are found from does not depend on the contact.
+
+    Parameters
+    ----------
+    stack, number, size, pitch, floating : as of :class:`Strips`
+    """
     return Strips(stack, number, size, pitch, floating)

@@ -113,10 +113,15 @@ class Medium:
 
 
 def falling(G: Array, s: Array) -> Array:
-    """exp(-G s) for s >= 0, G with eigenvalues of positive real part; both broadcast: (..., 4, 4) and (...).
+    """exp(-G s); (..., 4, 4).
 
     By eigenvectors where they are well conditioned, by Taylor's series of a small enough part, squared again and
     again, elsewhere (degenerate materials). What is squared decays: nothing grows.
+
+    Parameters
+    ----------
+    G : ndarray, shape (..., 4, 4), with eigenvalues of positive real part
+    s : ndarray, shape (...), >= 0
     """
     values, vectors = np.linalg.eig(G)
     if np.max(np.linalg.cond(vectors)) < _WELL_CONDITIONED:

@@ -75,7 +75,13 @@ class Graded(Layer):
 
 
 def staircase(stack: Stack, count: int) -> Stack:
-    """The stack with its graded top layer in homogeneous sublayers of the materials at their middles."""
+    """The stack with its graded top layer in homogeneous sublayers of the materials at their middles.
+
+    Parameters
+    ----------
+    stack : Stack
+    count : int, number of sublayers
+    """
     layer = stack.top
     if not isinstance(layer, Graded):
         raise StackError("layers: the top layer is not graded")
@@ -144,7 +150,13 @@ class GradedMedium:
         return np.asarray(np.moveaxis(chebval(gauss_points(_DEPTHS), derived), -1, 0))
 
     def difference(self, k: Array, below: Array) -> Array:
-        """Y_top - Y0 of the surface at wavenumbers, on bodies of response ``below`` (k, 4, 4); (k, 4, 4)."""
+        """Y_top - Y0 of the surface; (k, 4, 4).
+
+        Parameters
+        ----------
+        k : ndarray, shape (k,), wavenumbers
+        below : ndarray, shape (k, 4, 4), response of the body below
+        """
         table = [self._staircase(k, below, count) for count in _SUBLAYERS]
         for order in range(1, len(table)):
             table = [fine + (fine - coarse) / (4**order - 1) for coarse, fine in pairwise(table)]
@@ -212,16 +224,28 @@ class GradedResponse:
         return out
 
     def decayed(self, k: Array, width: float, count: int = 3) -> Array:
-        """Delta without the first of its tails times 1 - exp(-bk) sum (bk)^i/i!, like k^-(count + 1); (k, 4, 4)."""
+        """Delta without the first of its tails times 1 - exp(-bk) sum (bk)^i/i!, like k^-(count + 1); (k, 4, 4).
+
+        Parameters
+        ----------
+        k : ndarray, shape (k,), wavenumbers [1/m]
+        width : float, b [m]
+        count : int, number of tails
+        """
         orders = np.arange(1, count + 1)[:, None]
         smoothed: Array = np.asarray(gammainc(orders, width * k) / k**orders, dtype=np.float64)
         return np.asarray(self.difference(k) - np.einsum("jk,jab->kab", smoothed, self.tails[:count]))
 
 
 def local_tails(x: Array, width: float) -> Array:
-    """Cosine transforms of the tails times 1 - exp(-bk) sum (bk)^i/i!, j = 1 to 4, at x > 0; (4, x).
+    """Cosine transforms of the tails times 1 - exp(-bk) sum (bk)^i/i!, j = 1 to 4; (4, x).
 
     They are (1/Gamma(j)) int_0^b v^j / (v^2 + x^2) dv: singular at 0, and falling like x^-2.
+
+    Parameters
+    ----------
+    x : ndarray, shape (x,), > 0 [m]
+    width : float, b [m]
     """
     t = x / width
     log, angle = np.log1p(t**-2) / 2, np.arctan(1 / t)
@@ -230,7 +254,13 @@ def local_tails(x: Array, width: float) -> Array:
 
 
 def smooth_tails(x: Array, width: float) -> tuple[Array, Array]:
-    """Smooth parts of the sine and the cosine transforms of the tails, j = 1, 2, 3, at x >= 0; (3, x) each."""
+    """Smooth parts of the sine and the cosine transforms of the tails, j = 1, 2, 3; (3, x) each.
+
+    Parameters
+    ----------
+    x : ndarray, shape (x,), >= 0 [m]
+    width : float, b [m]
+    """
     angle, log = np.arctan(x / width), np.log(x**2 + width**2)
     sines = np.array([-angle, x / 2 * log, width * x / 2 + x**2 / 2 * angle])
     return sines, np.array([log / 2, width + x * angle, width**2 / 4 - x**2 / 4 * log])

@@ -23,7 +23,13 @@ def _window(kind: Kind, number: int) -> TractionTable:
 
 
 def inside(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-    """Fields of ``solver.fields.EVERY_INTERIOR`` at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x).
+    """Fields of ``solver.fields.EVERY_INTERIOR``, NaN in a rigid base; (case, field, y, x).
+
+    Parameters
+    ----------
+    films : Films, the cases
+    x, y : ndarray, shape (x,), (y,), places (x - c)/h and y/h
+    names : tuple of str, the fields
 
     Raises
     ------
@@ -47,7 +53,12 @@ def inside(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
 
 
 def in_blocks(x: Array, y: Array) -> Iterator[tuple[slice, slice]]:
-    """Rows and columns of a grid, some at a time."""
+    """Rows and columns of a grid, some at a time.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (x,), (y,), places of its columns and rows
+    """
     across = min(x.size, _ALONG)
     down = min(y.size, max(_POINTS // across, 1))
     for first in range(0, y.size, down):

@@ -285,7 +285,14 @@ def interior_fields(contact: FilmContact, X: Array, Y: Array, names: tuple[str, 
 
 
 def fields_of(tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...], datum: Array) -> Array:
-    """As :func:`interior_fields`, of tractions of one column and data L [m]; (member,)."""
+    """As :func:`interior_fields`, of tractions of one column.
+
+    Parameters
+    ----------
+    tractions : Tractions
+    X, Y, names : as of :func:`interior_fields`
+    datum : ndarray, shape (member,), L [m]
+    """
     if "magnetic_potential" in names and tractions.system.kernel.stack.insulated:
         raise StackError("magnetic_potential: is not given inside a film on a base that insulates the magnetic field")
     needed = [name for name in names if name in LINEAR]

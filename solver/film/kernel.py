@@ -222,13 +222,26 @@ def graded_strip(stack: Stack) -> float:
 
 
 def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
-    """Nodes and weights in k for what decays like exp(-width k), at distances up to reach [m]; (k,) each."""
+    """Nodes and weights in k for what decays like exp(-width k); (k,) each.
+
+    Parameters
+    ----------
+    stack : Stack
+    reach : float, the largest distance [m]
+    width : float, m
+    """
     ends = panels(stack, width)
     return on_panels(ends, np.full(ends.size - 1, reach))
 
 
 def on_panels(ends: Array, reaches: Array) -> tuple[Array, Array]:
-    """Nodes and weights in k on panels, each for distances up to a reach of its own [m]; (k,) each."""
+    """Nodes and weights in k on panels; (k,) each.
+
+    Parameters
+    ----------
+    ends : ndarray, shape (panel + 1,), of the panels [1/m]
+    reaches : ndarray, shape (panel,), the largest distance that each is for [m]
+    """
     nodes, weights = [], []
     for start, end, reach in zip(ends[:-1], ends[1:], reaches, strict=True):
         parts = int(np.ceil((end - start) * reach / _PHASE))
@@ -240,7 +253,7 @@ def on_panels(ends: Array, reaches: Array) -> tuple[Array, Array]:
     return np.concatenate(nodes), np.concatenate(weights)
 
 
-def ended_at(stack: Stack, width: float, x: Array) -> float | None:
+def _ended_at(stack: Stack, width: float, x: Array) -> float | None:
     """Wavenumber at which Delta may end at distances x that are all long [m]; none where it decays before."""
     least = float(np.min(x))
     if least <= _ENDED * stack.thickness:
@@ -250,15 +263,28 @@ def ended_at(stack: Stack, width: float, x: Array) -> float | None:
 
 
 def tapered(stack: Stack, width: float, x: Array) -> tuple[Array, Array, Array]:
-    """Nodes and weights in k at distances x [m], and a smooth end of Delta that long ones do not see; (k,) each."""
-    end = ended_at(stack, width, x)
+    """Nodes and weights in k, and a smooth end of Delta that long distances do not see; (k,) each.
+
+    Parameters
+    ----------
+    stack : Stack
+    width : float, of what decays like exp(-width k) [m]
+    x : ndarray, shape (x,), distances [m]
+    """
+    end = _ended_at(stack, width, x)
     k, weights = wavenumbers(stack, float(np.max(x)), width if end is None else _DECAYED / end)
     taper = np.ones_like(k) if end is None else erfc((k * float(np.min(x)) - _END) / _SLOPE) / 2
     return k, weights, taper
 
 
 def panels(stack: Stack, width: float) -> Array:
-    """Ends of panels in k, which grow from the smallest structure: unlike layers shift it to k H << 1; (end,)."""
+    """Ends of panels in k, which grow from the smallest structure: unlike layers shift it to k H << 1; (end,).
+
+    Parameters
+    ----------
+    stack : Stack
+    width : float, of what decays like exp(-width k) [m]
+    """
     bodies = [np.diagonal(medium.compliance) for medium in (*stack.media, *filter(None, [stack.base_medium]))]
     size = np.abs(bodies)
     least = float(np.min(np.min(size, 0) / np.max(size, 0)))
@@ -286,7 +312,7 @@ def _transforms(stack: Stack, width: float, x: Array) -> Array:
     by_sine = (weights * np.concatenate([rows[[*range(6), 9]], rows[6:9] / k])).T
     by_cosine = (weights * np.concatenate([rows[6:9], rows[:6] / k])).T
     offset = (datum * weights / k).sum(-1)
-    if (end := ended_at(stack, width, x)) is not None:  # beyond, the datum's part alone is left
+    if (end := _ended_at(stack, width, x)) is not None:  # beyond, the datum's part alone is left
         offset += np.array([regular[i, j] for i, j in ENTRIES[:6]]) * float(exp1(end * width))
     out = np.empty((x.size, 19))
     for block in range(0, x.size, step := max(_MOST // k.size, 1)):

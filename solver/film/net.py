@@ -94,7 +94,13 @@ class Net:
         return _points(np.arccosh(1 + 2j * self.rate / width).real)
 
     def positions(self, half_lengths: Array, t: Array) -> Array:
-        """X = (x - c)/h at coordinates t in -5 to 5, (point,) or (case, point); (case, point)."""
+        """X = (x - c)/h at coordinates along the surface; (case, point).
+
+        Parameters
+        ----------
+        half_lengths : ndarray, shape (case,), h [m]
+        t : ndarray, shape (point,) or (case, point), in -5 to 5
+        """
         h = half_lengths[:, None]
         near = self.half_share * h + self.thickness_share * self.thickness
         beside = np.clip((np.abs(t) - 1) / 2, 0.0, 1.0)
@@ -111,7 +117,13 @@ class Net:
         return np.exp(mapped_points(self.down, *np.log(list(ends)).tolist()))
 
     def depth_at(self, h: float, t: Array) -> Array:
-        """-y/h at coordinates t in -1 to 1 down; as t."""
+        """-y/h at coordinates down; as t.
+
+        Parameters
+        ----------
+        h : float, half-length [m]
+        t : ndarray of any shape, in -1 to 1 down
+        """
         low, high = (np.log(_at(share, h, self.thickness)) for share in (self.top, self.bottom))
         return np.asarray(np.exp((low + high) / 2 + (high - low) / 2 * t) / h)
 
@@ -132,7 +144,7 @@ class Nets:
     @property
     def interface(self) -> Net:
         """Points on the upper side of the lowest interface."""
-        return replace(self._net((0.0, _NEAR), (0.0, 1.0), (0.0, 1.0)), farthest=_TAIL * farthest(self.stack))
+        return replace(self._net((0.0, _NEAR), (0.0, 1.0), (0.0, 1.0)), farthest=_TAIL * _farthest(self.stack))
 
     @property
     def film(self) -> Net:
@@ -146,10 +158,10 @@ class Nets:
 
     def _net(self, near: tuple[float, float], top: tuple[float, float], bottom: tuple[float, float]) -> Net:
         stack = self.stack
-        return Net(*near, farthest(stack), *singular(stack), top, bottom, stack.thickness, self.least, self.most)
+        return Net(*near, _farthest(stack), *singular(stack), top, bottom, stack.thickness, self.least, self.most)
 
 
-def farthest(stack: Stack) -> float:
+def _farthest(stack: Stack) -> float:
     """Distance [m] from the edges beyond which nothing is larger: a stiff film bends a soft base over cube roots."""
     stiffness = max(float(layer.material.c11) for layer in stack.layers)
     base = stiffness if isinstance(stack.base, str) else float(stack.base.c11)

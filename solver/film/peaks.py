@@ -157,7 +157,14 @@ class PeakTable:
         return BodyPeaks(largest[0], np.maximum(largest[1], 0.0))
 
     def read(self, contact: FilmContact, series: Array, some: slice = slice(None)) -> Array:
-        """What some contacts read from a series of this table is at their half-lengths and causes; (case, ...)."""
+        """What some contacts read from a series of this table; (case, ...).
+
+        Parameters
+        ----------
+        contact : FilmContact, with half-lengths and causes
+        series : ndarray, shape (node, ..., cause), over the table's half-lengths
+        some : slice, of the contacts
+        """
         polynomials = self.table.polynomials(np.log(contact.half_width[some]))
         weights = np.einsum("cn,cq->cnq", polynomials, contact.causes.values[some]).reshape(len(polynomials), -1)
         flat = np.moveaxis(series, -1, 1).reshape(weights.shape[1], -1)

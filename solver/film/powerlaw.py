@@ -19,7 +19,13 @@ SMOOTH = 4.0
 
 
 def material_from(constants: Constants, name: str) -> Material:
-    """The material of constants."""
+    """The material of constants.
+
+    Parameters
+    ----------
+    constants : tuple of float, SI, as `constants_of` gives them
+    name : str, the material's
+    """
     *values, conductor = constants
     given: dict[str, Any] = {
         key: np.array(np.nan if value is None else value) for key, value in zip(UNITS, values, strict=True)

@@ -120,7 +120,13 @@ def _start(table: Table, loading: Loading) -> tuple[Array, Array, Array, Array]:
 
 
 def load_at_nodes(table: Table, loading: Loading) -> Array:
-    """Load that each half-length of the table carries; (case, node)."""
+    """Load that each half-length of the table carries; (case, node).
+
+    Parameters
+    ----------
+    table : Table, of the contacts
+    loading : Loading, of the cases
+    """
     h, load = table.half_lengths, table.at_nodes[:, LOAD]
     if loading.order == 1 and loading.slope.shape[-1] == 2:  # the slope of a cylinder knows no centre
         weights = np.stack([h**2 * load[:, 0], load[:, 1], load[:, 2]])

@@ -106,6 +106,11 @@ def peaks(films: Films, asked: Set[str]) -> dict[str, Array]:
 
     A film of several layers has those of its lowest interface and of its base.
 
+    Parameters
+    ----------
+    films : Films, the cases
+    asked : set of str, names of quantities
+
     Raises
     ------
     RangeError
@@ -117,7 +122,14 @@ def peaks(films: Films, asked: Set[str]) -> dict[str, Array]:
 
 
 def peaks_of(films: Films, asked: Set[str], tables: PeakTables) -> dict[str, Array]:
-    """The same from tables of some of the cases each."""
+    """The same from tables of some of the cases each.
+
+    Parameters
+    ----------
+    films : Films, the cases
+    asked : set of str, names of quantities
+    tables : iterable of places among the cases, table and contacts of these
+    """
     bodies = [body for body in _bodies(films.kind) if any(name.startswith(f"{body}_") for name in asked)]
     names = [*_INTERFACE] if asked & set(_INTERFACE) else []
     names += [f"{body}_peak_{of}" for body in bodies for of in ("von_mises", "principal_tension")]
@@ -139,13 +151,25 @@ def curves(films: Films, regions: Sequence[str]) -> dict[str, Array]:
     """Sizes of the contacts, and the curves of regions that the cases have, see ``solver.curves``; (case, ...) each.
 
     Raises as :func:`peaks`.
+
+    Parameters
+    ----------
+    films : Films, the cases
+    regions : sequence of str, of ``solver.curves.REGIONS``
     """
     films.require_one_length()
     return curves_of(films, regions, _peak_tables(films))
 
 
 def curves_of(films: Films, regions: Sequence[str], tables: PeakTables) -> dict[str, Array]:
-    """The same from tables of some of the cases each."""
+    """The same from tables of some of the cases each.
+
+    Parameters
+    ----------
+    films : Films, the cases
+    regions : sequence of str, of ``solver.curves.REGIONS``
+    tables : iterable of places among the cases, table and contacts of these
+    """
     sizes = ("mean_pressure", "half_length")
     out = {name: np.empty(films.load.size) for name in sizes} | {"load_over_thickness": films.load / films.thickness}
     for places, of, own in tables:
@@ -170,7 +194,12 @@ def _peak_tables(films: Films) -> PeakTables:
 
 
 def require_depth(kind: Kind, half_lengths: Array) -> None:
-    """Refuse contacts so wide that the film has no depth below 0.1 h; half-lengths over the top layer's thickness.
+    """Refuse contacts so wide that the film has no depth below 0.1 h.
+
+    Parameters
+    ----------
+    kind : Kind, that of the films
+    half_lengths : ndarray, over the top layer's thickness
 
     Raises
     ------

@@ -95,7 +95,7 @@ class Reading:
         extent
             Of the contacts from their middle; (case,).
         """
-        octaves, found = octave_of(self.reach + extent), list[tuple[Indices, dict[str, Array]]]()
+        octaves, found = _octave_of(self.reach + extent), list[tuple[Indices, dict[str, Array]]]()
         for number in np.unique(self.collector).tolist():
             for octave in np.unique(octaves).tolist():
                 some = np.flatnonzero((self.collector == number) & (octaves == octave))
@@ -169,7 +169,13 @@ class Collected:
 
 
 def joined(parts: list[tuple[Indices, _Outputs]], count: int) -> _Outputs:
-    """Outputs of all cases from those of some, as far as all parts have them; (case,) each."""
+    """Outputs of all cases from those of some, as far as all parts have them; (case,) each.
+
+    Parameters
+    ----------
+    parts : list of (ndarray of int, dict), places among the cases, and outputs of these
+    count : int, number of all cases
+    """
     names = [name for name in parts[0][1] if all(name in values for _, values in parts)]
     out = {name: np.empty(count) for name in names}
     for places, values in parts:
@@ -178,6 +184,6 @@ def joined(parts: list[tuple[Indices, _Outputs]], count: int) -> _Outputs:
     return out
 
 
-def octave_of(reach: Array) -> Indices:
+def _octave_of(reach: Array) -> Indices:
     """Least power of two, from 1 on, of distances over the thickness of the top layer; as ``reach``."""
     return np.asarray(np.ceil(np.log2(np.maximum(reach, 1.0))), dtype=np.intp)

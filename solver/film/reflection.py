@@ -54,7 +54,12 @@ class LayerWaves:
 
 
 def waves(stack: Stack, k: Array) -> list[LayerWaves]:
-    """Waves of every layer, the top one first, at wavenumbers k > 0 [1/m]; (k,).
+    """Waves of every layer, the top one first; (k,).
+
+    Parameters
+    ----------
+    stack : Stack
+    k : ndarray, shape (k,), wavenumbers > 0 [1/m]
 
     Raises
     ------
@@ -67,7 +72,13 @@ def waves(stack: Stack, k: Array) -> list[LayerWaves]:
 
 
 def body_below(stack: Stack, k: Array) -> Array:
-    """Y of what lies below the top layer, under the rules of its interface, at wavenumbers k; (k, 4, 4)."""
+    """Y of what lies below the top layer, under the rules of its interface; (k, 4, 4).
+
+    Parameters
+    ----------
+    stack : Stack
+    k : ndarray, shape (k,), wavenumbers > 0 [1/m]
+    """
     return held(_recursion(stack, k, 1)[0], stack.grounded[0])
 
 
@@ -136,7 +147,13 @@ def _quotient(displacement: Array, traction: Array) -> Array:
 
 
 def held(Y: Array, components: tuple[int, ...]) -> Array:
-    """The body below an interface that holds components of u at zero: its Y for the others; (..., 4, 4)."""
+    """The body below an interface that holds components of u at zero: its Y for the others; (..., 4, 4).
+
+    Parameters
+    ----------
+    Y : ndarray, shape (..., 4, 4), of the body
+    components : tuple of int, of u = (x, y, phi, psi)
+    """
     for c in components:
         pivot = Y[..., c, c]
         share = Y[..., :, c] / np.where(pivot == 0, 1.0, pivot)[..., None]

@@ -88,7 +88,12 @@ class Rough:
         return found[0], found[1]
 
     def pressures(self, X: Array, one: Array, other: Array) -> Array:
-        """Integrals of w P_j at points X, 1 - X, 1 + X; (type, point, pressures)."""
+        """Integrals of w P_j; (type, point, pressures).
+
+        Parameters
+        ----------
+        X, one, other : ndarray, shape (point,), points, and 1 - X and 1 + X of them
+        """
         A, B = self.basis.exponents
         count = self.basis.pressures + 2
         j = np.arange(1, count)
@@ -119,7 +124,12 @@ class Rough:
         return np.asarray(values + (exact - np.pi / 2 * tan * moments - at_one))
 
     def charges(self, one: Array, other: Array) -> Array:
-        """Integrals of T_n / sqrt(1 - X^2) at points 1 - X, 1 + X; (type, point, M + 1)."""
+        """Integrals of T_n / sqrt(1 - X^2); (type, point, M + 1).
+
+        Parameters
+        ----------
+        one, other : ndarray, shape (point,), 1 - X and 1 + X of points
+        """
         count = self.basis.terms + 3
         angle = 2 * np.arctan2(np.sqrt(one), np.sqrt(other))[:, None]
         n = np.arange(1, count)

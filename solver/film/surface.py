@@ -75,7 +75,14 @@ class SurfaceTable:
 
 
 def of_local(system: System, whole: Array, positions: Array) -> FilmFields:
-    """Fields of what :func:`local_fields` tells, summed over the unknowns; (case, 6, position), units of the stack."""
+    """Fields of what :func:`local_fields` tells, summed over the unknowns.
+
+    Parameters
+    ----------
+    system : System, of the contacts
+    whole : ndarray, shape (case, 6, position), the sums, in the units of the stack
+    positions : ndarray, shape (position,), X = (x - c)/h
+    """
     half, scale = system.sliding.halfplane, system.kernel.stack.scale
     t = whole[:, _TRACTIONS] / scale[1:, None]
     gradient = whole[:, _GRADIENTS] * np.array([scale[2], scale[3], scale[0]])[:, None]
@@ -96,7 +103,13 @@ def of_local(system: System, whole: Array, positions: Array) -> FilmFields:
 
 
 def surface_fields(contact: FilmContact, positions: Array) -> FilmFields:
-    """Fields of every case at every position X = (x - c)/h, finite and never exactly +-1."""
+    """Fields of every case at every position.
+
+    Parameters
+    ----------
+    contact : FilmContact, of the cases
+    positions : ndarray, shape (position,), X = (x - c)/h, finite and never exactly +-1
+    """
     return SurfaceTable(contact.table, positions).fields(contact)
 
 

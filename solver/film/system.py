@@ -65,7 +65,13 @@ class Coefficients:
 
     @classmethod
     def of(cls, sliding: Sliding, scale: Array) -> "Coefficients":
-        """From a sliding without case axes."""
+        """From a sliding without case axes.
+
+        Parameters
+        ----------
+        sliding : Sliding, of the top material
+        scale : ndarray, shape (4,), that of the stack
+        """
         half, units = sliding.halfplane, scale[1:]
         both = units[:, None] * units
         fields = tuple(int(f) for f in np.flatnonzero(sliding.conducts))
@@ -221,7 +227,13 @@ class System:
         return basis.pressures + len(self.fields) * (basis.terms + 1) + (basis.order == 1)
 
     def split(self, basis: Basis, unknowns: Array) -> tuple[Array, Array]:
-        """Terms s (..., pressures) and c (..., 2, M + 1), 0 where not conducted, of unknowns (..., unknown)."""
+        """Terms s, (..., pressures), and c, (..., 2, M + 1), 0 where not conducted.
+
+        Parameters
+        ----------
+        basis : Basis, of the tractions
+        unknowns : ndarray, shape (..., unknown)
+        """
         charges = np.zeros((*unknowns.shape[:-1], 2, basis.terms + 1))
         for f, start in self.starts(basis).items():
             charges[..., f, :] = unknowns[..., start : start + basis.terms + 1]

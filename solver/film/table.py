@@ -121,6 +121,12 @@ class Table:
     def narrowed(self, half_length: float, ratio: float = 1.2, nodes: int = 10) -> "Table":
         """A table of the same system about one half-length: as exact as the system itself.
 
+        Parameters
+        ----------
+        half_length : float, m
+        ratio : float, of either end of its range to that
+        nodes : int, number of half-lengths
+
         Raises
         ------
         RangeError
@@ -132,7 +138,13 @@ class Table:
 
 
 def at(system: System, half_lengths: Array) -> Array:
-    """Outputs at half-lengths [m], batched over those of like size; (half, output, cause)."""
+    """Outputs, batched over half-lengths of like size; (half, output, cause).
+
+    Parameters
+    ----------
+    system : System, of the contacts
+    half_lengths : ndarray, shape (half,), m
+    """
     found: Array = np.empty((half_lengths.size, outputs.COUNT, system.causes))
     for basis, members in batches(system, half_lengths):
         found[members] = outputs.outputs(Assembly(system, basis, half_lengths[members]))

@@ -50,7 +50,13 @@ class Tractions:
 
     @classmethod
     def by_cause(cls, system: System, half_lengths: Array) -> Self:
-        """One column for each cause, at half-lengths [m]."""
+        """One column for each cause.
+
+        Parameters
+        ----------
+        system : System, of the contacts
+        half_lengths : ndarray, shape (member,), m
+        """
         basis = system.basis(float(np.max(half_lengths)))
         room = max(BATCH // (8 * 19 * basis.samples * (basis.terms + 2)), 1)
         parts = [
@@ -75,7 +81,14 @@ class Tractions:
         )
 
     def wavenumbers(self, body: Stack, reach: float, width: float) -> tuple[Array, Array]:
-        """Nodes and weights in k of what decays like exp(-width k) in a body, as far as reach [m]; (k,) each."""
+        """Nodes and weights in k of what decays like exp(-width k) in a body; (k,) each.
+
+        Parameters
+        ----------
+        body : Stack
+        reach : float, the largest distance [m]
+        width : float, m
+        """
         return wavenumbers(body, reach, width)
 
     def _vector(self, normal: ComplexArray, fields: Sequence[ComplexArray]) -> list[ComplexArray]:

@@ -43,11 +43,23 @@ class Transforms:
         return replace(self.basis, samples=self.basis.terms + 20 + int(self._switch / 2))
 
     def pressed(self, q: Array, terms: Array) -> ComplexArray:
-        """Of the pressure's terms (member, pressures, column) at q >= 0 (member, q); (member, q, column)."""
+        """Of the pressure; (member, q, column).
+
+        Parameters
+        ----------
+        q : ndarray, shape (member, q), >= 0
+        terms : ndarray, shape (member, pressures, column)
+        """
         return self._whole(q, terms, self._fine.pressure_rule, self._jacobi)
 
     def charged(self, q: Array, terms: Array) -> ComplexArray:
-        """Of a field's terms (member, M + 1, column) at q >= 0 (member, q); (member, q, column)."""
+        """Of a field's charges; (member, q, column).
+
+        Parameters
+        ----------
+        q : ndarray, shape (member, q), >= 0
+        terms : ndarray, shape (member, M + 1, column)
+        """
         return self._whole(q, terms, self._fine.charge_rule, self._bessel)
 
     def _whole(self, q: Array, terms: Array, rule: tuple[Array, Array], recurrence: Recurrence) -> ComplexArray:

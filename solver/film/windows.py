@@ -51,7 +51,13 @@ class Coat:
 
     @classmethod
     def like(cls, layer: Layer, unit: float) -> Self:
-        """Of a layer, with lengths over ``unit`` [m]."""
+        """Of a layer.
+
+        Parameters
+        ----------
+        layer : Layer or Graded
+        unit : float, of the lengths [m]
+        """
         of = layer.profile if isinstance(layer, Graded) else constants_of(layer.material)
         return cls(of, layer.thickness / unit, layer.electric, layer.magnetic)
 
@@ -149,13 +155,25 @@ def critical(kind: Kind) -> float:
 
 @lru_cache(_TABLES)
 def window(kind: Kind, number: int) -> Table:
-    """Table of a film of unit thickness over one window of half-lengths, counted in half decades from 1."""
+    """Table of a film of unit thickness over one window of half-lengths, counted in half decades from 1.
+
+    Parameters
+    ----------
+    kind : Kind, that of the films
+    number : int, that of the window, in half decades from 1
+    """
     return _table(kind, number, _NODES, _ACCURACY)
 
 
 @lru_cache(_TABLES)
 def rough_window(kind: Kind, number: int) -> Table:
-    """The same, good enough to tell whether its half-lengths carry a load."""
+    """The same, good enough to tell whether its half-lengths carry a load.
+
+    Parameters
+    ----------
+    kind : Kind, that of the films
+    number : int, that of the window, in half decades from 1
+    """
     return _table(kind, number, _ROUGH_NODES, _ROUGH_ACCURACY)
 
 
@@ -171,7 +189,13 @@ def _table(kind: Kind, number: int, nodes: int, accuracy: float) -> Table:
 
 @lru_cache(_PEAK_TABLES)
 def peak_window(kind: Kind, number: int) -> PeakTable:
-    """Stresses over one window; of a film no wider than it has a depth below 0.1 h."""
+    """Stresses over one window; of a film no wider than it has a depth below 0.1 h.
+
+    Parameters
+    ----------
+    kind : Kind, that of the films
+    number : int, that of the window, in half decades from 1
+    """
     whole = window(kind, number)
     return PeakTable(replace(whole, upper=min(whole.upper, 0.99 / DEPTH * kind.stack().thickness)))
 

@@ -13,9 +13,16 @@ TURN: ComplexArray = np.array([1, 1j, 1j, 1j, -1j, 1, 1, 1])
 def modal(
     medium: Medium, k: Array, depth: Array, t: ComplexArray, rows: Array, *, upward: bool = False
 ) -> ComplexArray:
-    """Rows of [u,x; t] at depths (member, y) of the wave that starts as t (member, k, 4, column).
+    """Rows of [u,x; t] of a wave at depths; (member, k, y, row, column).
 
-    ``upward``: of the wave that rises, over heights, its traction t mirrored. Returns (member, k, y, row, column).
+    Parameters
+    ----------
+    medium : Medium, of the layer
+    k : ndarray, shape (k,), wavenumbers [1/m]
+    depth : ndarray, shape (member, y), below where the wave starts [m]
+    t : ndarray of complex, shape (member, k, 4, column), with which it starts
+    rows : ndarray, shape (row, 8)
+    upward : bool, whether it rises, over heights, its traction t mirrored
     """
     rates, parts = medium.modes
     own = np.concatenate([medium.compliance, np.eye(4)]) @ parts
@@ -35,7 +42,13 @@ def layer_waves(
 ) -> ComplexArray:
     """Rows of [u,x; t] at depths within a layer; (member, k, y, row, column).
 
-    ``reflected``: without what the layer's own half-plane would carry.
+    Parameters
+    ----------
+    layer : LayerWaves
+    k, rows : as of :func:`modal`
+    depth : ndarray, shape (member, y), below the layer's top [m]
+    amplitude : ndarray of complex, shape (member, k, 4, column), traction of what enters at the top
+    reflected : bool, whether what the layer's own half-plane would carry is left out
     """
     down = -layer.round_trip @ amplitude if reflected else amplitude  # (I + F)^-1 - I = -F (I + F)^-1
     up = layer.reflection @ falling(layer.medium.decay, k * layer.thickness) @ amplitude
@@ -44,7 +57,15 @@ def layer_waves(
 
 
 def below(layer: LayerWaves, k: Array, amplitude: ComplexArray, grounded: tuple[int, ...]) -> ComplexArray:
-    """Tractions on the top of what lies below a layer; an electrode carries the flux that it does not pass on."""
+    """Tractions on the top of what lies below a layer; an electrode carries the flux that it does not pass on.
+
+    Parameters
+    ----------
+    layer : LayerWaves
+    k : ndarray, shape (k,), wavenumbers [1/m]
+    amplitude : ndarray of complex, shape (member, k, 4, column), traction of what enters at the top
+    grounded : tuple of int, components that the interface below holds at zero
+    """
     down = falling(layer.medium.decay, k * layer.thickness) @ amplitude
     t: ComplexArray = down + layer.reflection @ down
     free = [i for i in range(4) if i not in grounded]

@@ -67,7 +67,13 @@ def interior_parts(contact: Contact, x: Array, y: Array, fields: tuple[str, ...]
 
 
 def transforms(contact: Contact, z: ComplexArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """H[S], H[D] and -H[1/sqrt(1 - X^2)] at points z on or above the real axis; (..., point)."""
+    """H[S], H[D] and -H[1/sqrt(1 - X^2)]; (..., point).
+
+    Parameters
+    ----------
+    contact : Contact
+    z : ndarray of complex, shape (..., point), on or above the real axis
+    """
     root: ComplexArray = np.sqrt(z - 1) * np.sqrt(z + 1)
     HS, HD_root = contact.shape.transforms(z, root, contact.pressing.slope)
     inverse = 1 / root
@@ -75,7 +81,13 @@ def transforms(contact: Contact, z: ComplexArray) -> tuple[ComplexArray, Complex
 
 
 def parts_of(contact: Contact, x: Array, y: Array, fields: tuple[str, ...], functions: Functions) -> InteriorParts:
-    """As :func:`interior_parts`, with other functions of z in place of :func:`transforms`."""
+    """As :func:`interior_parts`, with other functions of z in place of :func:`transforms`.
+
+    Parameters
+    ----------
+    contact, x, y, fields : as of :func:`interior_parts`
+    functions : callable, gives the three functions of z
+    """
     half, sliding = contact.halfplane, contact.sliding
     nodes, weights = spectrum(half)
     rows = field_rows(half)[..., [LINEAR.index(name) for name in fields], :]
@@ -137,10 +149,20 @@ def field_rows(half: HalfPlane) -> Array:
 
 
 def von_mises(xx: Array, yy: Array, xy: Array, zz: Array) -> Array:
-    """Von Mises stress of plane strain [Pa]."""
+    """Von Mises stress of plane strain [Pa].
+
+    Parameters
+    ----------
+    xx, yy, xy, zz : ndarray of any shape, stresses [Pa]
+    """
     return np.asarray(np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy**2))
 
 
 def principal_tension(xx: Array, yy: Array, xy: Array, zz: Array) -> Array:
-    """Largest of the three principal stresses [Pa]."""
+    """Largest of the three principal stresses [Pa].
+
+    Parameters
+    ----------
+    xx, yy, xy, zz : ndarray of any shape, stresses [Pa]
+    """
     return np.asarray(np.maximum((xx + yy) / 2 + np.hypot((xx - yy) / 2, xy), zz))

@@ -72,7 +72,14 @@ class Pressing:
 
 
 def press(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -> Pressing:
-    """Contact of the profile under the load P [N/m] on a surface of compliance lam [1/Pa] and friction angle theta.
+    """Contact of the profile under a load.
+
+    Parameters
+    ----------
+    profile : Profile
+    angle : FrictionAngle, theta; (...)
+    lam : ndarray, compliance of the surface [1/Pa]; (...)
+    load : ndarray, P [N/m]; (...)
 
     Raises
     ------

@@ -56,7 +56,14 @@ class Profile:
     def polynomial(
         cls, slope: Sequence[ArrayLike], smooth: tuple[bool, bool] = (True, True), width: ArrayLike | None = None
     ) -> Self:
-        """Any polynomial slope g'(x), coefficients in ascending powers of x [m^-k]; width between two corners [m]."""
+        """Any polynomial slope g'(x).
+
+        Parameters
+        ----------
+        slope : sequence of array_like, coefficients in ascending powers of x [m^-k], each (...)
+        smooth : (bool, bool), whether the trailing and the leading edge are
+        width : array_like, between two corners [m]; None: it has not two
+        """
         coefficients = tuple(np.asarray(c, dtype=np.float64) for c in slope)
         return cls(coefficients, smooth, None if width is None else np.asarray(width, dtype=np.float64))
 
@@ -67,17 +74,36 @@ class Profile:
 
     @classmethod
     def flat(cls, width: Array, slope: Array | float = 0.0, moment: Array | None = None) -> Self:
-        """Flat punch, tilted by a slope or as a moment asks."""
+        """Flat punch, tilted by a slope or as a moment asks.
+
+        Parameters
+        ----------
+        width : ndarray, m; (...)
+        slope : ndarray, of the tilt; (...)
+        moment : ndarray, int x p dx of the pressure about the middle [N]; (...); None: the slope is given
+        """
         return cls((np.asarray(slope),), (False, False), width, moment)
 
     @classmethod
     def wedge(cls, slope: Array, corner: str = "leading") -> Self:
-        """Triangular punch: corner at the leading or the trailing edge, rising at the slope > 0 to the other."""
+        """Triangular punch, rising from its corner to the other edge.
+
+        Parameters
+        ----------
+        slope : ndarray, > 0; (...)
+        corner : {"leading", "trailing"}, the edge at which it is
+        """
         return cls((slope,), (True, False)) if corner == "leading" else cls((-slope,), (False, True))
 
     @classmethod
     def half_cylinder(cls, radius: Array, corner: str = "leading") -> Self:
-        """Half of the cylinder with its corner, and lowest point, at the leading or the trailing edge."""
+        """Half of the cylinder with its corner, and lowest point, at an edge.
+
+        Parameters
+        ----------
+        radius : ndarray, m; (...)
+        corner : {"leading", "trailing"}, the edge at which it is
+        """
         return cls((np.zeros(()), 1 / radius), (corner == "leading", corner != "leading"))
 
     @property

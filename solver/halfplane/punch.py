@@ -26,7 +26,12 @@ class Punch:
 
     @classmethod
     def isotropic(cls, young: ArrayLike, poisson: ArrayLike) -> Self:
-        """From Young's modulus E [Pa] and Poisson's ratio; an infinite modulus is a rigid punch.
+        """The punch of an isotropic material.
+
+        Parameters
+        ----------
+        young : array_like, Young's modulus [Pa]; (...); infinite: a rigid punch
+        poisson : array_like, Poisson's ratio; (...)
 
         Examples
         --------

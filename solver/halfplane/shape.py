@@ -49,9 +49,15 @@ class Shape:
 
     @classmethod
     def of_slope(cls, angle: FrictionAngle, smooth: tuple[bool, bool], slope: Array) -> "Shape":
-        """The shape under the slope G (coefficients (..., degree + 1)); between two corners the one without total.
+        """The shape under a slope; between two corners the one without total.
 
         Between two smooth edges there is one only where :func:`imbalance` is 0.
+
+        Parameters
+        ----------
+        angle : FrictionAngle; (...)
+        smooth : (bool, bool), whether the trailing and the leading edge are
+        slope : ndarray, shape (..., degree + 1), coefficients of G
         """
         power = sum(smooth) - 1  # A + B
         series = _edge_series(angle.delta, smooth, slope.shape[-1] + 1)
@@ -209,7 +215,13 @@ class Shape:
 
 
 def imbalance(angle: FrictionAngle, slope: Array) -> Array:
-    """What must vanish for a contact with two smooth edges under the slope G: the 1/z term of G/X(z); (...)."""
+    """What must vanish for a contact with two smooth edges: the 1/z term of G/X(z); (...).
+
+    Parameters
+    ----------
+    angle : FrictionAngle; (...)
+    slope : ndarray, shape (..., degree + 1), coefficients of G
+    """
     return _coefficient(slope, _edge_series(angle.delta, (True, True), slope.shape[-1]), 0)
 
 

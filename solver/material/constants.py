@@ -160,7 +160,14 @@ class Material:
 
     @classmethod
     def isotropic(cls, young: ArrayLike, poisson: ArrayLike, *, name: str = "isotropic", rho: float = np.nan) -> Self:
-        """Isotropic elastic solid without coupling, vacuum permittivity and permeability; moduli in Pa.
+        """Isotropic elastic solid without coupling, vacuum permittivity and permeability.
+
+        Parameters
+        ----------
+        young : array_like, Young's modulus [Pa]
+        poisson : array_like, Poisson's ratio, -1 < nu < 0.5
+        name : str
+        rho : float, density [kg/m3]; NaN: not known
 
         Raises
         ------
@@ -189,6 +196,10 @@ class Material:
 
     def renamed(self, name: str, source: str = "") -> Self:
         """The same constants under another name and source.
+
+        Parameters
+        ----------
+        name, source : str, the new ones
 
         Examples
         --------

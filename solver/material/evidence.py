@@ -52,7 +52,12 @@ def read_limits(entries: object) -> dict[str, Limit]:
 
 
 def read_alternatives(entries: object, units: Mapping[str, str]) -> tuple[Alternative, ...]:
-    """Alternatives from plain values, ``[{"eps33": 11e-9, "source": "..."}]``; ``units`` by constant.
+    """Alternatives from plain values, ``[{"eps33": 11e-9, "source": "..."}]``.
+
+    Parameters
+    ----------
+    entries : list of dict
+    units : mapping of str to str, of every constant
 
     Raises
     ------

@@ -36,9 +36,14 @@ def published() -> Mapping[str, Mapping[str, float]]:
 
 
 def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Material:
-    """The material of this name, from ``more`` (a user's own) first, then from the built-in ones.
+    """The material of a name.
 
     ``NAME (alternative 1)`` has the constants of the first alternative of NAME, and so on.
+
+    Parameters
+    ----------
+    name : str
+    more : mapping of str to Material, a user's own, which come before the built-in ones
 
     Raises
     ------

@@ -83,7 +83,19 @@ def complete_factorial(
 
 
 def output_names(dataset: xr.Dataset, outputs: Sequence[str] | None, exclude: Sequence[str]) -> list[str]:
-    """Return the names of the outputs to model: those asked for, else every variable but `exclude`."""
+    """Return the names of the outputs to model.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    outputs : sequence of str, those asked for; None: every variable
+    exclude : sequence of str, variables that are not outputs unless they are asked for
+
+    Raises
+    ------
+    ValueError
+        There is none, one is not in the data set, or not numbers.
+    """
     names = [str(name) for name in dataset.data_vars if name not in exclude] if outputs is None else list(outputs)
     if not names:
         raise ValueError("the data set has no variable to model")
@@ -142,7 +154,14 @@ def _inferred(dataset: xr.Dataset, factor: str, levels: Array, chebyshev: bool) 
 
 
 def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Sequence[Input] | None) -> bool:
-    """Whether the levels of all factors are Chebyshev-Gauss levels: of their inputs or, without, of any range."""
+    """Whether the levels of all factors are Chebyshev-Gauss levels.
+
+    Parameters
+    ----------
+    dataset : Dataset, with the levels as coordinates
+    factors : sequence of str
+    inputs : sequence of Input, whose ranges the levels are of; None: of any range
+    """
     try:
         levels = [_levels(dataset, factor) for factor in factors]
         if inputs is None:
@@ -154,7 +173,14 @@ def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Seque
 
 
 def check_levels(inputs: Sequence[Input], levels: Sequence[Array], chebyshev: bool) -> None:
-    """Raise ValueError, naming input and level, unless ascending levels suit their inputs."""
+    """Raise ValueError, naming input and level, unless ascending levels suit their inputs.
+
+    Parameters
+    ----------
+    inputs : sequence of Input
+    levels : sequence of ndarray, shape (n,), of every input in its units
+    chebyshev : bool, whether they must be Chebyshev-Gauss levels
+    """
     for own, values in zip(inputs, levels, strict=True):
         _check_levels(own, values, chebyshev)
 

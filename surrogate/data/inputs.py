@@ -150,7 +150,13 @@ def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear
 
 
 def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
-    """Map physical points to scaled coordinates, as `Input.to_unit`: (n, d) -> (d, n), one contiguous row per input."""
+    """Map physical points to scaled coordinates, as `Input.to_unit`: (d, n), one contiguous row an input.
+
+    Parameters
+    ----------
+    inputs : sequence of Input, d of them
+    X : ndarray, shape (n, d), points in physical units
+    """
     low, width, logs, logits = _scales(tuple(inputs))
     t = np.subtract(X.T, low, order="C")
     if logs.size:

@@ -69,11 +69,23 @@ class Points:
         return xr.Dataset(found, self.coords)
 
     def labelled(self, values: NDArray[Any], attrs: Mapping[str, str]) -> xr.DataArray:
-        """Label one value per point: shape (n,) -> the shape of the broadcast."""
+        """Label one value a point.
+
+        Parameters
+        ----------
+        values : ndarray, shape (n,)
+        attrs : mapping of str to str, of the array
+        """
         return xr.DataArray(values.reshape(self.shape), coords=self.coords, dims=self.dims, attrs=dict(attrs))
 
     def flat(self, array: xr.DataArray, like: xr.DataArray) -> Array:
-        """Broadcast an array to the points, labelled `like` one of their answers: shape (n,)."""
+        """Broadcast an array to the points: (n,).
+
+        Parameters
+        ----------
+        array : DataArray, over some of the points' dimensions
+        like : DataArray, one of the answers at the points
+        """
         return np.asarray(array.broadcast_like(like).transpose(*like.dims).values, dtype=np.float64).ravel()
 
 
@@ -136,13 +148,25 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
 
 
 def outside(X: Array, inputs: Sequence[Input]) -> Flags:
-    """Return, for points (n, d), which entries lie outside the box (NaN counts as outside), shape (n, d)."""
+    """Return which entries lie outside the box, shape (n, d); NaN counts as outside.
+
+    Parameters
+    ----------
+    X : ndarray, shape (n, d), points in physical units
+    inputs : sequence of Input
+    """
     low, high = _margins(tuple(inputs))
     return np.asarray(~((low <= X) & (high >= X)))
 
 
 def require_inside(X: Array, inputs: Sequence[Input]) -> None:
-    """Raise OutOfBoxError, naming input, value and allowed range, unless all points (n, d) lie in the box."""
+    """Raise OutOfBoxError, naming input, value and allowed range, unless all points lie in the box.
+
+    Parameters
+    ----------
+    X : ndarray, shape (n, d), points in physical units
+    inputs : sequence of Input
+    """
     wrong = outside(X, inputs)
     if wrong.any():
         row, column = np.argwhere(wrong)[0]

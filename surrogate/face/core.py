@@ -46,7 +46,10 @@ class Core(ABC):
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
         """Return mean and variance, (p, B) each.
 
-        `weights`, shape (parts, p), multiply the parts of the variance; without them there is no variance.
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
         """
 
     @abstractmethod
@@ -55,7 +58,13 @@ class Core(ABC):
 
     @abstractmethod
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, (d, p, B)."""
+        """Return the weighted variances of these derivatives, (d, p, B).
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance
+        """
 
     @abstractmethod
     def state(self) -> xr.Dataset:
@@ -64,7 +73,19 @@ class Core(ABC):
     @classmethod
     @abstractmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a state; ValueError names what is inconsistent."""
+        """Return the model of a state.
+
+        Parameters
+        ----------
+        stored : Dataset, what `state` gave
+        inputs : tuple of Input
+        outputs : dict, `units` and `long_name` of every output
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
 
     def single(self) -> Single | None:
         """Return the short way of one query alone, None where there is none."""

@@ -184,9 +184,20 @@ class GaussianProcess(Physical, Predictive):
     def predict_array(
         self, X: NDArray[np.floating[Any]], return_std: bool = False, *, extrapolate: bool = False
     ) -> Array | tuple[Array, Array]:
-        """Predict at plain points: X (n, d) in physical units -> (n, n_outputs), or a pair of them with `return_std`.
+        """Predict at plain points: (n, p), or two of them with `return_std`.
 
-        Raises OutOfBoxError for a point outside the box (or NaN) unless `extrapolate`, ValueError for a wrong shape.
+        Parameters
+        ----------
+        X : ndarray, shape (n, d), points in physical units
+        return_std : bool, whether the standard deviations are wanted too
+        extrapolate : bool, whether points may be outside of the box
+
+        Raises
+        ------
+        OutOfBoxError
+            A point is outside of the box, or NaN, without `extrapolate`.
+        ValueError
+            The points have a wrong shape.
         """
         points = np.asarray(X, dtype=np.float64)
         if points.ndim != 2 or points.shape[1] != len(self.inputs_):
@@ -199,11 +210,23 @@ class GaussianProcess(Physical, Predictive):
     ) -> xr.Dataset:
         """Return d output/d input at points, analytically, in physical units.
 
-        Parameters and errors as for `predict` and `interval`. Returns a Dataset with `<output>` over (`input`, the
-        points' dimensions); the coordinates `input` and `input_units` name the inputs and their units. With
-        `return_std` it has, of the derivatives, `<output>_std`, the standard deviation, and `<output>_lower` and
-        `<output>_upper`, the ends of the interval at `level`. They rest on the process's own variance of its
-        derivatives, stretched as `calibrate` stretches that of its values, and on the distribution of the values.
+        Errors as for `predict` and `interval`.
+
+        Parameters
+        ----------
+        points : mapping, Dataset, DataFrame or array, as of `predict`
+        return_std : bool, whether standard deviations and intervals of the derivatives are wanted
+        level : float, probability of the intervals; None: `level_`
+        extrapolate : bool, whether points may be outside of the box
+
+        Returns
+        -------
+        xarray.Dataset
+            `<output>` over (`input`, the points' dimensions); the coordinates `input` and `input_units` name the inputs
+            and their units. With `return_std`, of the derivatives, `<output>_std`, the standard deviation, and
+            `<output>_lower` and `<output>_upper`, the ends of the interval. They rest on the process's own variance of
+            its derivatives, stretched as `calibrate` stretches that of its values, and on the distribution of the
+            values.
         """
         self._require_fitted()
         level = self.checked_level(level)

@@ -32,6 +32,11 @@ PROBE_TOLERANCE = 1e-7
 def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
     """Write a fitted model to a netCDF-4 file, whole or not at all; the same model gives the same bytes.
 
+    Parameters
+    ----------
+    model : GaussianProcess, fitted
+    path : str or path, the file
+
     Raises
     ------
     FileNotFoundError
@@ -51,7 +56,7 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
     ...     [file.name for file in Path(folder).iterdir()]
     ['y.nc']
     """
-    points = probe_points(model.inputs_)
+    points = _probe_points(model.inputs_)
     probes = {"point": points, **_answers(model, points)}
     whole = nested(model).assign({f"probe_{name}": (_PROBE_DIMS[name], values) for name, values in probes.items()})
     title = f"surrogate of {', '.join(model.outputs_)}"[:200]
@@ -199,7 +204,7 @@ def restored(stored: xr.Dataset, engines: tuple[str, ...]) -> GaussianProcess:
     return model
 
 
-def probe_points(inputs: tuple[Input, ...]) -> Array:
+def _probe_points(inputs: tuple[Input, ...]) -> Array:
     """Return a few points spread over the box, (PROBES, d): a Kronecker sequence."""
     steps = np.sqrt(np.arange(2, 2 + len(inputs)) + 0.618)
     share = (np.arange(1, PROBES + 1)[:, None] * steps) % 1

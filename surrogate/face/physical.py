@@ -25,7 +25,13 @@ class Physical(Core):
     calibration_: Calibration | None
 
     def all_mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
-        """Return the same as `mean_std` at any number of points, block by block: (p, n) each."""
+        """Return the same as `mean_std` at any number of points, block by block: (p, n) each.
+
+        Parameters
+        ----------
+        X : ndarray, shape (n, d), points in physical units
+        with_std : bool, whether deviations are wanted; None otherwise
+        """
         mean = np.empty((len(self.outputs_), len(X)))
         std = np.empty_like(mean) if with_std else None
         for block in _slices(len(X)):
@@ -35,7 +41,13 @@ class Physical(Core):
         return mean, std
 
     def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
-        """Return the means and calibrated standard deviations at physical points (B, d) of any place: (p, B) each."""
+        """Return the means and calibrated standard deviations at points of any place: (p, B) each.
+
+        Parameters
+        ----------
+        X : ndarray, shape (B, d), points in physical units
+        with_std : bool, whether deviations are wanted; None otherwise
+        """
         t, calibration = unit_coordinates(self.inputs_, X), self.calibration_
         mean, variance = self.mean_variance(t, self._weights() if with_std else None)
         if not with_std or variance is None:
@@ -47,7 +59,13 @@ class Physical(Core):
         return unit_coordinates(self.inputs_, X)
 
     def variance(self, t: Array, weights: Array) -> Array:
-        """Return the variance of `mean_variance`, (p, B)."""
+        """Return the variance of `mean_variance`, (p, B).
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance
+        """
         variance = self.mean_variance(t, weights)[1]
         return np.zeros((len(self.outputs_), t.shape[1])) if variance is None else variance
 
@@ -92,5 +110,11 @@ def _slices(count: int) -> Iterator[slice]:
 
 
 def in_blocks(t: Array, asked: Callable[[Array], Array]) -> Array:
-    """Return what scaled coordinates (d, n) give, (p, n), asked for in blocks of (d, B) -> (p, B)."""
+    """Return what many points give, (p, n), asked for in blocks.
+
+    Parameters
+    ----------
+    t : ndarray, shape (d, n), scaled coordinates
+    asked : callable, (d, B) -> (p, B)
+    """
     return np.concatenate([asked(t[:, block]) for block in _slices(t.shape[1])], axis=1)

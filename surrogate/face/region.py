@@ -84,7 +84,13 @@ class Region:
         return self.reasons[int(self.which[int(((self.places - t) ** 2).sum(axis=1).argmin())])]
 
     def require(self, X: Array, inputs: Sequence[Input]) -> None:
-        """Raise OutOfRegionError, with the first point's inputs and the reason, unless all points (n, d) lie in it."""
+        """Raise OutOfRegionError, with the first point's inputs and the reason, unless all points lie in the region.
+
+        Parameters
+        ----------
+        X : ndarray, shape (n, d), points in physical units
+        inputs : sequence of Input
+        """
         t = unit_coordinates(inputs, X)
         wrong = ~self.inside(t)
         if wrong.any():
@@ -110,7 +116,18 @@ class Region:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: int) -> Self | None:
-        """Return the region in a file, None where it has none; ValueError names what is inconsistent."""
+        """Return the region in a file, None where it has none.
+
+        Parameters
+        ----------
+        stored : Dataset, the file
+        inputs : int, number of inputs
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
         if "region_degree" not in stored:
             return None
         degrees, coefficients = stored["region_degree"].values, stored["region_coefficient"].values

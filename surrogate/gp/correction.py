@@ -83,6 +83,11 @@ class Correction:
 
         Low degrees are gone: along the factor the error's own terms begin at T_n T_{a+1}, those of others at T_{a+1},
         with the correction's highest degree a; a polynomial's slope grows with its degree.
+
+        Parameters
+        ----------
+        factor : int, number of the factor
+        slope : Features, its features of derivatives at the query's points
         """
         n, above = self.levels[factor], 1 + int(self.indices[:, factor].max())
         return replace(slope, prior=slope.prior * above**2, residual=slope.residual * ((n + above) / n) ** 2)
@@ -106,7 +111,19 @@ class Correction:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, levels: tuple[int, ...], outputs: int) -> Self | None:
-        """Return the correction in a file, None where it has none; ValueError names what is inconsistent."""
+        """Return the correction in a file, None where it has none.
+
+        Parameters
+        ----------
+        stored : Dataset, the file
+        levels : tuple of int, number of levels of every factor
+        outputs : int, number of outputs
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
         if "correction_degree" not in stored:
             return None
         indices, coefficients = stored["correction_degree"].values, stored["correction_coefficient"].values

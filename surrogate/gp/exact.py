@@ -39,7 +39,13 @@ class Exact:
         self.kernels, self.regressors = list(kernels), list(regressors)
 
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return mean and weighted variance at scaled coordinates (d, B): (p, B) each."""
+        """Return mean and weighted variance: (p, B) each.
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (1, p), of the variance; None: no variance
+        """
         if weights is None:
             return np.stack([regressor.predict(t.T) for regressor in self.regressors]), None
         with warnings.catch_warnings():
@@ -57,7 +63,13 @@ class Exact:
         return slopes
 
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, in which noise has no part, (d, p, B)."""
+        """Return the weighted variances of these derivatives, in which noise has no part, (d, p, B).
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (1, p), of the variance
+        """
         slopes = np.empty((len(t), len(self.regressors), t.shape[1]))
         for p, (kernel, regressor) in enumerate(zip(self.kernels, self.regressors, strict=True)):
             size, priors = weights[0, p] * regressor._y_train_std**2, _slope_priors(kernel, regressor, t)
@@ -119,7 +131,15 @@ def regressor(
 def chosen(
     t: Array, values: Array, nugget: float, restarts: int, random_state: int, weights: Array | None
 ) -> tuple[str, GaussianProcessRegressor]:
-    """The kernel under which an output with noise is most likely, each parameter at the price of half ln n (BIC)."""
+    """The kernel under which an output with noise is most likely, each parameter at the price of half ln n (BIC).
+
+    Parameters
+    ----------
+    t : ndarray, shape (n, d), scaled coordinates of the cases
+    values : ndarray, shape (n,), the output
+    nugget, restarts, random_state : float, int, int, as of `ScatterGP`
+    weights : ndarray, shape (n,), what each case counts; None: all alike
+    """
     if np.ptp(values) == 0:
         return "rbf", regressor("rbf", t, values, np.log([1.0] * (t.shape[1] + 1) + [NOISE[0]]), nugget, noisy=True)
     tried = {
@@ -136,7 +156,14 @@ def chosen(
 
 
 def parameters(kernel: str, inputs: int, noisy: bool) -> int:
-    """Number of parameters of a regressor's kernel."""
+    """Number of parameters of a regressor's kernel.
+
+    Parameters
+    ----------
+    kernel : str, its name
+    inputs : int, number of inputs
+    noisy : bool, whether a noise is among the parameters
+    """
     return 1 + inputs * (2 if kernel == "chebyshev" else 1) + noisy
 
 

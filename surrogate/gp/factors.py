@@ -70,7 +70,13 @@ class Factor(ABC):
 
     @abstractmethod
     def features(self, t: Array, modes: int) -> Features:
-        """Return the features at scaled points t, shape (B,), with the first `modes` mean features."""
+        """Return the features at points.
+
+        Parameters
+        ----------
+        t : ndarray, shape (B,), scaled coordinates
+        modes : int, number of the mean's features that are wanted, the smoothest ones
+        """
 
     @abstractmethod
     def slopes(self, t: Array, modes: int) -> Features:
@@ -78,6 +84,11 @@ class Factor(ABC):
 
         These are the derivatives of the mean's functions, and d^2/dx dy at x = y = t of the kernel K(x, y) and of its
         unknown part: the variances of the derivative.
+
+        Parameters
+        ----------
+        t : ndarray, shape (B,), scaled coordinates
+        modes : int, number of the mean's functions that are wanted, the smoothest ones
         """
 
 
@@ -149,7 +160,13 @@ class ChebyshevFactor(Factor):
         return inverse, np.einsum("im,im->i", inverse, self.basis)
 
     def features(self, t: Array, modes: int) -> Features:
-        """Return T_m damped by its alias, K(x, x) and what the levels leave unknown."""
+        """Return T_m damped by its alias, K(x, x) and what the levels leave unknown.
+
+        Parameters
+        ----------
+        t : ndarray, shape (B,), scaled coordinates
+        modes : int, number of the mean's features
+        """
         T = chebyshev.polynomials(t, len(self.decay))
         squares = T * T
         prior, residual = self._shares @ squares
@@ -158,7 +175,13 @@ class ChebyshevFactor(Factor):
         return Features(self._mean(T, modes), prior, residual)
 
     def slopes(self, t: Array, modes: int) -> Features:
-        """Return those of T_m damped by its alias; kernel and unknown part are sums of products T(x) T(y)."""
+        """Return those of T_m damped by its alias; kernel and unknown part are sums of products T(x) T(y).
+
+        Parameters
+        ----------
+        t : ndarray, shape (B,), scaled coordinates
+        modes : int, number of the mean's features
+        """
         T = chebyshev.polynomials(t, len(self.decay))
         S = chebyshev.slopes(t, T)
         n, rows = self.levels, self._damped(modes)
@@ -215,7 +238,7 @@ class StationaryFactor(Factor):
         self.parameter = length_scale
         self._kind, self.t = kind, t
         self.basis, self.weights = polynomial_basis(t), np.ones(len(t))
-        K = correlation(kind, t[:, None] - t, length_scale)[0] + nugget * np.eye(len(t))
+        K = _correlation(kind, t[:, None] - t, length_scale)[0] + nugget * np.eye(len(t))
         eigenvalues, vectors = eigh(K)
         # rounding can push the smallest eigenvalues of a smooth kernel below the nugget
         eigenvalues = np.maximum(eigenvalues, max(nugget, len(t) * np.finfo(float).eps))
@@ -228,15 +251,27 @@ class StationaryFactor(Factor):
         return self._cardinal.T, np.diag(self._inverse)
 
     def features(self, t: Array, modes: int) -> Features:
-        """Return basis^T K^-1 k(X, x), the constant prior and 1 - k^T K^-1 k."""
-        k, _ = correlation(self._kind, t - self.t[:, None], self.parameter)
+        """Return basis^T K^-1 k(X, x), the constant prior and 1 - k^T K^-1 k.
+
+        Parameters
+        ----------
+        t : ndarray, shape (B,), scaled coordinates
+        modes : int, number of the mean's features
+        """
+        k, _ = _correlation(self._kind, t - self.t[:, None], self.parameter)
         white = self._whiten @ k
         residual = np.maximum(1 - np.einsum("ib,ib->b", white, white), 0)
         return Features(self._cardinal[:modes] @ k, np.ones_like(t), residual)
 
     def slopes(self, t: Array, modes: int) -> Features:
-        """Return those of basis^T K^-1 k(X, x), and the variance of the derivative before and after the levels."""
-        _, slope = correlation(self._kind, t - self.t[:, None], self.parameter)
+        """Return those of basis^T K^-1 k(X, x), and the variance of the derivative before and after the levels.
+
+        Parameters
+        ----------
+        t : ndarray, shape (B,), scaled coordinates
+        modes : int, number of the mean's features
+        """
+        _, slope = _correlation(self._kind, t - self.t[:, None], self.parameter)
         white = self._whiten @ slope
         prior = np.full_like(t, steepness(self._kind) / self.parameter**2)
         return Features(
@@ -249,8 +284,15 @@ def steepness(kind: str) -> float:
     return {"rbf": 1.0, "matern32": 3.0, "matern52": 5 / 3}[kind]
 
 
-def correlation(kind: str, difference: Array, length_scale: float) -> tuple[Array, Array]:
-    """Return a stationary correlation function of a difference of coordinates, and its derivative; any shape."""
+def _correlation(kind: str, difference: Array, length_scale: float) -> tuple[Array, Array]:
+    """Return a stationary correlation function and its derivative by the difference.
+
+    Parameters
+    ----------
+    kind : {"rbf", "matern32", "matern52"}
+    difference : ndarray of any shape, of scaled coordinates
+    length_scale : float, in scaled coordinates
+    """
     r = difference / length_scale
     if kind == "rbf":
         k = np.exp(-0.5 * r * r)

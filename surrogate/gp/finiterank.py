@@ -108,8 +108,14 @@ class FiniteRank:
         return cls(indices, coefficients, directions, spectrum, signal, noise, offset, scale)
 
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return the mean and the weighted variance of a new case, its noise included: (p, B) each."""
-        features = products(self.indices, t)
+        """Return the mean and the weighted variance of a new case, its noise included: (p, B) each.
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (2, p), of the process's variance and of the noise's; None: no variance
+        """
+        features = _products(self.indices, t)
         mean = self._physical(self.coefficients.T @ features) + self.offset[:, None]
         if weights is None:
             return mean, None
@@ -120,7 +126,13 @@ class FiniteRank:
         return np.stack([self._physical(self.coefficients.T @ features) for features in self._derived(t)])
 
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, in which the noise has no part, (d, p, B)."""
+        """Return the weighted variances of these derivatives, in which the noise has no part, (d, p, B).
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (2, p), of which the first counts
+        """
         return np.stack([self._posterior(features, weights[0]) for features in self._derived(t)])
 
     def state(self) -> xr.Dataset:
@@ -140,7 +152,18 @@ class FiniteRank:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: int, outputs: int) -> "FiniteRank":
-        """Return the posterior in a file; ValueError names what is inconsistent."""
+        """Return the posterior in a file.
+
+        Parameters
+        ----------
+        stored : Dataset, the file
+        inputs, outputs : int, their numbers
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
         indices = stored["feature_degree"].values
         arrays = [
             stored[name].values
@@ -169,13 +192,18 @@ class FiniteRank:
         return (shares * (weights * self.scale**2)).T @ along
 
     def _derived(self, t: Array) -> Iterator[Array]:
-        return (products(self.indices, t, derived) for derived in range(len(t)))
+        return (_products(self.indices, t, derived) for derived in range(len(t)))
 
 
 def largest(decay: Decay, count: int) -> tuple[Indices, Array]:
     """Return the indices of the largest products of a kernel's coefficients, (count, d), and these, both descending.
 
     One input after the other: what is among the first of all has its first parts among the first of theirs.
+
+    Parameters
+    ----------
+    decay : Decay, the kernel's coefficients by degree of every input
+    count : int, number of products
     """
     indices, weights = np.zeros((1, 0), dtype=np.intp), np.ones(1)
     for coefficients in decay.coefficients(DEGREES):
@@ -186,8 +214,15 @@ def largest(decay: Decay, count: int) -> tuple[Indices, Array]:
     return indices, weights
 
 
-def products(indices: Indices, t: Array, derived: int = -1) -> Array:
-    """Return prod_j T_{a_j}(t_j) of every index, one input's polynomial replaced by its derivative: (r, B)."""
+def _products(indices: Indices, t: Array, derived: int = -1) -> Array:
+    """Return prod_j T_{a_j}(t_j) of every index, one input's polynomial replaced by its derivative: (r, B).
+
+    Parameters
+    ----------
+    indices : ndarray of int, shape (r, d), degrees
+    t : ndarray, shape (d, B), scaled coordinates
+    derived : int, the input whose polynomial is replaced; -1: none
+    """
     found = np.ones((len(indices), t.shape[1]))
     for j, (column, x) in enumerate(zip(indices.T, t, strict=True)):
         T = chebyshev.polynomials(x, max(2, 1 + int(column.max())))
@@ -199,7 +234,7 @@ def _products(t: Array, y: Array, indices: Indices, root_weight: Array) -> tuple
     """Products of the weighted features with each other, (r, r), and with the outputs, (r, p), over all cases."""
     gram, seen = np.zeros((len(indices), len(indices)), order="F"), np.zeros((len(indices), y.shape[1]))
     for start in range(0, t.shape[1], BLOCK):
-        features = products(indices, t[:, start : start + BLOCK])
+        features = _products(indices, t[:, start : start + BLOCK])
         features *= root_weight[start : start + BLOCK]
         # half of the products, added in place; the block's transpose is what LAPACK's order sees
         gram = dsyrk(1.0, features.T, 1.0, gram, trans=1, lower=1, overwrite_c=1)
@@ -216,7 +251,7 @@ def _left(t: Array, y: Array, indices: Indices, coefficients: Array, root_weight
     """Products of the weighted features with what coefficients leave of the outputs, (r, p), and its squares, (p,)."""
     seen, energy = np.zeros_like(coefficients), np.zeros(y.shape[1])
     for start in range(0, t.shape[1], BLOCK):
-        features = products(indices, t[:, start : start + BLOCK])
+        features = _products(indices, t[:, start : start + BLOCK])
         features *= root_weight[start : start + BLOCK]
         left = y[start : start + BLOCK] - features.T @ coefficients
         seen += features @ left
@@ -243,11 +278,24 @@ class Rest:
     energy: Array
 
     def weights(self, spectrum: Array, ratio: Array) -> Array:
-        """Return the posterior means of the weights, (r, p), with noise over signal (p,)."""
+        """Return the posterior means of the weights, (r, p).
+
+        Parameters
+        ----------
+        spectrum : ndarray, shape (r,), what the cases know of every direction
+        ratio : ndarray, shape (p,), noise over signal
+        """
         return np.asarray((self.known + spectrum[:, None] * self.first) / (spectrum[:, None] + ratio))
 
     def variances(self, spectrum: Array, output: int, cases: int) -> tuple[float, float]:
-        """Return the most likely s^2 and sigma^2 of one output: s^2 at its best for every ratio of the two."""
+        """Return the most likely s^2 and sigma^2 of one output: s^2 at its best for every ratio of the two.
+
+        Parameters
+        ----------
+        spectrum : ndarray, shape (r,), what the cases know of every direction
+        output : int, number of the output
+        cases : int, number of cases
+        """
         first, known, energy = self.first[:, output], self.known[:, output], float(self.energy[output])
 
         def left(ratio: float) -> float:

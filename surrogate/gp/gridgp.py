@@ -179,7 +179,13 @@ class GridGP(GaussianProcess):
         return most_predictive(lambda parameter: self.make_factor(t, parameter), grams, bounds)
 
     def make_factor(self, t: Array, parameter: float) -> Factor:
-        """Return the kernel of one factor with scaled levels t, shape (n,), and the given hyper-parameter."""
+        """Return the kernel of one factor.
+
+        Parameters
+        ----------
+        t : ndarray, shape (n,), its levels in the scaled coordinate
+        parameter : float, the kernel's hyper-parameter
+        """
         return factor_of(self.kernel, t, parameter, self.nugget)
 
     def state(self) -> xr.Dataset:
@@ -203,7 +209,19 @@ class GridGP(GaussianProcess):
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a stored state; ValueError names what is inconsistent."""
+        """Return the model of a stored state.
+
+        Parameters
+        ----------
+        stored : Dataset, the state
+        inputs : tuple of Input
+        outputs : dict, `units` and `long_name` of every output
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
         attrs, d = stored.attrs, len(inputs)
         if attrs["kernel"] not in KERNELS:
             raise ValueError(f"unknown kernel {attrs['kernel']!r}")
@@ -264,7 +282,13 @@ class GridGP(GaussianProcess):
         return len(self.inputs_)
 
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and, with weights (parts, p), variances at scaled coordinates (d, B): (p, B) each."""
+        """Return means and, with weights, variances: (p, B) each.
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
+        """
         features = self._features(t)
         mean = self.train_.evaluate([features[k].mean for k in self.order_])
         mean *= self.scale_[:, None]
@@ -327,7 +351,12 @@ class GridGP(GaussianProcess):
         return plain
 
     def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
-        """Learn the correction of the means, see `surrogate.gp.correction`; other kernels have none."""
+        """Learn the correction of the means, see `surrogate.gp.correction`; other kernels have none.
+
+        Parameters
+        ----------
+        dataset, errors, t, groups : the cases, as of `Core.corrected`
+        """
         if self.kernel != "chebyshev":
             return errors
         counts = tuple(map(len, self.levels_))
@@ -336,7 +365,13 @@ class GridGP(GaussianProcess):
         return left
 
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, (d, p, B)."""
+        """Return the weighted variances of these derivatives, (d, p, B).
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance
+        """
         features, slopes = self._features(t), self._features(t, slopes=True)
         if self.correction_ is not None:
             slopes = [self.correction_.steepened(k, slope) for k, slope in enumerate(slopes)]

@@ -46,9 +46,15 @@ def level_errors(factor: Factor, grams: Array) -> tuple[Array, Array]:
 def most_predictive(make: Callable[[float], Factor], grams: Array, bounds: tuple[float, float]) -> Factor:
     """Return the factor whose parameter maximises the leave-one-level-out predictive density, summed over outputs.
 
-    The parameter is searched for within `bounds` on a log scale. A kernel with a constant has unit variance averaged
-    over the levels, as the standardised outputs have, so that its decay follows the size of the errors: the mean hardly
-    depends on it. The variance of a stationary kernel is profiled out for every output.
+    A kernel with a constant has unit variance averaged over the levels, as the standardised outputs have, so that its
+    decay follows the size of the errors: the mean hardly depends on it. The variance of a stationary kernel is profiled
+    out for every output.
+
+    Parameters
+    ----------
+    make : callable, gives the factor of a parameter
+    grams : ndarray, shape (p, n, n), C C^T of every output along the factor
+    bounds : (float, float), of the parameter, which is searched for on a log scale
     """
 
     def cost(logarithm: float) -> float:
@@ -82,6 +88,11 @@ def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array
     The mean does not depend on either. With standardised outputs, prior variance averaged over the levels is 1, and the
     amplitude of a factor makes its leave-one-level-out errors as large as predicted. Without a constant in the kernel
     the amplitudes are 1 and the variance makes the errors of the worst factor as large as predicted.
+
+    Parameters
+    ----------
+    factors : sequence of Factor, d of them
+    grams : sequence of ndarray, shape (p, n, n), C C^T of every output along each factor
     """
     outputs = len(grams[0])
     ratios, sizes = np.empty((len(factors), outputs)), np.empty(len(factors))

@@ -33,7 +33,13 @@ class Decay:
 
 
 def kernel(decay: Decay, t: Array, at: Array) -> Array:
-    """Return the kernel between scaled coordinates (d, n) and (d, m): (n, m)."""
+    """Return the kernel, (n, m).
+
+    Parameters
+    ----------
+    decay : Decay, its coefficients
+    t, at : ndarray, shape (d, n), (d, m), scaled coordinates
+    """
     product = np.ones((t.shape[1], at.shape[1]))
     for first, rho, x, y in zip(decay.first, decay.rho, t, at, strict=True):
         product *= 1 + first * sums(x, y, rho)[0]
@@ -41,7 +47,13 @@ def kernel(decay: Decay, t: Array, at: Array) -> Array:
 
 
 def squares(decay: Decay, t: Array) -> Array:
-    """Return the kernel of scaled coordinates (d, n) with themselves, (n,)."""
+    """Return the kernel of points with themselves, (n,).
+
+    Parameters
+    ----------
+    decay : Decay, its coefficients
+    t : ndarray, shape (d, n), scaled coordinates
+    """
     product = np.ones(t.shape[1])
     for first, rho, x in zip(decay.first, decay.rho, np.clip(t, -1, 1), strict=True):
         cosine = 2 * x * x - 1  # of the sum of the angles; that of their difference is one
@@ -116,7 +128,13 @@ def _cost(logs: Array, t: Array, y: Array, share: Array | float = 1.0) -> tuple[
 
 
 def sums(x: Array, y: Array, rho: float) -> tuple[Array, Array]:
-    """sum_{m>0} rho^(m-1) T_m(x) T_m(y), (n, m), and its slope by rho."""
+    """sum_{m>0} rho^(m-1) T_m(x) T_m(y), (n, m), and its slope by rho.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (n,), (m,), scaled coordinates
+    rho : float, the kernel's decay, in [0, 1)
+    """
     inside = np.clip(x, -1, 1), np.clip(y, -1, 1)
     a, b = (np.arccos(cosine) for cosine in inside)
     even = np.multiply.outer(*inside)
@@ -131,7 +149,13 @@ def sums(x: Array, y: Array, rho: float) -> tuple[Array, Array]:
 
 
 def sum_slopes(x: Array, y: Array, rho: float) -> Array:
-    """Slopes by x of the sums of `sums`, (n, m), by the quotient of polynomials that these are; zero beyond [-1, 1]."""
+    """Slopes by x of the sums of `sums`, (n, m), by the quotient of polynomials that these are; zero beyond [-1, 1].
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (n,), (m,), scaled coordinates
+    rho : float, the kernel's decay, in [0, 1)
+    """
     inside = np.clip(x, -1, 1)[:, None], np.clip(y, -1, 1)[None]
     below, above, _, by_below, by_above = _quotient(*inside, rho)
     slope = (by_above / 2 - above / below / 2 * by_below) / below
@@ -139,7 +163,13 @@ def sum_slopes(x: Array, y: Array, rho: float) -> Array:
 
 
 def sum_curvature(x: Array, rho: float) -> Array:
-    """Slopes by x and by y of the sums of `sums` at y = x, (n,)."""
+    """Slopes by x and by y of the sums of `sums` at y = x, (n,).
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,), scaled coordinates
+    rho : float, the kernel's decay, in [0, 1)
+    """
     inside = np.clip(x, -1, 1)
     below, above, squared, by_below, by_above = _quotient(inside, inside, rho)
     value = above / below / 2

@@ -73,9 +73,18 @@ def unit_variance(
 
 
 def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) -> tuple[Array, float, float]:
-    """Standardise one output and take its coefficients in the factors' bases; fills the Gram matrix of every factor.
+    """Standardise one output and take its coefficients in the factors' bases.
 
-    Returns coefficients (n_1, ..., n_d), offset and scale.
+    Parameters
+    ----------
+    values : ndarray, shape (n_1, ..., n_d), the output
+    bases : sequence of ndarray, shape (n_f, n_f), orthonormal columns of every factor
+    grams : sequence of ndarray, shape (n_f, n_f), into which the coefficients' products along every factor are written
+
+    Returns
+    -------
+    coefficients : ndarray, shape (n_1, ..., n_d)
+    offset, scale : float, the output's units
     """
     offset = float(values.mean())
     rest: Any = values - offset
@@ -90,7 +99,14 @@ def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) 
 
 
 def significant(coefficients: Array, grams: Sequence[Array], allowed: float) -> Array:
-    """Drop the highest modes of every factor, as long as their sum of squares stays within `allowed` per factor."""
+    """Drop the highest modes of every factor, as long as their sum of squares stays small.
+
+    Parameters
+    ----------
+    coefficients : ndarray, shape (n_1, ..., n_d), of one output
+    grams : sequence of ndarray, shape (n_f, n_f), their products along every factor
+    allowed : float, sum of squares that may be dropped per factor
+    """
     sizes = []
     for gram in grams:
         tail = np.cumsum(np.diag(gram)[::-1])[::-1]

@@ -165,7 +165,19 @@ class ScatterGP(GaussianProcess):
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a stored state; ValueError names what is inconsistent."""
+        """Return the model of a stored state.
+
+        Parameters
+        ----------
+        stored : Dataset, the state
+        inputs : tuple of Input
+        outputs : dict, `units` and `long_name` of every output
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
         attrs = stored.attrs
         if attrs["kernel"] not in KERNELS:
             raise ValueError(f"unknown kernel {attrs['kernel']!r}")
@@ -220,7 +232,13 @@ class ScatterGP(GaussianProcess):
         return self.process_.parts
 
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and, with weights (parts, p), variances at scaled coordinates (d, B): (p, B) each."""
+        """Return means and, with weights, variances: (p, B) each.
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
+        """
         return self.process_.mean_variance(t, weights)
 
     def slopes(self, t: Array) -> Array:
@@ -228,7 +246,13 @@ class ScatterGP(GaussianProcess):
         return self.process_.slopes(t)
 
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, (d, p, B)."""
+        """Return the weighted variances of these derivatives, (d, p, B).
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance
+        """
         return self.process_.slope_variances(t, weights)
 
 

@@ -30,7 +30,13 @@ class TensorTrain:
         return tuple(core.shape[1] for core in self.cores)
 
     def check(self, sizes: Sequence[int], outputs: int) -> None:
-        """Raise ValueError unless the cores chain up, have at most sizes[k] modes each, and give `outputs` outputs."""
+        """Raise ValueError unless the cores chain up to the given sizes.
+
+        Parameters
+        ----------
+        sizes : sequence of int, most modes of every core
+        outputs : int, number of outputs
+        """
         rank = 1
         for k, (core, size) in enumerate(zip(self.cores, sizes, strict=True)):
             if core.ndim != 3 or core.shape[0] != rank or not 1 <= core.shape[1] <= size:
@@ -47,7 +53,12 @@ class TensorTrain:
         return np.asarray(state)
 
     def gradient(self, features: Sequence[Array], slopes: Sequence[Array]) -> Array:
-        """Contract with the features of all factors but one, and the slopes of that one; returns (d, p, B)."""
+        """Contract with the features of all factors but one, and the slopes of that one: (d, p, B).
+
+        Parameters
+        ----------
+        features, slopes : sequence of ndarray, shape (modes, B), of every core, and their derivatives
+        """
         states: list[Array | None] = [None]
         for core, feature in zip(self.cores, features, strict=True):
             states.append(_absorb(states[-1], core, feature))
@@ -78,9 +89,14 @@ class TensorTrain:
         return TensorTrain(tuple(core * w[:, None] for core, w in zip(self.cores, weights, strict=True)))
 
     def only(self, outputs: Sequence[int], error: float) -> "TensorTrain":
-        """Return the train of some outputs, its ranks cut down to a Frobenius-norm error of at most `error`.
+        """Return the train of some outputs, with ranks cut down.
 
         Oseledets (2011), algorithm 2: orthogonal from the last core to the first, then cut from the first to the last.
+
+        Parameters
+        ----------
+        outputs : sequence of int, their numbers
+        error : float, the most that the cut may err in Frobenius norm
         """
         cores = [*self.cores[:-1], self.cores[-1][..., list(outputs)]]
         for k in range(len(cores) - 1, 0, -1):
@@ -99,9 +115,12 @@ class TensorTrain:
 
 
 def compress(tensor: Array, error: float) -> TensorTrain:
-    """Compress a tensor of shape (modes_1, ..., modes_d, p) with a Frobenius-norm error of at most `error`.
+    """Compress a tensor to a stated error.
 
-    An error of 0 keeps every direction that is not exactly zero.
+    Parameters
+    ----------
+    tensor : ndarray, shape (modes_1, ..., modes_d, p)
+    error : float, the most that the train may err in Frobenius norm; 0 keeps every direction that is not exactly zero
     """
     *modes, outputs = tensor.shape
     allowed = error**2 / max(len(modes) - 1, 1)

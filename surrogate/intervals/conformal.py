@@ -102,7 +102,13 @@ class Calibration:
     copula: Copula | None = None
 
     def std(self, variance: Array, t: Array) -> Array:
-        """Return calibrated standard deviations (p, B) from weighted variances (p, B) at scaled coordinates (d, B)."""
+        """Return calibrated standard deviations, (p, B).
+
+        Parameters
+        ----------
+        variance : ndarray, shape (p, B), weighted, squared units of the outputs
+        t : ndarray, shape (d, B), scaled coordinates
+        """
         return np.asarray(np.sqrt(variance + self.floor[:, None]) * self.stretch(t))
 
     def stretch(self, t: Array) -> Array:
@@ -149,7 +155,18 @@ class Calibration:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, parts: int, inputs: int, outputs: int) -> Self | None:
-        """Return the calibration in a file, None where it has none; ValueError names what is inconsistent."""
+        """Return the calibration in a file, None where it has none.
+
+        Parameters
+        ----------
+        stored : Dataset, the file
+        parts, inputs, outputs : int, numbers of the variance's parts, of inputs and of outputs
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
         if "calibration_weights" not in stored:
             return None
         cases, pairs = int(stored["calibration_cases"]), inputs * (inputs - 1) // 2

@@ -49,7 +49,13 @@ class Copula:
 
     @classmethod
     def of(cls, scores: Array, t: Array) -> Self:
-        """Return that of held-out scores (p, n) at scaled coordinates (d, n); NaN are scores of what has no error."""
+        """Return that of held-out cases.
+
+        Parameters
+        ----------
+        scores : ndarray, shape (p, n); NaN: of what has no error
+        t : ndarray, shape (d, n), scaled coordinates
+        """
         kept = _evenly(scores.shape[1], MOST_ROWS)
         ranks = _ranks(scores[:, kept])
         some = _evenly(scores.shape[1], _CASES)
@@ -58,7 +64,12 @@ class Copula:
         return cls(ranks, _lengths(normal, _angles(t[:, some])))
 
     def near(self, t: Array, other: Array) -> Array:
-        """Return the correlation over points of one error at scaled coordinates (d, n) and (d, k): (n, k)."""
+        """Return the correlation over points of one error, (n, k).
+
+        Parameters
+        ----------
+        t, other : ndarray, shape (d, n), (d, k), scaled coordinates
+        """
         return np.asarray(np.exp(-0.5 * _squares(_angles(t), _angles(other), self.lengths)))
 
     def drawn(self, t: Array, draws: int, random: np.random.Generator) -> Array:
@@ -100,7 +111,18 @@ class Copula:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: int, outputs: int) -> Self | None:
-        """Return what is in a file, None where it has none; ValueError names what is inconsistent."""
+        """Return what is in a file, None where it has none.
+
+        Parameters
+        ----------
+        stored : Dataset, the file
+        inputs, outputs : int, their numbers
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
         if "calibration_rank" not in stored:
             return None
         ranks, lengths = stored["calibration_rank"].values, stored["calibration_length"].values

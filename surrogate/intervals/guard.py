@@ -63,7 +63,13 @@ class Guard:
 
 
 def unguarded(inputs: int, outputs: int, pooled: bool = False) -> Guard:
-    """Return the guard that adds nothing, as arrays to fill; `pooled`: with one of all corners together."""
+    """Return the guard that adds nothing, as arrays to fill.
+
+    Parameters
+    ----------
+    inputs, outputs : int, their numbers
+    pooled : bool, whether it has one of all corners together
+    """
     pairs = inputs * (inputs - 1) // 2
     together = np.zeros(outputs) if pooled else None
     return Guard(np.zeros((inputs, SLABS, outputs)), np.zeros((pairs, 3, 3, outputs)), together)
@@ -75,7 +81,9 @@ def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, group
     Parameters
     ----------
     guard : Guard
-        Its column `output` is overwritten.
+        Its column of the output is overwritten.
+    output : int
+        Number of the output.
     scores : ndarray, shape (n,)
         Logarithms of absolute errors over their scale.
     level : float

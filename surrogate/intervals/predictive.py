@@ -39,16 +39,36 @@ class Predictive(ABC):
 
     @abstractmethod
     def predict(self, points: Queries, return_std: bool = True, *, extrapolate: bool = False) -> xr.Dataset:
-        """Return every output, with its standard deviation, at labelled points."""
+        """Return every output, with its standard deviation, at labelled points.
+
+        Parameters
+        ----------
+        points : mapping, Dataset, DataFrame or array, as of `GaussianProcess.predict`
+        return_std : bool, whether `<output>_std` is wanted
+        extrapolate : bool, whether points may be outside of the box
+        """
 
     @abstractmethod
     def predict_array(
         self, X: NDArray[np.floating[Any]], return_std: Literal[True], *, extrapolate: bool = False
     ) -> tuple[Array, Array]:
-        """Return means and standard deviations at plain points, (n, d) -> two of (n, n_outputs)."""
+        """Return means and standard deviations at plain points, (n, p) each.
+
+        Parameters
+        ----------
+        X : ndarray, shape (n, d), points in physical units
+        return_std : True
+        extrapolate : bool, whether points may be outside of the box
+        """
 
     def reached(self, mean: Array, std: Array, away: Array) -> Array:
-        """Return what lies so many standard deviations away from means; all broadcast, outputs first."""
+        """Return what lies so many standard deviations away from means.
+
+        Parameters
+        ----------
+        mean, std : ndarray, shape (p, ...), of the outputs, in their units
+        away : ndarray that broadcasts with them, numbers of standard deviations
+        """
         return mean + away * std
 
     @abstractmethod
@@ -250,9 +270,18 @@ class Predictive(ABC):
     def interval_array(
         self, X: NDArray[np.floating[Any]], level: float | None = None, *, extrapolate: bool = False
     ) -> tuple[Array, Array]:
-        """Return the lower and upper ends of `interval` at plain points: X (n, d) -> two of (n, n_outputs).
+        """Return the lower and upper ends of `interval` at plain points, (n, p) each.
 
-        Raises as `predict_array`, and ValueError for a level that the calibration cases do not tell.
+        Parameters
+        ----------
+        X : ndarray, shape (n, d), points in physical units
+        level : float, probability of the interval; None: `level_`
+        extrapolate : bool, whether points may be outside of the box
+
+        Raises
+        ------
+        ValueError
+            The calibration cases do not tell this level; otherwise as `predict_array`.
         """
         level = self.checked_level(level)
         mean, std = self.predict_array(X, return_std=True, extrapolate=extrapolate)

@@ -18,7 +18,14 @@ def additive(highest: Sequence[int]) -> Indices:
 
 
 def products(inputs: int, pair: tuple[int, int], total: int, least: int = 2) -> Indices:
-    """Return the degrees of T_a T_b of two inputs, a, b >= 1, least <= a + b <= total: (m, inputs)."""
+    """Return the degrees of T_a T_b of two inputs, a, b >= 1, least <= a + b <= total: (m, inputs).
+
+    Parameters
+    ----------
+    inputs : int, number of inputs
+    pair : (int, int), the two
+    total, least : int, ends of a + b
+    """
     both = [(a, b) for a in range(1, total) for b in range(1, total) if least <= a + b <= total]
     degrees = np.zeros((len(both), inputs), dtype=np.intp)
     degrees[:, pair] = np.reshape(both, (-1, 2))
@@ -26,7 +33,13 @@ def products(inputs: int, pair: tuple[int, int], total: int, least: int = 2) -> 
 
 
 def values(degrees: Indices, t: Array) -> Array:
-    """Return prod_k T_{degrees[m, k]}(t_k) at scaled inputs (d, n): (m, n)."""
+    """Return prod_k T_{degrees[m, k]}(t_k), (m, n).
+
+    Parameters
+    ----------
+    degrees : ndarray of int, shape (m, d)
+    t : ndarray, shape (d, n), scaled inputs
+    """
     T = chebvander(t, int(degrees.max())).transpose(2, 0, 1)
     product = np.ones((len(degrees), t.shape[1]))
     for k, column in enumerate(degrees.T):

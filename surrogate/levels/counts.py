@@ -106,7 +106,14 @@ def choose_levels(
 
 
 def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | None = None) -> Decays:
-    """Judge the decay of every output along every input of a complete factorial on Chebyshev-Gauss levels."""
+    """Judge the decay of every output along every input.
+
+    Parameters
+    ----------
+    data : Dataset, a complete factorial on Chebyshev-Gauss levels
+    inputs : sequence of Input, its factors
+    outputs : sequence of str, the variables to judge; None: all
+    """
     factorial = complete_factorial(data, inputs, outputs, chebyshev=True)
     names = [input_.name for input_ in factorial.inputs]
     return {
@@ -114,7 +121,7 @@ def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | N
     }
 
 
-def kinks(found: Decays) -> dict[str, tuple[str, ...]]:
+def _kinks(found: Decays) -> dict[str, tuple[str, ...]]:
     """Return outputs whose coefficients do not decay geometrically, and the inputs along which."""
     every = {output: tuple(name for name in along if along[name].algebraic) for output, along in found.items()}
     return {output: where for output, where in every.items() if where}
@@ -123,10 +130,16 @@ def kinks(found: Decays) -> dict[str, tuple[str, ...]]:
 def choose(
     found: Decays, tolerance: float, budget: int, given: Mapping[str, int] = MappingProxyType({})
 ) -> LevelChoice:
-    """Choose level counts from decays; parameters and errors as for `choose_levels`."""
+    """Choose level counts from decays; errors as for `choose_levels`.
+
+    Parameters
+    ----------
+    found : dict, as `decays` gives it
+    tolerance, budget, given : as of `choose_levels`
+    """
     if not tolerance > 0 or budget < 1:
         raise ValueError(f"tolerance {tolerance} and budget {budget} must be positive")
-    kinked = kinks(found)
+    kinked = _kinks(found)
     claimed = {output: along for output, along in found.items() if output not in kinked}
     if not claimed:
         raise ValueError(f"no output decays geometrically, so no tolerance can be met: {', '.join(kinked)}")
@@ -152,7 +165,13 @@ def choose(
 
 
 def evidence(found: Decays, counts: Mapping[str, int]) -> xr.Dataset:
-    """Return decays as a data set: `LevelChoice.decay`, with `kinked` over (`output`, `input`), 1 at a kink."""
+    """Return decays as a data set: `LevelChoice.decay`, with `kinked` over (`output`, `input`), 1 at a kink.
+
+    Parameters
+    ----------
+    found : dict, as `decays` gives it
+    counts : mapping of str to int, the levels of every input
+    """
     names = list(next(iter(found.values())))
     table = [[along[name] for name in names] for along in found.values()]
     modes = max(len(decay.coefficients) for row in table for decay in row)

@@ -84,7 +84,14 @@ def front(problem: Problem, objectives: int, *, points: int = 33, fill: int = 8,
 
 
 def scalarised(problem: Problem, objectives: int, reference: Array, weights: Array) -> Problem:
-    """All objectives at once: the least of ``(f_k - reference_k) / weights_k`` is maximised."""
+    """All objectives at once: the least of ``(f_k - reference_k) / weights_k`` is maximised.
+
+    Parameters
+    ----------
+    problem : Problem, with one row or several an objective
+    objectives : int, number of objectives
+    reference, weights : ndarray, shape (objectives,), in the objectives' units, weights > 0
+    """
 
     def value(X: Array) -> tuple[Array, Array]:
         rows, excess = problem.value(X)

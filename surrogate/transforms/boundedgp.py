@@ -115,7 +115,13 @@ class BoundedGP(Transformed):
         return out
 
     def reached(self, mean: Array, std: Array, away: Array) -> Array:
-        """Return what lies so many standard deviations of what is learnt away from means, (p, ...) each."""
+        """Return what lies so many standard deviations of what is learnt away from means.
+
+        Parameters
+        ----------
+        mean, std : ndarray, shape (p, ...), of the outputs, in their units
+        away : ndarray, shape (p, ...), numbers of standard deviations
+        """
         steep = self._steepness(mean)
         told = steep > 0
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -134,13 +140,25 @@ class BoundedGP(Transformed):
         return self.free_.calibrated_at(X)
 
     def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
-        """Return medians and deviations to first order at points (B, d): (p, B) each."""
+        """Return medians and deviations to first order: (p, B) each.
+
+        Parameters
+        ----------
+        X : ndarray, shape (B, d), points in physical units
+        with_std : bool, whether deviations are wanted; None otherwise
+        """
         learnt, std = self.free_.mean_std(X, with_std)
         mean = self._outputs(learnt)
         return mean, None if std is None else std * self._steepness(mean)
 
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return medians and, with weights (parts, p), raw variances to first order: (p, B) each."""
+        """Return medians and, with weights, raw variances to first order: (p, B) each.
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
+        """
         learnt, variance = self.free_.mean_variance(t, weights)
         mean = self._outputs(learnt)
         return mean, None if variance is None else variance * self._steepness(mean) ** 2
@@ -154,7 +172,13 @@ class BoundedGP(Transformed):
         return self.free_.slope_stds(t) * self._sizes(t)
 
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of the derivatives, where the outputs are known, (d, p, B)."""
+        """Return the weighted variances of the derivatives, where the outputs are known, (d, p, B).
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance
+        """
         return self.free_.slope_variances(t, weights) * self._sizes(t) ** 2
 
     def _sizes(self, t: Array) -> Array:
@@ -184,7 +208,19 @@ class BoundedGP(Transformed):
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a stored state, without the process; ValueError names what is inconsistent."""
+        """Return the model of a stored state, without the process that it is around.
+
+        Parameters
+        ----------
+        stored : Dataset, the state
+        inputs : tuple of Input
+        outputs : dict, `units` and `long_name` of every output
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
         given, ends = (stored[name].transpose("output", "end").values for name in ("bounded", "bound"))
         if given.shape != (len(outputs), 2) or ends.shape != given.shape:
             raise ValueError("the bounds do not fit the outputs")
@@ -194,7 +230,19 @@ class BoundedGP(Transformed):
 
 
 def linked(name: str, y: Array, low: float, high: float) -> Array:
-    """Return what is learnt of an output; ValueError, with its name, for a value that is not between its bounds."""
+    """Return what is learnt of an output.
+
+    Parameters
+    ----------
+    name : str, the output's
+    y : ndarray of any shape, its values
+    low, high : float, its bounds in the same units
+
+    Raises
+    ------
+    ValueError
+        A value, with the output's name, is not between the bounds.
+    """
     bad = ~((low < y) & (y < high))
     if bad.any():
         raise ValueError(f"output {name!r} is {y[bad].flat[0]:g}, which is not between {low:g} and {high:g}")

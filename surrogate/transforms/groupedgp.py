@@ -166,7 +166,19 @@ class GroupedGP(Transformed):
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a stored state, without the process over the axes; ValueError as `Grouping.restore`."""
+        """Return the model of a stored state, without the process that it is around.
+
+        Parameters
+        ----------
+        stored : Dataset, the state
+        inputs : tuple of Input
+        outputs : dict, `units` and `long_name` of every output
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
         attrs = stored.attrs
         if attrs["kernel"] not in KERNELS:
             raise ValueError(f"unknown kernel {attrs['kernel']!r}")
@@ -229,7 +241,13 @@ class GroupedGP(Transformed):
         return self.reduced_.calibrated_at(self.grouping.products.values(X))
 
     def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
-        """Return means and calibrated deviations at points (B, d), from those over the axes: (p, B) each."""
+        """Return means and calibrated deviations, from those over the axes: (p, B) each.
+
+        Parameters
+        ----------
+        X : ndarray, shape (B, d), points in physical units
+        with_std : bool, whether deviations are wanted; None otherwise
+        """
         learnt, spread = self.reduced_.mean_std(self.grouping.products.values(X), with_std)
         mean = self._scales.untransform(learnt, X)
         return mean, None if spread is None else spread * self._scales.sizes(X, mean) * self._guarded(X)
@@ -240,7 +258,13 @@ class GroupedGP(Transformed):
         return 1.0 if outer is None else np.exp(outer.at(np.clip(unit_coordinates(self.inputs_, X), -1, 1)).T)
 
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and, with weights (parts, p), variances without the calibration: (p, B) each."""
+        """Return means and, with weights, variances without the calibration: (p, B) each.
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
+        """
         X = self.physical(t)
         axes = unit_coordinates(self.grouping.axes, self.grouping.products.values(X))
         learnt, variance = self.reduced_.mean_variance(axes, weights)
@@ -265,7 +289,13 @@ class GroupedGP(Transformed):
         return self._together(X, own * self._guarded(X), mean, std)
 
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of the derivatives, (d, p, B), without the calibration."""
+        """Return the weighted variances of the derivatives, (d, p, B), without the calibration.
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance
+        """
         X = self.physical(t)
 
         def stds(axes: Array) -> Array:

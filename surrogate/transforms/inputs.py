@@ -72,7 +72,13 @@ class Axes:
 
 
 def row_of(powers: Powers, inputs: Sequence[Input]) -> Array:
-    """Return the power of every input, (d,)."""
+    """Return the power of every input, (d,).
+
+    Parameters
+    ----------
+    powers : mapping of str to float, by input; those that it does not name are zero
+    inputs : sequence of Input, d of them
+    """
     return np.array([powers.get(own.name, 0.0) for own in inputs])
 
 

@@ -89,9 +89,17 @@ class Scales:
         return np.asarray(self.coefficients[:, None] * _steepness(X, self.added)[:, None])
 
     def transform(self, values: Array, X: Array) -> Array:
-        """Return what is to be learnt of outputs (p, n) at points (n, d): (p, n).
+        """Return what is to be learnt of outputs, (p, n).
 
-        Raises ValueError, naming the output, for the logarithm of what is not of one sign.
+        Parameters
+        ----------
+        values : ndarray, shape (p, n), the outputs in their units
+        X : ndarray, shape (n, d), points in physical units
+
+        Raises
+        ------
+        ValueError
+            An output, by its name, of which the logarithm is learnt, is not of one sign.
         """
         learnt = values / self.values(X)
         for k, sign in self._logarithms:
@@ -104,7 +112,13 @@ class Scales:
         return np.asarray(learnt - self.additions(X))
 
     def untransform(self, learnt: Array, X: Array) -> Array:
-        """Return the outputs of what is learnt, (p, n), at points (n, d): the inverse of `transform`."""
+        """Return the outputs of what is learnt, (p, n): the inverse of `transform`.
+
+        Parameters
+        ----------
+        learnt : ndarray, shape (p, n)
+        X : ndarray, shape (n, d), points in physical units
+        """
         outputs = learnt + self.additions(X)
         for k, sign in self._logarithms:
             outputs[k] = sign * np.exp(sign * outputs[k])

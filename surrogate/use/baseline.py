@@ -58,7 +58,15 @@ def chebyshev_interpolation(
 def baseline(
     model: GaussianProcess, training: xr.Dataset, points: Mapping[str, Any] | xr.Dataset, outputs: Sequence[str]
 ) -> xr.Dataset:
-    """Interpolate what a grid or grouped model was trained on: over its own inputs, or its axes and scaled outputs."""
+    """Interpolate what a grid or grouped model was trained on: over its own inputs, or its axes and scaled outputs.
+
+    Parameters
+    ----------
+    model : GaussianProcess, a grid one or one over groups
+    training : Dataset, what it was trained on
+    points : mapping or Dataset, as of `GaussianProcess.predict`
+    outputs : sequence of str, the outputs to interpolate
+    """
     grouping, named = groups_of(model), named_points(points, model.inputs_)
     if grouping is None:
         return chebyshev_interpolation(training, list(model.inputs_), points, outputs)

@@ -21,6 +21,10 @@ def spread(factors: int, count: int) -> Array:
     """Return scaled places within a box, (count, factors): the first half towards its ends, the others even.
 
     What tells most often stands at an end; places of chance are among the others.
+
+    Parameters
+    ----------
+    factors, count : int, numbers of factors and of places
     """
     t = 2 * qmc.Sobol(factors, rng=0).random(1 << (count - 1).bit_length())[:count] - 1
     t[: count // 2] = np.clip(1.5 * t[: count // 2], -1, 1)
@@ -97,7 +101,15 @@ def chosen(joints: Sequence[Array], noise: Array, wanted: Indices, count: int) -
 
 
 def widths(joints: Sequence[Array], noise: Array, plan: Sequence[int], wanted: Indices) -> Array:
-    """Return the posterior deviations of what is wanted after some readings; draws do not differ in their mean."""
+    """Return the posterior deviations of what is wanted after some readings; draws do not differ in their mean.
+
+    Parameters
+    ----------
+    joints : sequence of ndarray, shape (k + m, k + m), as `joint` gives them, one a draw
+    noise : ndarray, shape (m,), variances of the readings' errors, infinite for what nobody can read
+    plan : sequence of int, numbers of the readings
+    wanted : ndarray of int, rows of the covariances that are wanted
+    """
     variances = [np.diag(_after(one, noise, plan))[wanted] for one in joints]
     return np.asarray(np.sqrt(np.mean(variances, axis=0)))
 

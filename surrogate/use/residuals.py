@@ -86,7 +86,17 @@ class Residuals:
 
     @classmethod
     def of(cls, points: Array, residual: Array, slopes: Array, error: Array, spread: Array, mean: Array) -> "Residuals":
-        """Return those of values at scaled points, with their errors (NaN: unknown), those of the model, its means."""
+        """Return those of values at points.
+
+        Parameters
+        ----------
+        points : ndarray, shape (n, d), scaled inputs
+        residual : ndarray, shape (n,), measured less model with the constants at zero
+        slopes : ndarray, shape (n, k), derivatives of the model by the constants
+        error : ndarray, shape (n,), stated standard deviations of measurement; NaN: unknown
+        spread : ndarray, shape (n,), standard deviations of the model's own errors
+        mean : ndarray, shape (n,), the model's means
+        """
         size = float(np.sqrt(np.mean(mean**2))) or float(np.abs(residual).max()) or 1.0
         return cls(points, residual, slopes, spread**2, np.nan_to_num(error) ** 2, np.isnan(error), size)
 
@@ -147,7 +157,15 @@ class Residuals:
         return replace(state, wild=self._wild(state, away, rest, random)), odds
 
     def completed(self, state: State, some: Indices, mean: Array, random: np.random.Generator) -> State:
-        """Return a state that was drawn from some of the values with outliers drawn for the others too."""
+        """Return a state that was drawn from some of the values with outliers drawn for the others too.
+
+        Parameters
+        ----------
+        state : State, drawn from `some`
+        some : ndarray of int, numbers of the values that it was drawn from
+        mean : ndarray, shape (k,), the constants
+        random : Generator, of the draws
+        """
         wild = np.zeros(len(self.residual), np.intp)
         wild[some] = state.wild
         whole = replace(state, wild=wild)

@@ -63,7 +63,7 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
     if not isinstance(model, GridGP | GroupedGP | CurveGP):
         raise TypeError(f"exact sensitivity indices need a GridGP, GroupedGP or CurveGP, got {type(model).__name__}")
     names, d = list(model.box), len(model.box)
-    train = model.uncalibrated() if isinstance(model, GridGP) else expanded(model)
+    train = model.uncalibrated() if isinstance(model, GridGP) else _expanded(model)
     moments = _Moments(train)
     mean = moments.mean()
     variance = moments.explained(range(d))
@@ -145,7 +145,7 @@ def _root(matrix: Array) -> Array:
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0)))
 
 
-def expanded(model: GaussianProcess) -> GridGP:
+def _expanded(model: GaussianProcess) -> GridGP:
     """Return the mean of any model as a grid process over its inputs, as fine as `EXPANDED` points allow."""
     inputs, tails = model.inputs_, _tails(model.uncalibrated())
     for allowed in 10.0 ** np.arange(-9, 1):

@@ -136,8 +136,12 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
 def crps(true: Array, mean: Array, std: Array, distribution: Distribution | None = None) -> Array:
     """Return the continuous ranked probability score of predictions, (p, n), in the outputs' units.
 
-    `distribution` is that of (truth - mean) / std, by default a normal one. A standard deviation of zero gives the
-    absolute error.
+    A standard deviation of zero gives the absolute error.
+
+    Parameters
+    ----------
+    true, mean, std : ndarray, shape (p, n), in the outputs' units
+    distribution : Distribution, of (true - mean) / std; None: a normal one
     """
     z = _standard(true, mean, std)
     finite = np.where(np.isfinite(z), z, 0.0)
@@ -146,7 +150,13 @@ def crps(true: Array, mean: Array, std: Array, distribution: Distribution | None
 
 
 def pit(true: Array, mean: Array, std: Array, distribution: Distribution | None = None) -> Array:
-    """Return the probability integral transform of predictions, (p, n); uniform where they are right."""
+    """Return the probability integral transform of predictions, (p, n); uniform where they are right.
+
+    Parameters
+    ----------
+    true, mean, std : ndarray, shape (p, n), in the outputs' units
+    distribution : Distribution, of (true - mean) / std; None: a normal one
+    """
     return (distribution or Normal()).cdf(_standard(true, mean, std))
 
 
@@ -163,7 +173,13 @@ def _standard(true: Array, mean: Array, std: Array) -> Array:
 
 
 def worst_corner(t: Array, inside: Flags) -> Array:
-    """Least coverage where both of two inputs, (d, n), are in an outer tenth of their range: (p,)."""
+    """Least coverage where both of two inputs are in an outer tenth of their range: (p,).
+
+    Parameters
+    ----------
+    t : ndarray, shape (d, n), scaled coordinates of the cases
+    inside : ndarray of bool, shape (p, n), whether the interval holds the truth
+    """
     worst = np.full(len(inside), np.nan)
     for a, b in combinations(np.concatenate([t, -t]), 2):
         corner = (a > 0.8) & (b > 0.8)

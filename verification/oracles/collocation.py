@@ -206,7 +206,13 @@ def _with_load_upright(problem: Problem) -> Contact:
 
 
 def between(problem: Problem, trailing: float, leading: float) -> Contact:
-    """Solve (2.2) between given ends -leading < x < trailing; the load is an outcome unless both edges are sharp."""
+    """Solve (2.2) between given ends; the load is an outcome unless both edges are sharp.
+
+    Parameters
+    ----------
+    problem : Problem
+    trailing, leading : float, m, -leading < x < trailing
+    """
     terms, h, centre = problem.terms, (trailing + leading) / 2, (trailing - leading) / 2
     X = np.cos(np.pi * (np.arange(2 * terms + 2) + 0.5) / (2 * terms + 2))
     families = [(0, 0), *((f, w) for f in range(1, len(problem.unknown)) for w in (0, 1))]

@@ -67,7 +67,13 @@ def _roots(u: mpf, v: mpf) -> list[mpf]:
 
 @lru_cache(maxsize=64)
 def functions(alpha: mpf | None, level: int) -> list[list[mpf]]:
-    """The function of alpha, or without one those with a root, times the weights at the nodes of a level."""
+    """The function of alpha, or without one those with a root, times the weights at the nodes of a level.
+
+    Parameters
+    ----------
+    alpha : mpf, the pressure's exponent; None: of those with a root
+    level : int, of the quadrature
+    """
     rows = [[w * f for f in (_roots(u, v) if alpha is None else _shape(alpha, u, v))] for u, v, w in nodes(level)]
     return [list(column) for column in zip(*rows, strict=True)]
 
@@ -146,13 +152,23 @@ class Contact:
         return rows
 
     def tractions(self, u: mpf, v: mpf) -> list[mpf]:
-        """(sigma_xy, sigma_yy, D_y, B_y) in the contact."""
+        """(sigma_xy, sigma_yy, D_y, B_y) in the contact.
+
+        Parameters
+        ----------
+        u, v : mpf, the point: (a - x)/l and (x + b)/l = 1 - u
+        """
         values = _shape(self.sliding.alpha, u, v) + _roots(u, v)
         normal, *charges = (fdot(row, values) for row in self.coefficients)
         return [self.sliding.friction * normal, normal, *charges]
 
     def transforms_inside(self, u: mpf, v: mpf) -> list[mpf]:
-        """H of the tractions in the contact, theory section 4."""
+        """H of the tractions in the contact, theory section 4.
+
+        Parameters
+        ----------
+        u, v : mpf, the point: (a - x)/l and (x + b)/l = 1 - u
+        """
         s, width = self.sliding, self.width
         normal = self.tractions(u, v)[1]
         h_normal = cot(pi * s.alpha) * normal + width * (v - s.alpha) / (s.reduction[2] * s.radius)

@@ -57,7 +57,13 @@ def constitutive_matrix(material: Mapping[str, float]) -> Array:
 
 
 def elliptic_mesh(theta: Array, xi: Array) -> MeshTri:
-    """Triangles between x + iy = cosh(xi - i theta), theta from 0 to pi and xi from 0."""
+    """Triangles between x + iy = cosh(xi - i theta).
+
+    Parameters
+    ----------
+    theta : ndarray, shape (n,), from 0 to pi
+    xi : ndarray, shape (m,), from 0
+    """
     wide, deep = np.meshgrid(theta, xi, indexing="ij")
     x, y = np.cosh(deep) * np.cos(wide), -np.sinh(deep) * np.sin(wide)
     y[[0, -1]] = 0.0  # sin(pi) is not zero in floating point
@@ -136,7 +142,14 @@ class Body:
         return out
 
     def fluxes(self, u: Array, points: Array, length: float) -> dict[str, Array]:
-        """``FIELDS`` at points (X, Y), shape (2, n), within the body; SI units."""
+        """``FIELDS`` at points within the body; SI units.
+
+        Parameters
+        ----------
+        u : ndarray, shape (4, nodes), displacements and potentials
+        points : ndarray, shape (2, n), X and Y over `length`
+        length : float, m, the unit of the mesh
+        """
         cells = self.mesh.element_finder(mapping=self.basis.mapping)(*points)
         local = self.basis.mapping.invF(points[:, :, None], tind=cells)
         gradient = np.zeros((2, 4, points.shape[1]))
@@ -161,6 +174,7 @@ def surface_load(body: Body, regular: Array, half_width: float) -> Array:
 
     Parameters
     ----------
+    body : Body
     regular : ndarray, shape (4, edges, 16)
         (sigma_xy, sigma_yy, D_y, B_y) sqrt(1 - X^2) at the angles of :func:`surface_angles`.
     half_width : float

@@ -46,10 +46,13 @@ class Found:
 
 
 def solve(material: Mapping[str, float], radius: float, totals: Array, cells: int, start: float) -> Found:
-    """Contact of a cylinder of some radius [m] under totals (P, T, J) [N/m, C/m, Wb/m].
+    """Contact of a cylinder.
 
     Parameters
     ----------
+    material : mapping, constants in SI units
+    radius : float, m
+    totals : ndarray, shape (3,), P, T, J [N/m, C/m, Wb/m]
     cells : int
         Elements of the surface below the punch.
     start : float

@@ -217,7 +217,14 @@ class FilmContact:
         return float(trailing), float(leading)
 
     def fields(self, X: ArrayLike, depth: float, layer: int = 0) -> dict[str, Array]:
-        """``FIELDS`` at a depth [m] in a layer, by number from the top, the base's the last; SI units."""
+        """``FIELDS`` at a depth; SI units.
+
+        Parameters
+        ----------
+        X : array_like, shape (n,), places over the half-length
+        depth : float, m
+        layer : int, number from the top, the base's the last
+        """
         points = np.column_stack([X, np.full(np.size(X), -depth / self.half_length)])
         return dict(zip(FIELDS, self.body.fluxes(self.u, points, layer) / self.half_length, strict=True))
 
@@ -231,7 +238,13 @@ class FilmContact:
 def under_load(
     layers: Sequence[Layer], base: Mapping[str, float] | None, punch: Punch, load: float, order: int = 10
 ) -> FilmContact:
-    """The contact that carries a load [N/m]: secants, first between elements of low order."""
+    """The contact that carries a load: secants, first between elements of low order.
+
+    Parameters
+    ----------
+    layers, base, punch, order : as of `FilmContact`
+    load : float, N/m
+    """
 
     def miss(log_half: float, order: int) -> float:
         contacts.append(FilmContact(layers, base, punch, np.exp(log_half), order))

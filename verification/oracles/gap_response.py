@@ -45,7 +45,16 @@ class Dry:
         cls, stiffness: "csr_array[np.float64]", rows: "csr_array[np.float64]", columns: "csr_array[np.float64]",
         free: NDArray[np.bool_], u: Array, airy: Index, touched: Index, raised: Index,
     ) -> "Dry":  # fmt: skip
-        """From the assembled bodies, their joints, what is free, and the given u of the states."""
+        """From the assembled bodies, their joints, what is free, and the given u of the states.
+
+        Parameters
+        ----------
+        stiffness : csr_array, of the assembled bodies
+        rows, columns : csr_array, their joints: what sums equations, and what spreads unknowns
+        free : ndarray of bool, unknowns that are free
+        u : ndarray, shape (unknowns, states), given where it is not free, filled in
+        airy, touched, raised : ndarray of int, as of the class
+        """
         matrix = (rows @ stiffness @ columns)[free]
         factors = splu(matrix[:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.001,
                        options={"SymmetricMode": True})  # fmt: skip
@@ -116,6 +125,12 @@ def lobatto(order: int) -> Array:
 
 
 def lagrange(line: Array, x: Array) -> Array:
-    """Values at x of the Lagrange polynomials on ``line``; (len(x), len(line))."""
+    """Values of the Lagrange polynomials on a line; (n, count).
+
+    Parameters
+    ----------
+    line : ndarray, shape (count,), their points, within [-1, 1]
+    x : ndarray, shape (n,), places
+    """
     legendre = np.linalg.inv(np.polynomial.legendre.legvander(line, len(line) - 1))
     return np.asarray(np.polynomial.legendre.legvander(x, len(line) - 1) @ legendre)

@@ -70,7 +70,14 @@ class Punch:
 
 
 def answer(punch: Punch, force: mpf, charges: Mapping[int, mpf]) -> dict[str, mpf]:
-    """Radius, depth and potentials (u1, u2) under a force and the charges of the conducted fields."""
+    """Radius [m], depth [m] and potentials (u1, u2) [V, A].
+
+    Parameters
+    ----------
+    punch : Punch
+    force : mpf, N
+    charges : mapping of int to mpf, of the conducted fields: 1 the electric [C], 2 the magnetic one [Wb]
+    """
     a = punch.radius(force)
     approach = punch.approach(a) if punch.exponent else force * punch.lam / (4 * a)
     M = matrix([[punch.compliance[i, j] for j in punch.conducted] for i in punch.conducted])

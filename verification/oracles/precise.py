@@ -66,6 +66,10 @@ def solve(
     material : mapping
         c11, c13, c33, c44, e31, e33, e15, f31, f33, f15, eps11, eps33, g11, g33, mu11, mu33 in SI units; rho when
         there is a speed. Floats are taken as the binary numbers that they are.
+    radius, load, friction, charge, magnetic_charge, datum, speed : float
+        Factors; m, N/m, 1, C/m, Wb/m, m, m/s.
+    electric, magnetic : {"conducting", "insulating"}
+        What the punch is to each field.
     positions : sequence of float
         X = (x - c)/h of the surface fields, |X| != 1.
 

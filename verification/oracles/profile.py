@@ -46,19 +46,37 @@ def circle(radius: float) -> Profile:
 
 
 def flat(width: float, tilt: float = 0.0) -> Profile:
-    """Flat punch centred on x = 0."""
+    """Flat punch centred on x = 0.
+
+    Parameters
+    ----------
+    width : float, m
+    tilt : float, slope of the punch
+    """
     return Profile(lambda x: np.full_like(x, tilt), width / 2, -width / 2)
 
 
 def wedge(slope: float, corner: str = "leading") -> Profile:
-    """Triangular punch with its corner at x = 0, the leading or the trailing edge of the contact."""
+    """Triangular punch with its corner at x = 0.
+
+    Parameters
+    ----------
+    slope : float
+    corner : {"leading", "trailing"}, which edge of the contact the corner is
+    """
     if corner == "leading":
         return Profile(lambda x: np.full_like(x, slope), sharp_leading=0.0)
     return Profile(lambda x: np.full_like(x, -slope), sharp_trailing=0.0)
 
 
 def half_cylinder(radius: float, corner: str = "leading") -> Profile:
-    """Half of the cylinder with its corner at x = 0, the leading or the trailing edge of the contact."""
+    """Half of the cylinder with its corner at x = 0.
+
+    Parameters
+    ----------
+    radius : float, m
+    corner : {"leading", "trailing"}, which edge of the contact the corner is
+    """
     if corner == "leading":
         return Profile(lambda x: x / radius, sharp_leading=0.0)
     return Profile(lambda x: x / radius, sharp_trailing=0.0)

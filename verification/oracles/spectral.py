@@ -160,6 +160,8 @@ class Body:
         u : ndarray, shape (nodes, 4)
             Of the borders, SI units.
         points : ndarray, shape (points, 2)
+        layer : int
+            Number of the mesh's layer.
 
         Raises
         ------

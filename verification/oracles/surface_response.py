@@ -42,7 +42,12 @@ class SurfaceResponse:
         return self.local[1:, 0]
 
     def along_surface(self, t: Array, transform: Array) -> Array:
-        """t_1 = (sigma_xx, sigma_xy, D_x, B_x) from t_2 and its Hilbert transform, both of shape (4, n)."""
+        """Return t_1 = (sigma_xx, sigma_xy, D_x, B_x), (4, n).
+
+        Parameters
+        ----------
+        t, transform : ndarray, shape (4, n), t_2 and its Hilbert transform, SI
+        """
         u_x = self.local @ t + self.compliance @ transform
         units = _UNITS[:, None]
         inverse = units * np.linalg.inv(units * self.T * _UNITS / _STIFFNESS) * _UNITS / _STIFFNESS
@@ -51,7 +56,13 @@ class SurfaceResponse:
 
 
 def surface_response(material: Mapping[str, float], speed: float = 0.0) -> SurfaceResponse:
-    """Surface response of a material (constants of theory section 7 in SI units; rho when there is a speed)."""
+    """Surface response of a material.
+
+    Parameters
+    ----------
+    material : mapping, SI, constants of theory section 7, and rho when there is a speed
+    speed : float, m/s
+    """
     m = material
     Q = np.diag([m["c11"], m["c44"], -m["eps11"], -m["mu11"]])
     Q[1, 2:] = Q[2:, 1] = m["e15"], m["f15"]
@@ -80,7 +91,14 @@ def _angular_integrals(Q: Array, R: Array, T: Array) -> tuple[Array, Array]:
 
 
 def reduced(surface: SurfaceResponse, friction: float, conducted: tuple[int, ...] = (1, 2)) -> tuple[float, float]:
-    """lam and alpha of a punch that conducts some fields, 1 the electric and 2 the magnetic one."""
+    """lam [1/Pa] and alpha of a punch.
+
+    Parameters
+    ----------
+    surface : SurfaceResponse
+    friction : float
+    conducted : tuple of int, fields that the punch conducts: 1 the electric, 2 the magnetic one
+    """
     kept, scale = [0, *conducted], np.array([1, 1e10, 1e8])
     inverse_n = np.linalg.inv((surface.normal_compliance / np.outer(scale, scale))[np.ix_(kept, kept)])
     lam = 1 / inverse_n[0, 0]

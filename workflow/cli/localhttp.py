@@ -62,7 +62,12 @@ class Server(ThreadingHTTPServer):
     request_queue_size = 128  # of clients that connect at once
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Say what went wrong here, and nothing of a broken connection."""
+        """Say what went wrong here, and nothing of a broken connection.
+
+        Parameters
+        ----------
+        request, client_address : as socketserver gives them
+        """
         if not isinstance(sys.exc_info()[1], ConnectionError | TimeoutError):
             super().handle_error(request, client_address)
 

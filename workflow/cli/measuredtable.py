@@ -25,6 +25,12 @@ def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measureme
     The header has every factor of the study, every category, and names of quantities, with or without
     ``<quantity>_std``: one standard deviation of the error of measurement. Cells of both may be empty.
 
+    Parameters
+    ----------
+    path : Path, the table
+    study : Study
+    model : GaussianProcess, its surrogate
+
     Raises
     ------
     InputError

@@ -12,7 +12,14 @@ from workflow.study.reading import InputError
 
 
 def predicted(model: GaussianProcess, table: Table, level: float, *, extrapolate: bool) -> xr.Dataset:
-    """Every output of the model at every row, with intervals at a level, over dimension ``point``.
+    """Every output of the model at every row, with intervals, over dimension ``point``.
+
+    Parameters
+    ----------
+    model : GaussianProcess
+    table : Table, n rows, SI
+    level : float, probability of the intervals
+    extrapolate : bool, whether points may be outside of the trained box
 
     Raises
     ------

@@ -18,6 +18,13 @@ def predicted(
 ) -> xr.Dataset:
     """``<output>``, ``<output>_std``, ``<output>_lower`` and ``<output>_upper`` of every output, in this order.
 
+    Parameters
+    ----------
+    model : GaussianProcess
+    points : mapping of str to DataArray, SI, the inputs, over dimensions that broadcast
+    level : float, probability of the intervals
+    extrapolate : bool, whether points may be outside of the trained box
+
     Raises
     ------
     ValueError
@@ -30,7 +37,15 @@ def predicted(
 
 
 def table(answer: xr.Dataset, outputs: Sequence[str], level: float, *, si: bool = False) -> dict[str, str]:
-    """A line for every output, ``name value [lower, upper] unit (95 %)`` at the first point, all of one length."""
+    """A line for every output, ``name value [lower, upper] unit (95 %)`` at the first point, all of one length.
+
+    Parameters
+    ----------
+    answer : Dataset, as `predicted` gives it
+    outputs : sequence of str
+    level : float, probability of the intervals
+    si : bool, whether numbers are in SI instead of units that keep them short
+    """
     units = {name: str(answer[name].attrs.get("units", "")) for name in outputs}
     ends = {name: [float(answer[f"{name}{part}"].values[0]) for part in ("", "_lower", "_upper")] for name in outputs}
     lines = {
@@ -46,6 +61,15 @@ def with_units(
 ) -> str:
     """``value [lower, upper] unit (95 %)`` in a unit that keeps the numbers short, or in SI.
 
+    Parameters
+    ----------
+    value, lower, upper : float, in `units`
+    units : str, in SI
+    level : float, probability of the interval
+    si : bool, whether numbers stay in SI instead of units that keep them short
+
+    Examples
+    --------
     >>> with_units(4.3856e-7, 4.3855e-7, 4.3857e-7, "m"), with_units(4.3856e-7, 4.3855e-7, 4.3857e-7, "m", si=True)
     ('438.5600 [438.5500, 438.5700] nm (95 %)', '4.385600e-07 [4.385500e-07, 4.385700e-07] m (95 %)')
     """
@@ -58,6 +82,13 @@ def with_units(
 def shown(value: float, lower: float, upper: float, level: float = NOMINAL) -> str:
     """``value [lower, upper] (95 %)`` with two figures of the interval's half width.
 
+    Parameters
+    ----------
+    value, lower, upper : float, in any unit
+    level : float, probability of the interval
+
+    Examples
+    --------
     >>> shown(-527.568446, -527.5708, -527.5661)
     '-527.5684 [-527.5708, -527.5661] (95 %)'
     """

@@ -156,7 +156,13 @@ class _Unprofiled:
 
 @contextmanager
 def followed(study: Study, stream: TextIO | None = None) -> Iterator[None]:
-    """Tell what Snakemake's run in this process does, by what the steps of a study do."""
+    """Tell what Snakemake's run in this process does, by what the steps of a study do.
+
+    Parameters
+    ----------
+    study : Study
+    stream : text stream, where it is told; None: standard error
+    """
     shown = Progress(lambda rule, wildcards: step(study, rule, wildcards), stream or sys.stderr)
     logger, installed = logging.getLogger("snakemake.logging"), _Installed(shown)
     logger.addFilter(installed)

@@ -73,6 +73,11 @@ def _level(model: GaussianProcess, asked: float | None) -> float:
 def study_of(model: GaussianProcess, given: str) -> studies.Study:
     """The study that a surrogate came from, by its name or its file.
 
+    Parameters
+    ----------
+    model : GaussianProcess
+    given : str, the study's name or file
+
     Raises
     ------
     InputError

@@ -41,6 +41,11 @@ _UNTOLD = 0.8  # share of its range over which a factor's interval tells nothing
 def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProcess]:
     """The study of a folder ``results/<study>`` and its surrogate, or another of its surrogates.
 
+    Parameters
+    ----------
+    folder : Path, ``results/<study>``
+    file : Path, another surrogate; None: the folder's own
+
     Raises
     ------
     InputError
@@ -122,7 +127,13 @@ def _usual(study: Study, name: str) -> str:
 def ask(
     folder: Path, words: Mapping[str, Sequence[str] | None], tell: Callable[[str], None] = lambda words: None
 ) -> Answer:
-    """Answer a question from the results of a study; what is being done is told in words.
+    """Answer a question from the results of a study.
+
+    Parameters
+    ----------
+    folder : Path, ``results/<study>``
+    words : mapping of str to sequence of str, what every option says; None: it was not given
+    tell : callable, takes what is being done, in words
 
     Raises
     ------
@@ -149,7 +160,13 @@ def ask(
 
 
 def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool = False) -> str:
-    """What measurements tell of some factors: a line each, with its 95 % interval, in engineering units unless `si`.
+    """What measurements tell of some factors: a line each, with its 95 % interval.
+
+    Parameters
+    ----------
+    folder : Path, ``results/<study>``
+    words : mapping of str to sequence of str, what every option says; None: it was not given
+    si : bool, whether numbers are in SI instead of engineering units
 
     Raises
     ------

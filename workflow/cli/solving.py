@@ -199,6 +199,11 @@ class _Whole:
 def as_csv(answer: xr.Dataset, path: Path) -> None:
     """Write the answer to a table as a table: one row a case, columns of factors and quantities with their units.
 
+    Parameters
+    ----------
+    answer : Dataset, over ``case``
+    path : Path, the file
+
     Raises
     ------
     InputError

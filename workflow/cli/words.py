@@ -15,7 +15,18 @@ def say(message: str) -> None:
 
 
 def numbers(where: str, text: str) -> list[float]:
-    """Numbers between commas; `InputError` names `where` and the part that is none."""
+    """Numbers between commas.
+
+    Parameters
+    ----------
+    where : str, the option, which the message names
+    text : str, what it says
+
+    Raises
+    ------
+    InputError
+        The part that is no number.
+    """
     values = []
     for part in text.split(","):
         try:
@@ -26,7 +37,18 @@ def numbers(where: str, text: str) -> list[float]:
 
 
 def quantity(where: str, text: str, units: str) -> float:
-    """A number, bare in SI or with its unit, in SI; `InputError` names `where` and what is none.
+    """A number, bare in SI or with its unit, in SI.
+
+    Parameters
+    ----------
+    where : str, the option, which the message names
+    text : str, what it says
+    units : str, SI, to which a written unit must be of the same kind
+
+    Raises
+    ------
+    InputError
+        What is no such number.
 
     Examples
     --------
@@ -44,9 +66,17 @@ def quantity(where: str, text: str, units: str) -> float:
 
 
 def pairs(text: str, units: Mapping[str, str]) -> dict[str, float]:
-    """``NAME=VALUE`` between commas, of the option ``--at``, in SI; `InputError` names the part that is none.
+    """``NAME=VALUE`` between commas, of the option ``--at``, in SI.
 
-    ``units`` are those of every name that may be given; another's number is bare.
+    Parameters
+    ----------
+    text : str, what the option says
+    units : mapping of str to str, SI, of every name that may have a unit; another's number is bare
+
+    Raises
+    ------
+    InputError
+        The part that is none.
     """
     found: dict[str, float] = {}
     for part in text.split(","):

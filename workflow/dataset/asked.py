@@ -48,6 +48,12 @@ def near(study: Study, places: Sequence[Place], number: int) -> dict[str, xr.Dat
 
     Where one factor is the same in all cases of a place, cases differ in it by `AROUND` only; along its other factors
     they are spread over the place's range, and as far beyond. Of films, some cases share what needs tables of its own.
+
+    Parameters
+    ----------
+    study : Study
+    places : sequence of Place
+    number : int, that of the round, from 0
     """
     random = np.random.default_rng([study.validation.seed, _SEED, number])
     count, together = _count(study, number), TOGETHER if study.tabled else 1
@@ -70,17 +76,25 @@ def _count(study: Study, number: int) -> int:
     return whole * (number + 1) // ROUNDS - whole * number // ROUNDS
 
 
-def enough(study: Study, places: Sequence[Place]) -> bool:
+def _enough(study: Study, places: Sequence[Place]) -> bool:
     """Whether every place is as sure as the study asks for."""
     until = study.surrogate.until
     return until is not None and all(place.doubt <= until for place in places)
 
 
 def write(study: Study, places: Sequence[Place], number: int, path: Path) -> None:
-    """Write the factors of a round's cases, or none where there is no doubt left."""
+    """Write the factors of a round's cases, or none where there is no doubt left.
+
+    Parameters
+    ----------
+    study : Study
+    places : sequence of Place
+    number : int, that of the round, from 0
+    path : Path, the file
+    """
     for place in places:
         log.info("%s: 95 %% intervals within %.2g of the value or the limit", place.name, place.doubt)
-    cases = {} if enough(study, places) else near(study, places, number)
+    cases = {} if _enough(study, places) else near(study, places, number)
     doubts = {"doubt": ("place", [place.doubt for place in places]), "place": [place.name for place in places]}
     title = "cases that a surrogate asks for, and how unsure it was where it does"
     write_whole(described(xr.Dataset({**cases, **doubts}), title, SOURCE, MEANINGS | _MEANINGS), path)
@@ -90,12 +104,25 @@ _MEANINGS = {"doubt": "largest half-width of a 95 % interval, of the goal over i
 
 
 def slabs(study: Study, path: str | Path) -> int:
-    """Number of files that hold the cases of a round; 0 of one that asks for none."""
+    """Number of files that hold the cases of a round; 0 of one that asks for none.
+
+    Parameters
+    ----------
+    study : Study
+    path : str or path, the file of the round's cases
+    """
     return min(partition.count(study), -(-read_whole(Path(path)).sizes.get("case", 0) // TOGETHER))
 
 
 def write_slab(study: Study, path_of_cases: Path, index: int, path: Path) -> None:
-    """Solve a part of a round's cases exactly, and write them; those that the solver refuses are masked."""
+    """Solve a part of a round's cases exactly, and write them; those that the solver refuses are masked.
+
+    Parameters
+    ----------
+    study : Study
+    path_of_cases, path : Path, the file of the round's cases, and the one to write
+    index : int, number of the part, from 0
+    """
     cases = read_whole(path_of_cases)
     places = np.arange(cases.sizes["case"]) // TOGETHER
     part = np.isin(places, np.array_split(np.unique(places), slabs(study, path_of_cases))[index])
@@ -105,7 +132,13 @@ def write_slab(study: Study, path_of_cases: Path, index: int, path: Path) -> Non
 
 
 def joined(calibration: xr.Dataset, further: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Cases for calibration with those that were asked for, which are not spread evenly; as they are without any."""
+    """Cases for calibration with those that were asked for, which are not spread evenly.
+
+    Parameters
+    ----------
+    calibration : Dataset, over ``case``
+    further : sequence of Dataset, over ``case``; without any, the cases stay as they are
+    """
     if not further:
         return calibration
     even = calibration.get(EVEN, xr.DataArray(np.ones(calibration.sizes["case"], np.int8), dims="case"))

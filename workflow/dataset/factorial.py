@@ -49,14 +49,27 @@ def axis_inputs(study: Study) -> list[Input]:
 
 
 def grouping(study: Study, learned: xr.Dataset | None = None) -> Grouping:
-    """How what the surrogate learns follows from a study's groups; logarithms are chosen where it has the factorial."""
+    """How what the surrogate learns follows from a study's groups; logarithms are chosen where it has the factorial.
+
+    Parameters
+    ----------
+    study : Study
+    learned : Dataset, the factorial; None: no logarithm is chosen by it
+    """
     plain = similar.grouping(study, inputs(study), axis_inputs(study))
     untold = study.crossed and study.surrogate.log is None
     return plain if learned is None or untold else similar.with_logarithms(plain, study, learned)
 
 
 def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
-    """What is learned of the factorial over its axes: the outputs, or with groups the outputs over their scales."""
+    """What is learned of the factorial over its axes: the outputs, or with groups the outputs over their scales.
+
+    Parameters
+    ----------
+    study : Study
+    data : Dataset, over the axes
+    by : Grouping, the study's; None: it has no groups
+    """
     if by is None:
         return data
     own = {name: data[name] for name in study.axes}
@@ -64,7 +77,13 @@ def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
 
 
 def with_factors(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """Cases over the axes of a study with the factors of each as coordinates."""
+    """Cases over the axes of a study with the factors of each as coordinates.
+
+    Parameters
+    ----------
+    study : Study
+    data : Dataset, over its axes
+    """
     axes = {name: xr.DataArray(data[name].variable) for name in study.axes}
     return data.assign_coords(representatives.factors(study, axes))
 
@@ -75,7 +94,13 @@ def axes(study: Study) -> dict[str, np.ndarray[Any, np.dtype[Any]]]:
 
 
 def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """Cases of the study as the surrogate learns them: every output over the continuous factors or ``case`` alone."""
+    """Cases of the study as the surrogate learns them: every output over the continuous factors or ``case`` alone.
+
+    Parameters
+    ----------
+    study : Study
+    data : Dataset, over the factors or ``case``, and the categories
+    """
     return categories.apart(data, study.categories, study.outputs)
 
 
@@ -91,6 +116,11 @@ def cases(study: Study, name: str) -> xr.Dataset:
 
     Those for calibration have the curves that the surrogate learns, where it can correct them. Those that the solver
     refuses are masked.
+
+    Parameters
+    ----------
+    study : Study
+    name : str, that of the sample
     """
     number, key = SAMPLES[name]
     drawn = points(study, getattr(study.validation, key), (study.validation.seed, number))
@@ -102,15 +132,29 @@ def cases(study: Study, name: str) -> xr.Dataset:
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
-    """Random cases; exact quantities over dimension ``case`` and the categories, see `points`."""
+    """Random cases; exact quantities over dimension ``case`` and the categories, see `points`.
+
+    Parameters
+    ----------
+    study : Study
+    count : int, number of cases
+    seed : sequence of int, of the random generator
+    """
     return exact(study, points(study, count, seed))
 
 
 def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETHER) -> dict[str, xr.DataArray]:
     """Random factors over dimension ``case``, uniform in the axes' own scales.
 
-    Of films, so many cases at a time share the factors for which the solver makes tables; few as these places are, each
-    lies in a part of its own of every such axis.
+    Few as the places of the factors are for which the solver makes tables, each lies in a part of its own of every such
+    axis.
+
+    Parameters
+    ----------
+    study : Study
+    count : int, number of cases
+    seed : sequence of int, of the random generator
+    together : int, how many cases of films share the factors for which the solver makes tables
     """
     random = np.random.default_rng(list(seed))
     found: dict[str, xr.DataArray] = {}
@@ -130,6 +174,12 @@ def towards_ends(
 
     Groups have their ends in corners of the factors' box, which even cases hardly reach. All that share the factors
     for which the solver makes tables follow one another.
+
+    Parameters
+    ----------
+    study : Study
+    drawn : mapping of str to DataArray, over ``case``, SI, the factors as `points` gives them
+    seed : sequence of int, of the random generator
     """
     random = np.random.default_rng(list(seed))
     count = next(iter(drawn.values())).size
@@ -167,11 +217,18 @@ def exact(
 ) -> xr.Dataset:
     """The exact solver at some values of the factorial's factors, for every category and the study's fixed factors.
 
-    ``axes`` hold factors, or of a study with groups all of its axes: then the factors of the cases are coordinates.
-    With the largest stresses that ``peaks`` names, by default those that the data set has; with the regular
-    parts of the surface fields where ``regular``; with the curves that the surrogate learns where ``curves``. Without
-    what is no number in some cases, which no file would hold. With ``holes`` cases that the solver refuses are masked
-    (`workflow.study.refusals`), at most so many.
+    Without what is no number in some cases, which no file would hold.
+
+    Parameters
+    ----------
+    study : Study
+    axes : dict, SI, values of factors, or of a study with groups all of its axes: then the factors of the cases are
+        coordinates
+    positions : iterable of float, of the surface fields, over the contact's half-width; None: no fields
+    peaks : collection of str, the largest stresses that are wanted; None: those that the data set has
+    regular : bool, whether the regular parts of the surface fields are wanted
+    curves : bool, whether the curves that the surrogate learns are wanted
+    holes : float, the most cases that may be refused, which are then masked (`workflow.study.refusals`); None: none
 
     Raises
     ------

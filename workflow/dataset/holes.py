@@ -37,6 +37,12 @@ class Mask:
     def values(self, region: Region, solved: Callable[[], xr.Dataset], frame: xr.Dataset) -> dict[str, NDArray[Any]]:
         """Values of the solved cases of a region for the frame's variables, masked where the solver refuses.
 
+        Parameters
+        ----------
+        region : tuple of slice, the block of the slab
+        solved : callable, solves the block
+        frame : Dataset, whose variables, dimensions and types the values have
+
         Raises
         ------
         HolesError
@@ -50,7 +56,7 @@ class Mask:
             raise self._too_many(str(error)) from None
         if REFUSAL not in found:
             return {str(name): array.values for name, array in found.data_vars.items()}
-        codes = renumbered(found, self._numbers, self.axes)
+        codes = _renumbered(found, self._numbers, self.axes)
         self._refused.append((region, codes))
         self.count += int(np.count_nonzero(codes))
         if self.left < 0:
@@ -84,7 +90,13 @@ def kept(cases: xr.Dataset) -> xr.Dataset:
 
 
 def refused(data: xr.Dataset, axes: Sequence[str]) -> Flags:
-    """Which places along some dimensions are refused in any category, over these dimensions."""
+    """Which places along some dimensions are refused in any category, over these dimensions.
+
+    Parameters
+    ----------
+    data : Dataset, with or without a mask
+    axes : sequence of str, the dimensions
+    """
     if REFUSAL not in data:
         return np.zeros([data.sizes[name] for name in axes], dtype=bool)
     mask = data[REFUSAL] > 0
@@ -92,7 +104,13 @@ def refused(data: xr.Dataset, axes: Sequence[str]) -> Flags:
 
 
 def reasons(data: xr.Dataset, axes: Sequence[str]) -> list[str]:
-    """Why every place that `refused` tells is refused, in their order: the reason of one of its categories."""
+    """Why every place that `refused` tells is refused, in their order: the reason of one of its categories.
+
+    Parameters
+    ----------
+    data : Dataset, with or without a mask
+    axes : sequence of str, the dimensions
+    """
     if REFUSAL not in data:
         return []
     mask = data[REFUSAL]
@@ -101,7 +119,13 @@ def reasons(data: xr.Dataset, axes: Sequence[str]) -> list[str]:
 
 
 def joined(parts: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
-    """Parts of a data set one after the other along a dimension, with one mask where any of them has one."""
+    """Parts of a data set one after the other along a dimension, with one mask where any of them has one.
+
+    Parameters
+    ----------
+    parts : sequence of Dataset, with or without a mask
+    dim : str, the dimension
+    """
     plain = [part.drop_vars([REFUSAL, REASON], errors="ignore") for part in parts]
     whole = xr.concat(plain, dim=dim)
     if not any(REFUSAL in part for part in parts):
@@ -109,7 +133,7 @@ def joined(parts: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
     numbers: dict[str, int] = {}
     dims = [str(axis) for axis in next(part[REFUSAL].dims for part in parts if REFUSAL in part)]
     masks = [
-        renumbered(part, numbers, dims)
+        _renumbered(part, numbers, dims)
         if REFUSAL in part
         else np.zeros([part.sizes[axis] for axis in dims], dtype=np.int32)
         for part in parts
@@ -117,7 +141,7 @@ def joined(parts: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
     return masked(whole, xr.Variable(dims, np.concatenate(masks, axis=dims.index(dim))), list(numbers))
 
 
-def renumbered(data: xr.Dataset, numbers: dict[str, int], dims: Sequence[str]) -> NDArray[np.int32]:
+def _renumbered(data: xr.Dataset, numbers: dict[str, int], dims: Sequence[str]) -> NDArray[np.int32]:
     """The mask of some cases over some dimensions, by the numbers that reasons have; new ones get the next."""
     own = [numbers.setdefault(str(text), len(numbers) + 1) for text in data[REASON].values]
     return np.asarray(np.array([0, *own], dtype=np.int32)[data[REFUSAL].transpose(*dims).values])
@@ -126,6 +150,11 @@ def renumbered(data: xr.Dataset, numbers: dict[str, int], dims: Sequence[str]) -
 def check(data: xr.Dataset, axes: Sequence[str]) -> None:
     """Refuse a factorial that lacks too many of its places.
 
+    Parameters
+    ----------
+    data : Dataset, with or without a mask
+    axes : sequence of str, the dimensions of its places
+
     Raises
     ------
     HolesError
@@ -133,7 +162,9 @@ def check(data: xr.Dataset, axes: Sequence[str]) -> None:
     """
     missing = refused(data, axes)
     if missing.mean() > MOST:
-        raise HolesError(told(int(missing.sum()), missing.size, common(data)) + f"; at most {100 * MOST:.0f} % may be")
+        raise HolesError(
+            _told(int(missing.sum()), missing.size, _common(data)) + f"; at most {100 * MOST:.0f} % may be"
+        )
 
 
 def summary(data: xr.Dataset, axes: Sequence[str]) -> dict[str, Any]:
@@ -158,7 +189,7 @@ def summary(data: xr.Dataset, axes: Sequence[str]) -> dict[str, Any]:
         for name, (low, high) in ends.items()
         if [low, high] != [data[name].values.min(), data[name].values.max()]
     )
-    words = told(int(missing.sum()), missing.size, common(data))
+    words = _told(int(missing.sum()), missing.size, _common(data))
     return {
         "places": int(missing.sum()),
         "of": missing.size,
@@ -168,12 +199,12 @@ def summary(data: xr.Dataset, axes: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def told(count: int, of: int, reason: str) -> str:
+def _told(count: int, of: int, reason: str) -> str:
     """How many places are refused, and why."""
     return f"{count:,} of {of:,} places ({100 * count / of:.2g} %) are refused: {reason}"
 
 
-def common(data: xr.Dataset) -> str:
+def _common(data: xr.Dataset) -> str:
     """The reason of most refused cases."""
     counts = np.bincount(data[REFUSAL].values.ravel(), minlength=data[REASON].size + 1)[1:]
     return str(data[REASON].values[int(counts.argmax())])

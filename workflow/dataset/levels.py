@@ -118,7 +118,13 @@ def _error_along(study: Study, name: str) -> float:
 
 
 def with_levels(study: Study, files: Sequence[str | Path]) -> Study:
-    """The study with the chosen level counts in place; ``files`` holds ``levels.nc``, nothing where none are open."""
+    """The study with the chosen level counts in place.
+
+    Parameters
+    ----------
+    study : Study
+    files : sequence of str or path, ``levels.nc``; nothing where no counts are open
+    """
     if not files:
         return study
     chosen = read_whole(Path(files[0]))

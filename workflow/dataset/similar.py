@@ -142,6 +142,11 @@ def scale(study: Study, quantity: str) -> dict[str, float]:
     """Powers of the study's factors that a quantity is proportional to, at the same groups.
 
     A load and a length make every scale; what is fixed of them is the same in all cases.
+
+    Parameters
+    ----------
+    study : Study
+    quantity : str
     """
     if QUANTITY_WEIGHTS[quantity] == QUANTITY_WEIGHTS["pressure_exponent"]:
         return {}

@@ -44,6 +44,12 @@ def write_slab(study: Study, index: int, path: Path) -> None:
     Shows cases done of all and the time left on a terminal. Cases that the solver refuses are masked, and the file says
     why (`workflow.study.refusals`); a file without such a case is as it was before there were masks.
 
+    Parameters
+    ----------
+    study : Study
+    index : int, number of the slab, from 0
+    path : Path, the file
+
     Raises
     ------
     FactorError

@@ -150,7 +150,13 @@ class Contact:
 
 
 def film(case: Mapping[str, Any], material: Material) -> Stack:
-    """What lies between the electrodes of a case on a single film, whatever its base."""
+    """What lies between the electrodes of a case on a single film, whatever its base.
+
+    Parameters
+    ----------
+    case : mapping, SI, every factor
+    material : Material, that of the film
+    """
     return Stack([Layer(material, float(case["thickness"]))], electroded=case.get("electrode") == "top")
 
 

@@ -132,7 +132,14 @@ class Figures:
 
     @classmethod
     def of(cls, contact: Contact, circuit: Circuit, temperature: float) -> Self:
-        """Those of a contact and a circuit at a temperature [K]."""
+        """Those of a contact and a circuit.
+
+        Parameters
+        ----------
+        contact : Contact
+        circuit : Circuit, that reads it
+        temperature : float, K
+        """
         charge, capacitance = (float(values[0]) for values in contact.at(np.array([contact.most])))
         noise = circuit.noise(capacitance, temperature)
         amplified = abs(circuit.gain) / (capacitance + circuit.capacitance)

@@ -21,6 +21,11 @@ _USUAL = {
 def number(name: str, given: float | str) -> float:
     """The value in SI of a number of a factor or device.
 
+    Parameters
+    ----------
+    name : str, the factor's, or that of a device's number
+    given : float in SI, or str with a unit
+
     Raises
     ------
     ValueError

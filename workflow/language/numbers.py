@@ -13,7 +13,12 @@ _DIGITS = 15  # by which the size of a value chooses its prefix: all that a doub
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """A number for people: ``digits`` digits, plain from 0.001 to 99999 and else with a power of ten; a dash for none.
+    """A number for people: plain from 0.001 to 99999 and else with a power of ten; a dash for none.
+
+    Parameters
+    ----------
+    value : float, or None
+    digits : int, significant ones
 
     Examples
     --------
@@ -46,7 +51,12 @@ def prefixed(size: float, units: str, digits: int = _DIGITS) -> tuple[float, str
     """What to divide values of some size by, and the unit to write then.
 
     A prefix fits where the first symbol of the unit has no exponent, as in ``V m N-1``; a pure number has no unit.
-    ``digits`` are those that will be shown: 999.96 Pa is 1 kPa in four of them.
+
+    Parameters
+    ----------
+    size : float, that of the values, in `units`
+    units : str, in SI
+    digits : int, those that will be shown: 999.96 Pa is 1 kPa in four of them
     """
     scalable = re.match(r"[A-Za-z]+(?: |$)", units) is not None and not units.startswith("kg")
     power = 0
@@ -79,6 +89,12 @@ def written(units: str) -> str:
 def shown(value: float, units: str, digits: int = 5) -> str:
     """A value with its prefix and unit; a dash where there is none.
 
+    Parameters
+    ----------
+    value : float, in `units`
+    units : str, in SI, or ``%`` for a share
+    digits : int, significant ones
+
     Examples
     --------
     >>> shown(0.12261, "m"), shown(2.6e2, "Pa", 2), shown(5e4, "N m-1"), shown(0.08, "%")
@@ -93,7 +109,12 @@ def shown(value: float, units: str, digits: int = 5) -> str:
 
 
 def label(text: str, units: str, most: int) -> str:
-    """A text and its unit in lines of at most so many characters, none of them cut, the unit in one piece.
+    """A text and its unit in lines, no word cut, the unit in one piece.
+
+    Parameters
+    ----------
+    text, units : str, the unit in brackets behind the text
+    most : int, characters of a line
 
     Examples
     --------

@@ -12,6 +12,11 @@ _SIZE = re.compile(r"\s*(?P<value>\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)\s*(?P<unit>.
 def size(name: str, text: str) -> tuple[float, float]:
     """A size of a quantity or factor: its absolute part in SI, and its share of the value.
 
+    Parameters
+    ----------
+    name : str, the quantity or factor
+    text : str, as a study has it
+
     Raises
     ------
     ValueError
@@ -35,6 +40,11 @@ def size(name: str, text: str) -> tuple[float, float]:
 
 def told(name: str, text: str) -> str:
     """A size as people write it.
+
+    Parameters
+    ----------
+    name : str, the quantity or factor
+    text : str, as a study has it
 
     Examples
     --------

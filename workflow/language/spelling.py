@@ -13,6 +13,11 @@ def nearest(name: str, known: list[str]) -> str:
 
     Of many names the one that was meant is enough.
 
+    Parameters
+    ----------
+    name : str, as it was written
+    known : list of str, what it may be
+
     Examples
     --------
     >>> nearest("voltage_per_load", ["voltage_sensitivity", "voltage_noise"])

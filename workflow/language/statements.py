@@ -102,7 +102,19 @@ class Limit:
 
 
 def objective(text: str, *, maximise: bool = True, meeting: Meeting = "line") -> Objective:
-    """Read an objective on a meeting of punch and body; ValueError names what is wrong."""
+    """Read an objective.
+
+    Parameters
+    ----------
+    text : str, as a study has it
+    maximise : bool, whether it is not minimised
+    meeting : {"line", "point"}, how punch and body meet
+
+    Raises
+    ------
+    ValueError
+        What is wrong with the text.
+    """
     inner, over = _unwrapped(text)
     if over is not None and maximise:
         raise ValueError(f"{text!r}: a deviation is minimised")
@@ -123,9 +135,17 @@ def _unwrapped(text: str) -> tuple[str, tuple[str, ...] | None]:
 
 
 def limit(text: str, meeting: Meeting = "line") -> Limit:
-    """Read a limit on a meeting of punch and body.
+    """Read a limit.
 
-    ValueError names what is wrong, such as a unit that does not fit the expression.
+    Parameters
+    ----------
+    text : str, as a study has it
+    meeting : {"line", "point"}, how punch and body meet
+
+    Raises
+    ------
+    ValueError
+        What is wrong, such as a unit that does not fit the expression.
     """
     if len(text) > grammar.LONGEST:
         raise ValueError(f"a limit of {len(text)} characters is longer than {grammar.LONGEST}")

@@ -50,6 +50,11 @@ def listed(words: Sequence[str]) -> str:
 def spoken(expression: Expression, text: str) -> str:
     """A name, its size, or the ratio of two in words; any other expression as the study writes it, its names in words.
 
+    Parameters
+    ----------
+    expression : Expression
+    text : str, as the study writes it
+
     Examples
     --------
     >>> from workflow.language import grammar
@@ -114,6 +119,11 @@ def _superlative(goal: statements.Objective) -> str:
 def units(one: statements.Objective | statements.Limit, si: str) -> str:
     """The unit in which a statement's values are told, for their own in SI: deviations are shares.
 
+    Parameters
+    ----------
+    one : Objective or Limit
+    si : str, the unit of its values in SI
+
     Examples
     --------
     >>> units(statements.limit("deviation(charge_sensitivity over load) <= 3 %"), "1")
@@ -123,7 +133,13 @@ def units(one: statements.Objective | statements.Limit, si: str) -> str:
 
 
 def bound(limit: statements.Limit, at: float, units: str) -> str:
-    """A limit in words; its number, which a material may give, is in SI units.
+    """A limit in words.
+
+    Parameters
+    ----------
+    limit : Limit
+    at : float, its number, which a material may give, in `units`
+    units : str, in SI
 
     Examples
     --------
@@ -137,6 +153,12 @@ def bound(limit: statements.Limit, at: float, units: str) -> str:
 def value(name: str, number: float, digits: int = 3) -> str:
     """A factor's or quantity's value with its unit.
 
+    Parameters
+    ----------
+    name : str, the factor or quantity
+    number : float, SI
+    digits : int, significant ones
+
     Examples
     --------
     >>> value("radius", 0.05)
@@ -147,6 +169,12 @@ def value(name: str, number: float, digits: int = 3) -> str:
 
 def span(name: str, low: float, high: float, digits: int = 3) -> str:
     """The ends of a factor's range; zero needs no unit.
+
+    Parameters
+    ----------
+    name : str, the factor
+    low, high : float, SI
+    digits : int, significant ones
 
     Examples
     --------

@@ -73,6 +73,12 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
 def joined(study: Study, quantities: xr.Dataset, slabs: Sequence[str]) -> xr.Dataset:
     """Quantities of the factorial with the curves of its slabs, which may be none.
 
+    Parameters
+    ----------
+    study : Study
+    quantities : Dataset, over the axes
+    slabs : sequence of str, files of the factorial's slabs in their order
+
     Raises
     ------
     FormatError
@@ -86,12 +92,24 @@ def joined(study: Study, quantities: xr.Dataset, slabs: Sequence[str]) -> xr.Dat
 
 
 def given(study: Study, data: xr.Dataset) -> bool:
-    """Whether data have the curves that a study learns, if it learns any."""
+    """Whether data have the curves that a study learns, if it learns any.
+
+    Parameters
+    ----------
+    study : Study
+    data : Dataset, over the factors or ``case``, and the categories
+    """
     return bool(study.regions) and set(_names(study)) <= data.keys()
 
 
 def learned(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """What the surrogate learns from: the study's outputs, and the curves that the data have."""
+    """What the surrogate learns from: the study's outputs, and the curves that the data have.
+
+    Parameters
+    ----------
+    study : Study
+    data : Dataset, over the factors or ``case``, and the categories
+    """
     found = factorial.learned(study, data)
     if not given(study, data):
         return found

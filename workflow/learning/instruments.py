@@ -52,7 +52,13 @@ class Instrument:
         return f"{100 * self.std * z:+.3g} %" if self.gain else f"{self.std * z:+.3g} {self.units}".strip()
 
     def measures(self, model: GaussianProcess, rows: Measurements) -> NDArray[np.bool_]:
-        """Which measured values it has read, (n,)."""
+        """Which measured values it has read, (n,).
+
+        Parameters
+        ----------
+        model : GaussianProcess, of whose outputs the values are
+        rows : Measurements, n values
+        """
         names = [categories.parted(name)[0] for name in model.outputs_]
         return np.array([names[q] == self.quantity for q in rows.output.tolist()], np.bool_)
 
@@ -60,12 +66,16 @@ class Instrument:
 def shown(
     instruments: list[Instrument], model: GaussianProcess, rows: Measurements, z: Array, mean: Array, slopes: Array
 ) -> tuple[Array, Array]:
-    """What instruments at scaled values z (m,) show of true means (n,), and its derivatives.
+    """What instruments show of true means, (n,), and its derivatives by constants and instruments, (n, k + m).
 
     Parameters
     ----------
-    slopes
-        Derivatives of the true means by the constants, (n, k); with those by the instruments (n, k + m).
+    instruments : list of Instrument, m of them
+    model : GaussianProcess, of whose outputs the values are
+    rows : Measurements, n values
+    z : ndarray, shape (m,), scaled values of the instruments
+    mean : ndarray, shape (n,), the true means, SI
+    slopes : ndarray, shape (n, k), derivatives of the true means by the constants
     """
     gain, offset, columns = np.ones(len(mean)), np.zeros(len(mean)), []
     for instrument, value in zip(instruments, z.tolist(), strict=True):

@@ -80,6 +80,16 @@ def check(
     """Raise InputError, before anything is learnt, for a plan that a surrogate with these unknowns cannot give.
 
     That is none or too many measurements, names that it has not, or ends outside of its trained box.
+
+    Parameters
+    ----------
+    model : GaussianProcess, corrected by what was measured so far
+    count : int, further measurements
+    wanted : list of str, constants or outputs that the plan shall tell
+    known : list of str, the unknown constants
+    errors : mapping of str to (float, float), absolute part in SI and share of the value, by quantity
+    box : mapping of str to (float, float), SI, where measurements can be taken; factors without an entry: anywhere
+    at : mapping of str to float, SI, the place at which wanted outputs are asked for
     """
     if not 1 <= count <= MOST:
         raise InputError(f"--plan: {count} measurements; must be 1 to {MOST}")

@@ -21,6 +21,12 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
 
     Cases that solver or model have no answer to are left out.
 
+    Parameters
+    ----------
+    study : Study
+    readout : Readout, one of its own
+    model : GaussianProcess, its surrogate
+
     Returns
     -------
     xarray.Dataset

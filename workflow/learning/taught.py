@@ -31,7 +31,13 @@ _RARE = 0.01  # chance of so few rows within their intervals from which on they 
 
 
 def understated(found: Learnt, output: int) -> bool:
-    """Whether errors are said to be larger than stated."""
+    """Whether errors are said to be larger than stated.
+
+    Parameters
+    ----------
+    found : Learnt
+    output : int, number of the measured output
+    """
     return found.scale(output)[1] > LARGER
 
 
@@ -57,9 +63,16 @@ class Taught:
         model: GaussianProcess,
         nominal: Array,
     ) -> Self:
-        """What was learnt about unknowns (k,), some of them single constants beside families: flags (k,).
+        """What was learnt from measured rows.
 
-        The model's nominal means at the measured values are given.
+        Parameters
+        ----------
+        found : Learnt
+        rows : Measurements, n values
+        unknown : list of Unknown, k of them
+        single : ndarray of bool, shape (k,), whether it is a single constant beside its family
+        model : GaussianProcess, the nominal surrogate
+        nominal : ndarray, shape (n,), its means at the measured values
         """
         constants, count = _constants(found, unknown), len(np.unique(rows.row))
         told = {
@@ -120,7 +133,7 @@ class Taught:
         return lines
 
 
-def odds_said(odds: float) -> str:
+def _odds_said(odds: float) -> str:
     """Odds in words, never more than as many draws as there are can tell."""
     if odds > ROUNDS:
         return f"more than {ROUNDS} to 1"
@@ -129,7 +142,7 @@ def odds_said(odds: float) -> str:
 
 def _verdict(what: str, odds: float) -> dict[str, Any]:
     """Whether an explanation is needed."""
-    said = odds_said(odds)
+    said = _odds_said(odds)
     if odds > REAL:
         verdict = f"{what} ({said})"
     elif odds < UNSEEN:
@@ -172,7 +185,7 @@ def _discrepancy(found: Learnt, rows: Measurements, model: GaussianProcess, nomi
         own, by_constants, _ = one.at(one.points)
         values.append(own - by_constants @ draw.mean)
     share = float(np.sqrt(np.mean(np.mean(values, axis=0) ** 2))) / size if size else 0.0
-    said = odds_said(odds)
+    said = _odds_said(odds)
     if odds > REAL:
         verdict = f"a discrepancy that no constant explains is real ({said}), {100 * share:.2g} % of its size"
     elif odds < UNSEEN:
@@ -200,7 +213,7 @@ def _outliers(found: Learnt, rows: Measurements, model: GaussianProcess) -> list
         away = float((rows.value[k] - found.left_out[0][k]) / found.left_out[1][k])
         odds = float(found.wild[k] / max(1 - found.wild[k], 1e-12))
         verdict = (
-            f"row {row}, {output}: an outlier ({odds_said(odds)}), {away:+.1f} standard deviations from what the "
+            f"row {row}, {output}: an outlier ({_odds_said(odds)}), {away:+.1f} standard deviations from what the "
             "other rows say; it counts for little"
         )
         named.append({"row": row, "output": output, "away": away, "odds": min(odds, float(ROUNDS)), "verdict": verdict})
@@ -210,7 +223,7 @@ def _outliers(found: Learnt, rows: Measurements, model: GaussianProcess) -> list
 def _open(told: dict[str, Any]) -> list[str]:
     """Explanations that the rows do not decide between."""
     found = [
-        f"a discrepancy of {row['output']} ({odds_said(row['odds'])})"
+        f"a discrepancy of {row['output']} ({_odds_said(row['odds'])})"
         for row in told["discrepancies"]
         if UNSEEN <= row["odds"] <= REAL
     ]
@@ -221,7 +234,7 @@ def _open(told: dict[str, Any]) -> list[str]:
     ]
     own = told.get("single_constants_off")
     if own and UNSEEN <= own["odds"] <= REAL:
-        found.append(f"{own['what']} ({odds_said(own['odds'])})")
+        found.append(f"{own['what']} ({_odds_said(own['odds'])})")
     return found
 
 

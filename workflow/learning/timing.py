@@ -105,6 +105,11 @@ def by_quantity(study: Study, times: dict[str, float]) -> list[dict[str, float |
 
     Asking for one quantity costs as much as asking for all of its kind: the closed-form ones come together, and so do
     those that are searched for over the body.
+
+    Parameters
+    ----------
+    study : Study
+    times : dict of str to float, s, as they were measured
     """
     query = times["surrogate_mean_std_per_query"]
     rows: list[dict[str, float | str]] = []
@@ -122,7 +127,13 @@ def _once(action: Callable[[], object]) -> float:
 
 
 def seconds(action: Callable[[], object], repeats: int = 3) -> float:
-    """The least of a few runs, after one that warms up."""
+    """The least time of a few runs, after one that warms up [s].
+
+    Parameters
+    ----------
+    action : callable, what is run
+    repeats : int, number of runs
+    """
     action()
     times = []
     for _ in range(repeats):

@@ -37,7 +37,13 @@ def compression(study: Study) -> float:
 
 
 def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
-    """Gaussian process of the study's outputs on its factorial, or on what a cross approximation asked for of it."""
+    """Gaussian process of the study's outputs on its factorial, or on what a cross approximation asked for of it.
+
+    Parameters
+    ----------
+    study : Study
+    quantities : Dataset, over the axes and categories, or over the crossed places
+    """
     data, by = filled.whole(study, curves.learned(study, quantities)), None
     if study.groups:
         data = factorial.with_factors(study, data)
@@ -45,10 +51,10 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
     if curves.given(study, quantities):  # some outputs follow from them
         model: GaussianProcess = curves.model(study, compression(study), by)
     elif by is not None:
-        own = (lambda names: crossing(study)) if study.crossed else None
+        own = (lambda names: _crossing(study)) if study.crossed else None
         model = GroupedGP(by, study.surrogate.kernel, compression=compression(study), process=own)
     else:
-        model = crossing(study) if study.crossed else process(study, study.learned)
+        model = _crossing(study) if study.crossed else process(study, study.learned)
     model.made_from_ = study.physics
     if study.surrogate.level is not None:
         model.level_ = study.surrogate.level
@@ -56,11 +62,17 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
 
 
 def process(study: Study, outputs: Sequence[str]) -> GridGP:
-    """The process of some outputs on the study's factorial, not fitted."""
+    """The process of some outputs on the study's factorial, not fitted.
+
+    Parameters
+    ----------
+    study : Study
+    outputs : sequence of str
+    """
     return GridGP(study.surrogate.kernel, factorial.inputs(study), outputs, compression=compression(study))
 
 
-def crossing(study: Study) -> CrossGP:
+def _crossing(study: Study) -> CrossGP:
     """The cross approximation of a study, which asks for places before it is fitted."""
     return CrossGP(
         factorial.axis_inputs(study),
@@ -74,11 +86,17 @@ def crossing(study: Study) -> CrossGP:
 
 
 def places(study: Study, solved: Sequence[xr.Dataset]) -> xr.Dataset:
-    """What a cross approximation asks for after the slabs of its batches so far: see `CrossGP.ask`."""
+    """What a cross approximation asks for after the slabs of its batches so far: see `CrossGP.ask`.
+
+    Parameters
+    ----------
+    study : Study
+    solved : sequence of Dataset, the slabs
+    """
     if not solved:
-        return crossing(study).ask(None)
+        return _crossing(study).ask(None)
     known = factorial.learned(study, batches.joined(solved))
-    return crossing(study).ask(
+    return _crossing(study).ask(
         factorial.scaled(study, known, factorial.grouping(study, known) if study.groups else None)
     )
 
@@ -106,7 +124,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     by = groups_of(model)
     reduced = factorial.scaled(study, quantities, by)
     if study.crossed:
-        decays = lines.decays(crossing(study), reduced)
+        decays = lines.decays(_crossing(study), reduced)
     else:
         decays = counts.decays(reduced, factorial.axis_inputs(study), study.learned)
     if by is not None:
@@ -133,7 +151,14 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
 def answered(
     study: Study, cases: xr.Dataset, model: GaussianProcess
 ) -> tuple[dict[str, xr.DataArray], xr.Dataset, dict[str, int]]:
-    """Factors and cases of a sample that solver and model answer, and how many of the others there are of each kind."""
+    """Factors and cases of a sample that solver and model answer, and how many of the others there are of each kind.
+
+    Parameters
+    ----------
+    study : Study
+    cases : Dataset, over ``case``, with or without a mask
+    model : GaussianProcess
+    """
     if REFUSAL not in cases and model.region_ is None:
         return {name: cases[name] for name in study.factors}, cases, {}
     refused = holes.refused(cases, ["case"])
@@ -153,6 +178,8 @@ def calibrated(study: Study, model: GaussianProcess, quantities: xr.Dataset, cas
 
     Parameters
     ----------
+    study : Study
+    model : GaussianProcess, not calibrated
     quantities
         The factorial, with the mask of the cases that are refused.
     cases
@@ -165,7 +192,14 @@ def calibrated(study: Study, model: GaussianProcess, quantities: xr.Dataset, cas
 
 
 def widest(study: Study, model: GaussianProcess, number: int) -> asked.Place:
-    """Where 95 % intervals are widest, of random cases: mean over the outputs, each over its own mean width."""
+    """Where 95 % intervals are widest, of random cases: mean over the outputs, each over its own mean width.
+
+    Parameters
+    ----------
+    study : Study
+    model : GaussianProcess
+    number : int, that of the round, from 0
+    """
     points = factorial.points(study, _TRIED, (study.validation.seed, 6, number), together=1)
     X = np.stack([points[name].values for name in study.factors], axis=-1)
     X = X[model.has_answers(X)]

@@ -23,7 +23,13 @@ _CALIBRATION = 1000  # random cases that calibrate its intervals, at most
 
 
 def beyond(study: Study, target: Target) -> dict[str, tuple[float, float]]:
-    """Factors of which a target asks for values outside the study's ranges: the ranges that hold them too."""
+    """Factors of which a target asks for values outside the study's ranges: the ranges that hold them too.
+
+    Parameters
+    ----------
+    study : Study
+    target : Target
+    """
     wider = {}
     for name, axis in study.factors.items():
         asked = [value for value in target.values(name) if not isinstance(value, str)]
@@ -34,7 +40,13 @@ def beyond(study: Study, target: Target) -> dict[str, tuple[float, float]]:
 
 
 def lines(study: Study, wider: Mapping[str, tuple[float, float]]) -> str:
-    """The lines of the study that would have to be changed, in words."""
+    """The lines of the study that would have to be changed, in words.
+
+    Parameters
+    ----------
+    study : Study
+    wider : mapping of str to (float, float), SI, the ranges as `beyond` gives them
+    """
     parts = []
     for name, (low, high) in wider.items():
         axis = study.factors[name]
@@ -51,6 +63,12 @@ def made(study: Study, target: Target, wider: Mapping[str, tuple[float, float]])
     """The study with wider ranges, and of its outputs what a target asks for.
 
     The levels of an axis, a factor or a group of factors, grow with its range, on its own scale.
+
+    Parameters
+    ----------
+    study : Study
+    target : Target
+    wider : mapping of str to (float, float), SI, the ranges as `beyond` gives them
 
     Raises
     ------

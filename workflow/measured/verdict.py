@@ -41,7 +41,13 @@ class Verdict:
 
 
 def deviation(row: Measurement, value: Spread) -> float | None:
-    """Model less measured over the standard deviation of both; None where no error is published."""
+    """Model less measured over the standard deviation of both; None where no error is published.
+
+    Parameters
+    ----------
+    row : Measurement, value and error in its own unit
+    value : Spread, the model's, in SI
+    """
     if row.error is None:
         return None
     scale = UNITS[row.unit]

@@ -46,6 +46,12 @@ def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, An
     """The terms of a design that depend on the datum: in the case that decides, at the same three lengths.
 
     A deviation has no value in one case: its ``values`` are empty.
+
+    Parameters
+    ----------
+    study : Study
+    target : Target
+    answer : Answer, to the target
     """
     own = study.narrowed(answer.kinds)
     hangs, rows = hanging(own), []
@@ -67,6 +73,11 @@ def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
     In the case that decides a limit of ``trailing_tension``; None without such a limit or such a singularity, which air
     beside the contact takes away, and of points. There
     sigma_xx grows as K / sqrt(1 - X^2): K is its regular part at the edge.
+
+    Parameters
+    ----------
+    study : Study
+    answer : Answer, to one of its targets
     """
     limits = [limit for limit in answer.limits if "trailing_tension" in limit.statement.expression.names()]
     own = study.narrowed(answer.kinds)

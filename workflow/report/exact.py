@@ -34,7 +34,13 @@ def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
 
 
 def contact(study: Study, answer: Answer) -> dict[str, float]:
-    """Both ends of the contact of a design [m], by name of their quantity."""
+    """Both ends of the contact of a design [m], by name of their quantity.
+
+    Parameters
+    ----------
+    study : Study
+    answer : Answer, to one of its targets
+    """
     found = factorial.exact(study.narrowed(answer.kinds), dict(answer.case), peaks=())
     return {name: float(found[name]) for name in study.kind.ends}
 

@@ -96,7 +96,7 @@ def answered(
     case: Case = {**study.fixed, **found.kinds, **found.case}
     built = f"{body_in_words(study, case)}; {punch_in_words(case)}"
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
-    why = (told.beyond, told.advice, told.idle, told.tolerance or cost(found), told.device, sure(found),
+    why = (told.beyond, told.advice, told.idle, told.tolerance or cost(found), told.device, _sure(found),
            asides.spread(found), surroundings.told(around), told.sources)  # fmt: skip
     title = study.titles[name]
     return Screen(
@@ -104,7 +104,7 @@ def answered(
         title=title,
         code=found.goal,
         build=_unbroken(built + asides.within(found)),
-        does=_unbroken(good(target, found, hanging(own), reference)),
+        does=_unbroken(_good(target, found, hanging(own), reference)),
         doubt=doubted(own),
         stops=_unbroken(capital(told.stops)),
         breaks=_unbroken(asides.first_to_break(found)),
@@ -127,7 +127,14 @@ def doubted(study: Study) -> str:
 
 
 def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.Device:
-    """What is drawn of a case, with the ends of its contact [m]."""
+    """What is drawn of a case.
+
+    Parameters
+    ----------
+    study : Study
+    case : mapping, SI, every factor
+    contact : mapping of str to float, m, ends of the contact by quantity
+    """
     profile = str(case.get("profile", CHOICES["profile"][0]))
     trailing, leading = study.kind.ends
     return device.Device(
@@ -162,7 +169,13 @@ def _grounded(study: Study, case: Case) -> bool:
 
 
 def body_in_words(study: Study, case: Case) -> str:
-    """The body under the punch, as ``fibrous, 67 % BaTiO3, 230 µm on steel``."""
+    """The body under the punch, as ``fibrous, 67 % BaTiO3, 230 µm on steel``.
+
+    Parameters
+    ----------
+    study : Study
+    case : mapping, SI, every factor
+    """
     if study.body:
         layers = [_layer(study, layer.plain(case), first=not k) for k, layer in enumerate(study.body)]
         return " on ".join([*layers, _base(case)])
@@ -218,7 +231,7 @@ def _round(profile: str, case: Case) -> str:
     return made + words[profile].format(titles.value(size, float(case[size]), 3))
 
 
-def good(target: Target, found: Answer, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:
+def _good(target: Target, found: Answer, hangs: frozenset[str] = frozenset(), reference: float = 1.0) -> str:
     """What a design does: every goal's value with its band, its datum if it depends on one, and over what."""
     datum = f" (ground {titles.value('datum', reference)} away)"
     parts = [
@@ -259,7 +272,7 @@ def cost(found: Answer) -> str:
     return f"{capital('; '.join(parts))}." if parts else ""
 
 
-def sure(found: Answer) -> str:
+def _sure(found: Answer) -> str:
     """How the first goal's value was found, and how far the surrogate was off."""
     goal = found.terms[0]
     if not goal.exact:

@@ -39,7 +39,14 @@ def study(study: Study) -> str:
 
 
 def dataset(study: Study, cases: int, rows: Sequence[Row]) -> str:
-    """How many cases, and how far the first quantity of interest goes."""
+    """How many cases, and how far the first quantity of interest goes.
+
+    Parameters
+    ----------
+    study : Study
+    cases : int, number of cases
+    rows : sequence of mapping, the quantities, as `tables.dataset` gives them
+    """
     interesting = [parted(name)[0] for name in study.of_interest]
     row = next((row for name in interesting for row in rows if row["name"] == name), rows[0])
     ends = (shown(row[end], row["units"], 3) for end in ("low", "high"))
@@ -47,7 +54,13 @@ def dataset(study: Study, cases: int, rows: Sequence[Row]) -> str:
 
 
 def surrogate(worst: Row, tolerance: float) -> str:
-    """The largest error against what was asked."""
+    """The largest error against what was asked.
+
+    Parameters
+    ----------
+    worst : mapping, the output with the largest error, as `tables.validation` gives it
+    tolerance : float, what was asked, over the range
+    """
     met = "met" if worst["error"] <= tolerance else "not met"
     of = f"of range ({titles.title(str(worst['name']))})"
     return f"Largest error {number(worst['error'], 2)} {of}: asked {number(tolerance, 2)}, {met}."
@@ -112,7 +125,13 @@ def readout(readouts: Sequence[Row]) -> str:
 
 
 def signal(one: Row, design: str) -> str:
-    """What the amplifier shows of a press, what a constant force does, and the noise."""
+    """What the amplifier shows of a press, what a constant force does, and the noise.
+
+    Parameters
+    ----------
+    one : mapping of str to float, as `tables.signal` gives it
+    design : str, the title of the design that is meant
+    """
     constant = "A constant force is held: nothing leaks"
     if math.isfinite(one["time_constant"]):
         constant = (

@@ -40,7 +40,15 @@ def inlined(path: Path, alt: str) -> Markup:
 
 
 def element(text: str, name: str, alt: str, enlarged: float = 1.0) -> Markup:
-    """An SVG of our own making as an element of the page, at most so many times as wide as it is drawn."""
+    """An SVG of our own making as an element of the page.
+
+    Parameters
+    ----------
+    text : str, the SVG
+    name : str, with which its ids begin
+    alt : str, what it shows, for who cannot see it
+    enlarged : float, how many times as wide it may be as it is drawn
+    """
     text = text[text.index("<svg") :]
     while (bare := _WRAPPED.sub(r"\1", text)) != text:  # groups of one, which say nothing of it
         text = bare

@@ -58,7 +58,14 @@ REFUSED = ("drawn", "refused", "refused_inside", "answered_outside")
 
 
 def dataset(folder: Path, hangs: frozenset[str], told: Collection[str]) -> dict[str, Any]:
-    """Range of every quantity that is told, and size of the data set."""
+    """Range of every quantity that is told, and size of the data set.
+
+    Parameters
+    ----------
+    folder : Path, the study's results
+    hangs : frozenset of str, quantities that depend on the datum
+    told : collection of str, quantities that the page tells of
+    """
     data = read_whole(folder / "quantities.nc")
     card = json.loads((folder / CARD).read_text(encoding="utf-8"))
     rows = [
@@ -119,7 +126,13 @@ def _ideal(data: xr.Dataset, study: Study) -> dict[str, Any]:
 
 
 def validation(folder: Path, study: Study) -> dict[str, Any]:
-    """Errors and intervals of every output that is told, on fresh cases, and what ideal intervals would show there."""
+    """Errors and intervals of every output that is told, on fresh cases, and what ideal intervals would show there.
+
+    Parameters
+    ----------
+    study : Study
+    folder : Path, its results
+    """
     data = read_whole(folder / "validation.nc").sel(output=coupling.outputs(study))
     tolerance = float(data.attrs["tolerance"])
     rows: list[dict[str, Any]] = [
@@ -169,7 +182,13 @@ def validation(folder: Path, study: Study) -> dict[str, Any]:
 
 
 def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
-    """What each factor of a parametric study does to a few quantities: their least and largest over its values."""
+    """What each factor of a parametric study does to a few quantities: their least and largest over its values.
+
+    Parameters
+    ----------
+    study : Study
+    folder : Path, its results
+    """
     assert study.effects is not None
     rows = []
     for factor, values in study.effects.vary.items():
@@ -188,7 +207,13 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
 
 
 def sobol(folder: Path, told: Sequence[str]) -> list[dict[str, Any]]:
-    """Total Sobol' indices of every output that is told, by input."""
+    """Total Sobol' indices of every output that is told, by input.
+
+    Parameters
+    ----------
+    folder : Path, the study's results
+    told : sequence of str, outputs that the page tells of
+    """
     totals = read_whole(folder / "sensitivity.nc")["total"].sel(output=list(told)).transpose("output", "input")
     inputs = [str(name) for name in totals["input"].values]
     return [
@@ -198,7 +223,13 @@ def sobol(folder: Path, told: Sequence[str]) -> list[dict[str, Any]]:
 
 
 def readout(name: str, path: Path) -> dict[str, Any]:
-    """How often the intervals of a read-out hold, and how wide they are."""
+    """How often the intervals of a read-out hold, and how wide they are.
+
+    Parameters
+    ----------
+    name : str, the read-out's
+    path : Path, its file
+    """
     data = read_whole(path)
     rows = [
         {

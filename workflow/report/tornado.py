@@ -58,7 +58,13 @@ class Chart:
 
     @classmethod
     def of(cls, name: str, title: str, bars: Sequence[Bar]) -> "Chart":
-        """The chart of some bars, in any order."""
+        """The chart of some bars.
+
+        Parameters
+        ----------
+        name, title : str, the quantity, and the same in words
+        bars : sequence of Bar, in any order
+        """
         return cls(name, title, tuple(sorted(bars, key=lambda bar: -bar.effect)))
 
 

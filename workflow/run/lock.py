@@ -80,7 +80,13 @@ def release() -> None:
 
 
 def begun(name: str, results: str | Path = RESULTS) -> Any:
-    """The frozen content with which the run of a study began; None where there is no run."""
+    """The frozen content with which the run of a study began; None where there is no run.
+
+    Parameters
+    ----------
+    name : str, the study's
+    results : str or path, the folder of all results
+    """
     return _read(Path(results) / name / _LOCK).get("study")
 
 
@@ -91,7 +97,13 @@ def sources(output: Path) -> dict[str, str]:
 
 
 def sweep(folder: Path, orphans: Iterable[Path]) -> None:
-    """Remove orphans, and what killed writers left, from the folder of a study that this process has claimed."""
+    """Remove what a killed run left from the folder of a study that this process has claimed.
+
+    Parameters
+    ----------
+    folder : Path, ``results/<study>``
+    orphans : iterable of Path, files that the study no longer has
+    """
     for left in (*folder.rglob(f".*{PARTIAL}"), *orphans):
         left.unlink(missing_ok=True)
 

@@ -67,7 +67,12 @@ def versions() -> dict[str, str]:
 def write(path: Path, study: str, study_digest: str, seed: int, results: list[Path]) -> None:
     """Write ``provenance.json``: versions, hashes of sources, study and results, the seed and the machine.
 
-    ``study`` is the path of its file, relative to the results' folder.
+    Parameters
+    ----------
+    path : Path, the file
+    study, study_digest : str, the path of the study's file, relative to the results' folder, and its SHA-256
+    seed : int, the study's
+    results : list of Path, the files of the run
     """
     content = {
         "study": study,
@@ -84,7 +89,12 @@ def write(path: Path, study: str, study_digest: str, seed: int, results: list[Pa
 def write_crate(folder: Path, name: str, title: str, study: str, results: list[Path], others: list[str]) -> None:
     """Write the RO-Crate of a run into the results' folder, with the workflow's main file and the study as it began.
 
-    ``study`` is the text of its file, ``others`` are files of the crate that come after it, below the folder.
+    Parameters
+    ----------
+    folder : Path, ``results/<study>``
+    name, title, study : str, the study's name and title, and the text of its file
+    results : list of Path, the files of the run
+    others : list of str, files of the crate that come after it, relative to the folder
     """
     write_text(folder / crate.STUDY, study)
     write_text(folder / crate.WORKFLOW, (ROOT / "workflow/Snakefile").read_text(encoding="utf-8"))

@@ -35,12 +35,12 @@ def check_quantities(study: Contents) -> None:
         raise ValueError(f"surrogate: fields: are not learned over categories: {', '.join(study.categories)}")
     for label, target in study.design.items():
         check_target(study, f"design: {label}", target)
-    check_signal(study)
+    _check_signal(study)
     for label, readout in study.readout.items():
-        check_readout(study, f"readout: {label}", readout)
+        _check_readout(study, f"readout: {label}", readout)
 
 
-def check_signal(study: Contents) -> None:
+def _check_signal(study: Contents) -> None:
     """Whether a press in time has a design, an amplifier that reads it, and a charge that can be read."""
     if study.signal is None:
         return
@@ -60,7 +60,7 @@ def check_signal(study: Contents) -> None:
             raise ValueError(f"signal: these cases have no {name}, whose charge would be read")
 
 
-def check_readout(study: Contents, where: str, readout: Readout) -> None:
+def _check_readout(study: Contents, where: str, readout: Readout) -> None:
     """Whether a read-out knows or infers every factor, and measures what is learned."""
     for name in study.factors:
         if (name in readout.infer) + (name in readout.at) != 1:
@@ -78,7 +78,14 @@ def check_readout(study: Contents, where: str, readout: Readout) -> None:
 
 
 def check_target(study: Contents, where: str, target: Target) -> None:
-    """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs."""
+    """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs.
+
+    Parameters
+    ----------
+    study : Contents
+    where : str, the target's place, with which a message begins
+    target : Target
+    """
     given = [*target.over, *target.at, *target.worst_case, *target.uncertain]
     for name in given:
         if given.count(name) > 1:
@@ -90,13 +97,13 @@ def check_target(study: Contents, where: str, target: Target) -> None:
             raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
     for name in target.names():
         if name in FACTORS and name not in study.factors and not isinstance(study.held(name), float | int):
-            raise ValueError(f"{where}: {name!r} {lack(study, name) or 'has no value in this study'}")
+            raise ValueError(f"{where}: {name!r} {_lack(study, name) or 'has no value in this study'}")
         if name in ALL_QUANTITIES and name not in study.outputs:
             searched = name in ALL_PEAKS.keys() - study.absent - study.searched
-            needs = "needs dataset: peaks: true" if searched else lack(study, name)
+            needs = "needs dataset: peaks: true" if searched else _lack(study, name)
             raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
     for name in target.tolerance:
-        check_tolerance(study, f"{where}: tolerance: {name}", name, target)
+        _check_tolerance(study, f"{where}: tolerance: {name}", name, target)
     for name in target.constants():
         for own in study.chosen(target):
             try:
@@ -105,7 +112,7 @@ def check_target(study: Contents, where: str, target: Target) -> None:
                 raise ValueError(f"{where}: {error}") from None
 
 
-def check_tolerance(study: Contents, where: str, name: str, target: Target) -> None:
+def _check_tolerance(study: Contents, where: str, name: str, target: Target) -> None:
     """Whether a tolerance leaves values of its variable whose whole tolerance is within the study's range."""
     if name not in study.factors:
         raise ValueError(f"{where}: a category has none")
@@ -122,7 +129,7 @@ def check_tolerance(study: Contents, where: str, name: str, target: Target) -> N
             raise ValueError(f"{where}: {given} of {value} is not within {axis.low:g} to {axis.high:g}")
 
 
-def lack(study: Contents, name: str) -> str:
+def _lack(study: Contents, name: str) -> str:
     """Why no case has a quantity or factor, where the body is why."""
     if name in _OF_FILMS and not study.kind.layered:
         return f"is a film's: a {study.kind.unbounded} has none"
@@ -141,7 +148,15 @@ def _instead(study: Contents, name: str) -> str:
 
 
 def check_values(study: Contents, where: str, name: str, values: Sequence[float | str]) -> None:
-    """Whether the study has a factor or category, and values are among what it has of it."""
+    """Raise ValueError unless the study has a factor or category, and values are among what it has of it.
+
+    Parameters
+    ----------
+    study : Contents
+    where : str, with which a message begins
+    name : str, the factor or category
+    values : sequence of float or str, SI, or names
+    """
     if name in study.categories:
         for value in values:
             if value not in study.categories[name]:

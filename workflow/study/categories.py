@@ -26,7 +26,13 @@ def named(kinds: Mapping[str, str]) -> str:
 
 
 def output(quantity: str, kinds: Mapping[str, str]) -> str:
-    """What the surrogate calls a quantity of one combination."""
+    """What the surrogate calls a quantity of one combination.
+
+    Parameters
+    ----------
+    quantity : str
+    kinds : mapping of str to str, the name of every category
+    """
     return f"{quantity}[{named(kinds)}]" if kinds else quantity
 
 
@@ -55,7 +61,14 @@ def titled(output: str) -> str:
 
 
 def apart(data: xr.Dataset, categories: Mapping[str, Sequence[str]], quantities: Iterable[str]) -> xr.Dataset:
-    """Quantities without the categories' dimensions: each of every combination as a variable of its own."""
+    """Quantities without the categories' dimensions: each of every combination as a variable of its own.
+
+    Parameters
+    ----------
+    data : Dataset, with a dimension a category
+    categories : mapping of str to sequence of str, their names
+    quantities : iterable of str, those to take
+    """
     parts: dict[str, xr.DataArray] = {}
     for kinds in combinations(categories):
         for name in quantities:

@@ -244,9 +244,11 @@ class Contents(Keys):
         Parameters
         ----------
         entrance
-            `solver.solve` or `solver.solve_interior`; ``axes`` and ``options`` are its own.
+            `solver.solve` or `solver.solve_interior`.
         factors
             All factors of the cases; of a body those that its layers name, and its base.
+        *axes, **options
+            Further arguments of the entrance.
         """
         options |= {"materials": self.own_materials, "phases": self.phases}
         if not self.body:

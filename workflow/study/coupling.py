@@ -43,7 +43,7 @@ def fields_of(units: str) -> frozenset[Field]:
 
 def fields(study: Contents) -> frozenset[Field]:
     """The fields of a study's cases: those to which some material in use couples, or of which a punch has a charge."""
-    found = {field for material in materials(study) for field in _COUPLING if couples(material, field)}
+    found = {field for material in materials(study) for field in _COUPLING if _couples(material, field)}
     given = _given(study)
     for field, charge in zip(_COUPLING, study.kind.loads.charges, strict=True):
         if charge in study.factors or any(value not in (0.0, None) for value in given.get(charge, [])):
@@ -51,7 +51,7 @@ def fields(study: Contents) -> frozenset[Field]:
     return frozenset(found)
 
 
-def couples(material: Material, field: Field) -> bool:
+def _couples(material: Material, field: Field) -> bool:
     """Whether a material couples a field to its deformation or to the other field."""
     return any(np.any(np.nan_to_num(getattr(material, name))) for name in _COUPLING[field])
 
@@ -79,7 +79,13 @@ def outputs(study: Contents) -> list[str]:
 
 
 def kept(data: xr.Dataset, own: Collection[str]) -> xr.Dataset:
-    """Fields or quantities of a file without those that measure another field than the study's own."""
+    """Fields or quantities of a file without those that measure another field than the study's own.
+
+    Parameters
+    ----------
+    data : Dataset, with units
+    own : collection of Field, the study's own fields
+    """
     units = {name: str(array.attrs.get("units", "1")) for name, array in data.data_vars.items()}
     return data.drop_vars([name for name, unit in units.items() if not fields_of(unit) <= set(own)])
 

@@ -20,7 +20,13 @@ def length(study: Contents) -> float | None:
 
 
 def inner(study: Contents, share: float = 0.5) -> dict[str, float]:
-    """A point of the box, this far from the lower end of every axis on its own scale; by default its middle."""
+    """A point of the box.
+
+    Parameters
+    ----------
+    study : Contents
+    share : float, how far from the lower end of every axis on its own scale; the middle by default
+    """
     return {
         name: float(
             axis.low ** (1 - share) * axis.high**share
@@ -51,6 +57,12 @@ def hanging(study: Contents) -> frozenset[str]:
 
 
 def meaning(name: str, hanging: frozenset[str]) -> str:
-    """What a quantity is, relative to the datum only where it depends on it."""
+    """What a quantity is, relative to the datum only where it depends on it.
+
+    Parameters
+    ----------
+    name : str, the quantity
+    hanging : frozenset of str, quantities that depend on the datum
+    """
     words = ALL_QUANTITIES[name].long_name
     return words if name in hanging else words.removesuffix(_RELATIVE)

@@ -99,7 +99,19 @@ def _powers(text: str, node: Expression) -> dict[str, int]:
 
 
 def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> dict[str, Axis]:
-    """Axes of the data set by name, over the ranges that the box gives; ValueError, in one line, for bad groups."""
+    """Axes of the data set by name, over the ranges that the box gives.
+
+    Parameters
+    ----------
+    groups : mapping of str to Group, by the product as the study writes it
+    factors : mapping of str to Axis
+    fixed : mapping of str to float, SI, factors at one value
+
+    Raises
+    ------
+    ValueError
+        A bad group, in one line.
+    """
     found: dict[str, Axis] = {}
     for text, group in groups.items():
         one = product(text)
@@ -157,7 +169,15 @@ def _usual(one: Product, factors: Mapping[str, Axis], low: float, high: float) -
 def leads(products: Iterable[Product], factors: Mapping[str, Axis]) -> dict[str, str]:
     """The factor that cases of the data set vary for each axis, by the axis: its first one that has a range.
 
-    Raises ValueError, in one line, where two axes would vary the same.
+    Parameters
+    ----------
+    products : iterable of Product, the axes
+    factors : mapping of str to Axis, with a range
+
+    Raises
+    ------
+    ValueError
+        Two axes would vary the same, in one line.
     """
     found: dict[str, str] = {}
     for axis in products:

@@ -77,7 +77,14 @@ class BodyLayer(Strict):
         return {**kind, **self.at(values)}
 
     def made(self, values: Mapping[str, Any], found: Callable[[str], Material], phases: Sequence[str]) -> Layer:
-        """The solver's layer, with factors at values."""
+        """The solver's layer, with factors at values.
+
+        Parameters
+        ----------
+        values : mapping, SI, of the factors
+        found : callable, gives a material by its name
+        phases : sequence of str, names of the two materials of a composite
+        """
         at = self.at(values)
         if self.material is not None:
             material = found(self.material)
@@ -168,9 +175,13 @@ def solved(
     layers
         From the top down.
     entrance
-        The solver's, which is given factors, ``axes``, ``materials``, ``phases`` and ``options``.
+        The solver's.
     factors
         As those of `solver.solve`; those that say what the body is are names in ``layers``, or of the base.
+    materials : mapping of str to Material, the study's own
+    phases : sequence of str, names of the two materials of a composite
+    *axes, **options
+        Further arguments of the entrance.
 
     Raises
     ------
@@ -202,7 +213,15 @@ def solved(
 
 
 def stack(layers: Layers, at: dict[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Stack:
-    """The stack of one combination of factors."""
+    """The stack of one combination of factors.
+
+    Parameters
+    ----------
+    layers : sequence of BodyLayer, from the top
+    at : dict, SI, factors and names
+    materials : mapping of str to Material, the study's own
+    phases : sequence of str, names of the two materials of a composite
+    """
 
     def found(name: str) -> Material:
         return find(name, materials)

@@ -95,7 +95,13 @@ def of_results(folder: Path) -> Path:
 
 
 def check_owner(name: str, folder: Path) -> None:
-    """Refuse, by InputError, a folder of results that were made from another study of the same name."""
+    """Refuse, by InputError, a folder of results that were made from another study of the same name.
+
+    Parameters
+    ----------
+    name : str, the study's
+    folder : Path, of its results
+    """
     other = _recorded(folder.absolute())
     if other and not other.samefile(location(name)):
         raise InputError(f"{folder}: holds the results of {other}; rename {location(name)}, or remove that folder")
@@ -112,7 +118,13 @@ def _recorded(folder: Path) -> Path | None:
 
 
 def from_results(name: str, folder: Path) -> str:
-    """The path of a study's file as its results record it: relative to their folder."""
+    """The path of a study's file as its results record it: relative to their folder.
+
+    Parameters
+    ----------
+    name : str, the study's
+    folder : Path, of its results
+    """
     return os.path.relpath(location(name), folder)
 
 
@@ -121,7 +133,13 @@ def _paths() -> dict[str, str]:
 
 
 def check_name(name: str, where: str) -> None:
-    """Refuse a name that cannot name results; InputError begins with `where`."""
+    """Refuse, by InputError, a name that cannot name results.
+
+    Parameters
+    ----------
+    name : str, the study's
+    where : str, with which the message begins
+    """
     if not _NAME.fullmatch(name):
         raise InputError(
             f"{where}: a study's file must be named with up to 100 of the letters a to z, digits, - and _, "

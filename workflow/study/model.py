@@ -139,6 +139,11 @@ def thawed(frozen: Mapping[str, Any]) -> Study:
 def remade(study: Study, **sections: Any) -> Study:
     """A study with other sections, checked as one that is read from a file.
 
+    Parameters
+    ----------
+    study : Study
+    **sections : what stands in place of its own, as plain values
+
     Raises
     ------
     InputError

@@ -18,7 +18,13 @@ if TYPE_CHECKING:
 
 
 def parameter(study: Study, *sections: str) -> str:
-    """A parameter of a rule that changes when these sections of the study change; all of them by default."""
+    """A parameter of a rule that changes when sections of the study change.
+
+    Parameters
+    ----------
+    study : Study
+    *sections : str, names of the sections; none: all of them
+    """
     names = sections or tuple(Study.model_fields)
     return f"{' '.join(names)}: {study.digest(*names)}"
 
@@ -41,7 +47,13 @@ def study(job: "Snakemake") -> Study:
 
 
 def begun(name: str, results: str | Path) -> Study | None:
-    """The study as it was when its run began; None where there is no run."""
+    """The study as it was when its run began; None where there is no run.
+
+    Parameters
+    ----------
+    name : str, the study's
+    results : str or path, the folder of all results
+    """
     frozen = lock.begun(name, results)
     return None if frozen is None else studies.thawed(frozen)
 

@@ -39,6 +39,11 @@ class Readout(Strict):
 def error(quantity: str, text: str) -> tuple[float, float]:
     """Standard deviation of a measurement: its absolute part in SI, and its share of the value.
 
+    Parameters
+    ----------
+    quantity : str, what is measured
+    text : str, as the study has it: a number with a unit, or in %
+
     Raises
     ------
     ValueError

@@ -151,11 +151,24 @@ def _given(array: xr.DataArray, like: xr.DataArray, shape: Sequence[int]) -> NDA
 
 
 def masked(data: xr.Dataset, mask: xr.Variable, reasons: Sequence[str]) -> xr.Dataset:
-    """Cases with a mask of those that are refused, and its reasons."""
+    """Cases with a mask of those that are refused, and its reasons.
+
+    Parameters
+    ----------
+    data : Dataset, the answers
+    mask : Variable of int, 0 where a case has an answer, else the number of its reason, from 1
+    reasons : sequence of str
+    """
     told = np.array(reasons, dtype=str)
     return data.assign({REFUSAL: (mask.dims, mask.values, _MASK), REASON: ("reason", told, _REASONS)})
 
 
 def labelled(name: str, value: ArrayLike | xr.DataArray) -> xr.DataArray:
-    """Values of a factor, along itself where they are a sequence."""
+    """Values of a factor, along itself where they are a sequence.
+
+    Parameters
+    ----------
+    name : str, the factor's
+    value : DataArray, scalar or sequence, SI
+    """
     return value if isinstance(value, xr.DataArray) else xr.DataArray(np.asarray(value), dims=(name,) * np.ndim(value))

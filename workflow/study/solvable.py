@@ -47,7 +47,7 @@ def check_groups(study: Contents) -> None:
     products = list(study.products.values())
     _check_lone(products)
     grouped.leads(products, study.factors)
-    change = grouped.unlike(products, list(study.factors), standing(study))
+    change = grouped.unlike(products, list(study.factors), _standing(study))
     if change:
         also = (
             "; with air beside the contact the gap counts too: make radius / thickness a group"
@@ -55,7 +55,7 @@ def check_groups(study: Contents) -> None:
             else ""
         )
         raise ValueError(grouped.refusal(change) + also)
-    grouped.check_signs(products, study.factors, standing(study))
+    grouped.check_signs(products, study.factors, _standing(study))
     _check_cases(study)
 
 
@@ -77,7 +77,7 @@ def _check_cases(study: Contents) -> None:
                 )
 
 
-def standing(study: Contents) -> dict[str, Weight]:
+def _standing(study: Contents) -> dict[str, Weight]:
     """Weights of what does not vary and is not 0: similar cases must leave it alone; without the datum."""
     fixed = {name: value for name, value in study.fixed.items() if not isinstance(value, str) and value}
     layers = {
@@ -120,7 +120,7 @@ def _on_punch(study: Contents) -> frozenset[str]:
 
 def _tells(study: Contents, fixed: dict[str, Weight]) -> bool:
     """Whether groups tell cases apart that are not similar under what else stays."""
-    return grouped.unlike(list(study.products.values()), list(study.factors), standing(study) | fixed) is None
+    return grouped.unlike(list(study.products.values()), list(study.factors), _standing(study) | fixed) is None
 
 
 def _on_datum(study: Contents) -> frozenset[str]:
@@ -223,7 +223,7 @@ def solve_effects(study: Contents) -> None:
 def check_size(study: Contents) -> None:
     """Whether what the study asks for can be computed and stored at all."""
     if study.crossed:
-        check_crossed(study)
+        _check_crossed(study)
     elif study.cases > MOST_CASES:
         raise ValueError(f"factors: {study.cases} cases are more than {MOST_CASES}")
     corners = 2 ** len(study.factors) * len(study.combinations)
@@ -251,7 +251,7 @@ def check_size(study: Contents) -> None:
         )
 
 
-def check_crossed(study: Contents) -> None:
+def _check_crossed(study: Contents) -> None:
     """Whether a cross approximation has levels to choose among, and what it learns."""
     for name, axis in study.axes.items():
         if axis.levels is None:

@@ -14,14 +14,14 @@ _ENDED = "gap_radius"  # where the gap below a cone or a power ends
 
 
 def settle(study: Contents) -> None:
-    """Give a study with a device the surroundings that it does not name: air, or insulated where `lacking` says why.
+    """Give a study with a device the surroundings that it does not name: air, or insulated where `_lacking` says why.
 
     Reads, beside no other contact than the study's, what its sections say alone: nothing is solved.
     """
     if study.device is None or "surroundings" in {*study.fixed, *study.categories, *study.factors}:
         return
     _place(study, AIR)
-    study._why_insulated = lacking(study)
+    study._why_insulated = _lacking(study)
     if study._why_insulated:
         _place(study, _INSULATED)
     study._settled = True
@@ -36,7 +36,7 @@ def told(study: Contents) -> str:
     return "surroundings: air, the default of a study with a device (fixed: {surroundings: insulated} leaves it out)"
 
 
-def lacking(study: Contents) -> str:
+def _lacking(study: Contents) -> str:
     """Why a study, which is to be in air, cannot be; empty where it can."""
     profiles = _names(study, "profile")
     known = [PROFILES[name] for name in profiles if name in PROFILES]

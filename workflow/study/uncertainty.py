@@ -70,7 +70,13 @@ class Constant:
         return f"{z * self.std:+.3g}" if self.family == "poisson" else f"{100 * np.expm1(z * self.std):+.3g} %"
 
     def moved(self, material: Material, z: float) -> Material:
-        """The material with this at a scaled value; MaterialError where none is admissible."""
+        """The material with this moved; MaterialError where none is admissible.
+
+        Parameters
+        ----------
+        material : Material
+        z : float, scaled value, standard normal a priori
+        """
         if self.family == "poisson":
             young, poisson = _engineering(material)
             other = Material.isotropic(young, poisson + self.std * z, name=material.name)
@@ -111,6 +117,11 @@ def own(study: Study, constants: list[Constant]) -> list[Constant]:
     """What single constants of these families may be off by, each for itself, beside their families.
 
     The prior standard deviation is the scatter of other published values about their family's mean, and 3 % at least.
+
+    Parameters
+    ----------
+    study : Study
+    constants : list of Constant, the families, and what is named already
     """
     named, found = {constant.name for constant in constants}, []
     for family in constants:
@@ -122,14 +133,27 @@ def own(study: Study, constants: list[Constant]) -> list[Constant]:
 
 
 def members(material: Material, family: str) -> list[str]:
-    """Constants of a material that a family scales, two or more; none of what is no such family."""
+    """Constants of a material that a family scales, two or more; none of what is no such family.
+
+    Parameters
+    ----------
+    material : Material
+    family : str
+    """
     values = {name: float(getattr(material, name)) for name in FAMILIES.get(family, ())}
     found = [name for name, value in values.items() if value not in (0.0, _VACUUM.get(family)) and value == value]
     return found if len(found) > 1 else []
 
 
 def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> Study:
-    """The study with its constants at scaled values; MaterialError where no material is admissible there."""
+    """The study with its constants moved; MaterialError where no material is admissible there.
+
+    Parameters
+    ----------
+    study : Study
+    constants : list of Constant, k of them
+    z : ndarray, shape (k,), scaled values, standard normal a priori
+    """
     changed: dict[str, Material] = {}
     for constant, value in zip(constants, z, strict=True):
         if value:
@@ -139,7 +163,13 @@ def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> St
 
 
 def concerned(study: Study, one: Constant) -> dict[str, str]:
-    """Categories that have to be at a name for a constant to matter; none where it always does."""
+    """Categories that have to be at a name for a constant to matter; none where it always does.
+
+    Parameters
+    ----------
+    study : Study
+    one : Constant
+    """
     held = {kind: one.material for kind in _KINDS if one.material in study.categories.get(kind, [])}
     elsewhere = [*study.fixed.values(), *(layer.material for layer in study.body), *_phases(study)]
     return {} if one.material in elsewhere or len(held) > 1 else held

@@ -95,10 +95,15 @@ class Basis:
 
     @classmethod
     def of(cls, values: Array, error: float) -> Self:
-        """Return the least basis of values, (case, field, point), with a root-mean-square error of a share of them.
+        """Return the least basis that holds cases to a stated error.
 
         The vectors are the first right singular vectors of the cases, found by random projections from a fixed seed (N.
         Halko et al., SIAM Rev. 53 (2011) 217).
+
+        Parameters
+        ----------
+        values : ndarray, shape (case, field, point)
+        error : float, root-mean-square error of the basis, as a share of every field's size
         """
         mean = values.mean(axis=0)
         scales = np.sqrt((values**2).mean(axis=(0, 2)))
@@ -145,7 +150,19 @@ class Basis:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, number: int, panels: Panels) -> Self:
-        """Return the basis in a file; ValueError names what is inconsistent."""
+        """Return the basis in a file.
+
+        Parameters
+        ----------
+        stored : Dataset, the file
+        number : int, that of its curves
+        panels : Panels, on which its points lie
+
+        Raises
+        ------
+        ValueError
+            The arrays do not fit the panels.
+        """
         mean, vectors, scales = (stored[f"curve_{part}_{number}"].values for part in ("mean", "vectors", "scales"))
         fits = vectors.ndim == 3 and vectors.shape[1:] == mean.shape and scales.shape == mean.shape[:1]
         if not fits or mean.shape[-1] != panels.size or not (scales > 0).all():

@@ -190,7 +190,13 @@ class CurveGP(Transformed):
         return self.smooth_.parts
 
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and, with weights (parts, p), variances, as those of the witnesses: (p, B) each."""
+        """Return means and, with weights, variances as those of the witnesses: (p, B) each.
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance; None: no variance
+        """
         smooth, _ = self.smooth_.mean_variance(t, None)
         mean = self._followed(smooth)
         if weights is None:
@@ -239,7 +245,13 @@ class CurveGP(Transformed):
         return out
 
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of the derivatives, (d, p, B), as those of the witnesses."""
+        """Return the weighted variances of the derivatives, (d, p, B), as those of the witnesses.
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (parts, p), of the parts of the variance
+        """
         smooth, _ = self.smooth_.mean_variance(t, None)
         return self._witness.slope_variances(t, weights) * self._links.spread(smooth) ** 2
 
@@ -260,6 +272,10 @@ class CurveGP(Transformed):
         """Correct what is smooth, the curves too where the cases have them; a process over groups stays as it is.
 
         Held-out cases hardly reach the ends of the groups' ranges, where what they tell of its error would be a guess.
+
+        Parameters
+        ----------
+        dataset, errors, t, groups : the cases, as of `Core.corrected`; curves are corrected if `dataset` holds them
         """
         plain = self.smooth_.uncalibrated()
         smooth = in_blocks(t, lambda block: plain.mean_variance(block, None)[0])
@@ -293,7 +309,19 @@ class CurveGP(Transformed):
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a stored state, without the process; ValueError names what is inconsistent."""
+        """Return the model of a stored state, without the process that it is around.
+
+        Parameters
+        ----------
+        stored : Dataset, the state
+        inputs : tuple of Input
+        outputs : dict, `units` and `long_name` of every output
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
         curves, bases, largest = followed(stored, list(outputs))
         known = bool(stored.attrs["logarithms"]), float(stored.attrs["error"])
         model = cls(_unfitted, curves, largest, list(outputs), outputs, *known)

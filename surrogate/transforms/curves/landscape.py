@@ -36,7 +36,13 @@ class Landscape:
     panels: Panels
 
     def summit(self, scores: Array, measure: Measure) -> Top:
-        """Find where a measure is largest on the curves of scores, (rank, B)."""
+        """Find where a measure is largest.
+
+        Parameters
+        ----------
+        scores : ndarray, shape (rank, B), of B sets of curves
+        measure : Measure, of the fields at one place
+        """
         scan, ones = self.panels.scan, np.concatenate([np.ones((1, scores.shape[1])), scores])
         some = self._scanned[:, : measure.fields * scan.points.size]
         fields = (ones.T.astype(some.dtype) @ some).reshape(scores.shape[1], measure.fields, -1)
@@ -57,7 +63,14 @@ class Landscape:
         return self._highest(ones, measure, np.concatenate(curves), np.concatenate(points))
 
     def read(self, scores: Array, summit: Top, field: int) -> Array:
-        """Return a field at places on the curves of scores, (rank, B): (B,)."""
+        """Return a field at places on the curves, (B,).
+
+        Parameters
+        ----------
+        scores : ndarray, shape (rank, B), of the curves
+        summit : Top, the places
+        field : int, number of the field
+        """
         out, ones = np.empty(scores.shape[1]), np.concatenate([np.ones((1, scores.shape[1])), scores])
         for number in np.unique(summit.panel).tolist():
             own = np.flatnonzero(summit.panel == number)

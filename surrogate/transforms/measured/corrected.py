@@ -110,7 +110,13 @@ class CorrectedGP(Transformed):
         return 1 + len(self.constants_)
 
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and, with weights (parts, p), variances at scaled coordinates (d, B): (p, B) each."""
+        """Return means and, with weights, variances: (p, B) each.
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (1, p), of the variance; None: no variance
+        """
         X = self.physical(t)
         base, std = self.nominal_.predict_array(X, return_std=True, extrapolate=True)
         effect = self.effect_.predict_array(X, extrapolate=True).reshape(len(X), len(self.outputs_), self._each)
@@ -139,7 +145,13 @@ class CorrectedGP(Transformed):
         return moments(self._slope_parts(t))[0] + self._derivatives(self.nominal_, t)[0]
 
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, (d, p, B)."""
+        """Return the weighted variances of these derivatives, (d, p, B).
+
+        Parameters
+        ----------
+        t : ndarray, shape (d, B), scaled coordinates
+        weights : ndarray, shape (1, p), of the variance
+        """
         variance = moments(self._slope_parts(t))[1] + self._derivatives(self.nominal_, t)[1]
         return np.asarray(weights[0][:, None] * variance)
 
@@ -215,7 +227,19 @@ class CorrectedGP(Transformed):
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        """Return the model of a stored state, without members; ValueError names what is inconsistent."""
+        """Return the model of a stored state, without its members.
+
+        Parameters
+        ----------
+        stored : Dataset, the state
+        inputs : tuple of Input
+        outputs : dict, `units` and `long_name` of every output
+
+        Raises
+        ------
+        ValueError
+            What is inconsistent, by its name.
+        """
         model = cls.__new__(cls)
         model._describe(inputs, tuple(outputs), outputs)
         found = {str(name): stored[name].values for name in stored.data_vars}

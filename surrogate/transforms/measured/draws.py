@@ -27,7 +27,13 @@ class Draw:
 
     @classmethod
     def of(cls, discrepancies: Mapping[int, Discrepancy], prior: Array) -> "Draw":
-        """Return what the measured values say of constants of these prior deviations (k,), zero where one is known."""
+        """Return what measured values say of the scaled constants.
+
+        Parameters
+        ----------
+        discrepancies : mapping of int to Discrepancy, of the measured outputs by their numbers
+        prior : ndarray, shape (k,), prior deviations of the constants, zero where one is known
+        """
         precision, weighted = np.zeros((len(prior), len(prior))), np.zeros(len(prior))
         for discrepancy in discrepancies.values():
             own, estimate = discrepancy.information

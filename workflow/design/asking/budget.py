@@ -31,7 +31,13 @@ _SAFETY = 3e-7  # relative safety margin: near a kink a shifted limit leaves 0.1
 
 
 def names(question: Question, term: Term) -> list[str]:
-    """Quantities of a term of which a case is costly."""
+    """Quantities of a term of which a case is costly.
+
+    Parameters
+    ----------
+    question : Question
+    term : Term, one of its terms
+    """
     return [name for name in term.expression.names() if name in question.study.costly]
 
 
@@ -55,14 +61,25 @@ class Hybrid:
         self.edge = exact.edge
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Quantities by name."""
+        """Quantities by name.
+
+        Parameters
+        ----------
+        factors : dict of str to ndarray, over (points, scenarios), SI
+        names : sequence of str, the quantities
+        """
         searched = [name for name in names if name in self._costly]
         closed = [name for name in names if name not in self._costly]
         out = self._exact.values(factors, closed) if closed else {}
         return out | (self._predicted.values(factors, searched) if searched else {})
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
-        """Not given, as those of the exact solver."""
+        """Not given, as those of the exact solver.
+
+        Parameters
+        ----------
+        factors, names, over : as of `Source.slopes`
+        """
         return self._exact.slopes(factors, names, over)
 
 
@@ -74,12 +91,25 @@ def affordable(designs: Designs) -> Source:
 
 
 def safety(question: Question, usual: float) -> float:
-    """Safety margin that a polish keeps from the limits, relative; more where the surrogate leads it."""
+    """Safety margin that a polish keeps from the limits, relative; more where the surrogate leads it.
+
+    Parameters
+    ----------
+    question : Question
+    usual : float, the margin where nothing is costly
+    """
     return _SAFETY if asked(question) else usual
 
 
 def words(question: Question, cases: int, moved: bool) -> str:
-    """How a design was polished: on the exact solver alone, led by the surrogate, or not at all."""
+    """How a design was polished: on the exact solver alone, led by the surrogate, or not at all.
+
+    Parameters
+    ----------
+    question : Question
+    cases : int, costly cases that were solved
+    moved : bool, whether the design was polished, and not only moved behind its limits
+    """
     searched = ", ".join(dict.fromkeys(name for term in question.terms for name in names(question, term)))
     kind = "exact" if question.study.kind.tabled else "searched"
     if not searched:
@@ -106,6 +136,11 @@ def count_exactly(design: Designs, term: Term) -> Counted:
     solved, so that a mean or a deviation errs by a thousandth of the surrogate's own errors. Where a great many decide,
     as in a mean, all of the few scenarios of the search are solved instead, and the surrogate says what the many
     change.
+
+    Parameters
+    ----------
+    design : Designs, one of them
+    term : Term, of its question
     """
     many, few = design.question.judged[term.key], design.question.searched[term.key]
     whole = design.values(design.predicted, many, term)
@@ -147,6 +182,11 @@ def thinned(designs: Designs, share: float) -> tuple[Designs, dict[Key, Indices]
 
     With the scenarios of the search in which they are solved: those that decide some term at some design by the
     surrogate.
+
+    Parameters
+    ----------
+    designs : Designs
+    share : float, of what a question can afford, up to 1
     """
     columns: dict[Key, Indices] = {}
     for drawn, chosen in designs.question.searched.items():
@@ -163,7 +203,14 @@ def thinned(designs: Designs, share: float) -> tuple[Designs, dict[Key, Indices]
 
 
 def corrected(designs: Designs, counts: Array, columns: Mapping[Key, Indices]) -> Array:
-    """What all terms count as at designs, (n, terms), with the scenarios that `thinned` gave solved exactly."""
+    """What all terms count as at designs, (n, terms), with some scenarios solved exactly.
+
+    Parameters
+    ----------
+    designs : Designs, n of them
+    counts : ndarray, shape (n, terms), without costly cases
+    columns : mapping of Key to ndarray of int, the scenarios to solve, as `thinned` gives them
+    """
     out = counts.copy()
     for drawn, indices in columns.items():
         chosen = designs.question.searched[drawn]

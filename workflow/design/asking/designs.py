@@ -52,9 +52,22 @@ class Designs:
         return self.factors(chosen)
 
     def values(self, source: Source, chosen: Scenarios, term: Term) -> Array:
-        """A term over some scenarios, (designs, groups, draws)."""
+        """A term over some scenarios, (designs, groups, draws).
+
+        Parameters
+        ----------
+        source : Source, `predicted` or `exact`
+        chosen : Scenarios
+        term : Term
+        """
         return self.question.values(source, self.variables, chosen, [term])[0]
 
     def count(self, source: Source, sets: Mapping[Key, Scenarios]) -> Array:
-        """What every term counts as, (designs, terms)."""
+        """What every term counts as, (designs, terms).
+
+        Parameters
+        ----------
+        source : Source, `predicted` or `exact`
+        sets : mapping of Key to Scenarios, those of every term
+        """
         return self.question.count(source, self.variables, sets)

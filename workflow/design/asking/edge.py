@@ -32,7 +32,13 @@ class Edge:
         return np.asarray(-above.reshape(whole) / self._scale)
 
     def slopes(self, factors: dict[str, Array], over: Sequence[str]) -> Array:
-        """Derivatives of `excess` at one point by some factors, in physical units; (scenarios, variables)."""
+        """Derivatives of `excess` at one point, (scenarios, variables), by physical factors.
+
+        Parameters
+        ----------
+        factors : dict of str to ndarray, over (1, scenarios), SI
+        over : sequence of str, the factors by which is differentiated
+        """
         X, _ = self._points(factors)
         rising = self._region.slopes(unit_coordinates(self._inputs, X))
         names = [own.name for own in self._inputs]

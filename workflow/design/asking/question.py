@@ -150,7 +150,13 @@ class Question:
         }
 
     def factors(self, variables: dict[str, Array], chosen: Scenarios) -> Factors:
-        """Every factor of the factorial at values of the variables, (n,) each, over (points, scenarios)."""
+        """Every factor of the factorial, over (points, scenarios).
+
+        Parameters
+        ----------
+        variables : dict of str to ndarray, shape (n,), SI
+        chosen : Scenarios
+        """
         given = {name: np.full((1, 1), value) for name, value in self.held.items()}
         given |= {name: values[None, :] for name, values in chosen.values.items()}
         given |= {name: values[:, None] for name, values in variables.items()}
@@ -162,7 +168,15 @@ class Question:
     def values(
         self, source: Source, variables: dict[str, Array], chosen: Scenarios, terms: Sequence[Term]
     ) -> list[Array]:
-        """Expressions of some terms, (points, groups, draws) each."""
+        """Expressions of some terms, (points, groups, draws) each.
+
+        Parameters
+        ----------
+        source : Source, of the quantities
+        variables : dict of str to ndarray, shape (points,), SI
+        chosen : Scenarios
+        terms : sequence of Term
+        """
         factors = self.factors(variables, chosen)
         known = self.known(source, factors, [term.expression for term in terms])
         whole = np.zeros(shape(factors))
@@ -170,7 +184,14 @@ class Question:
         return [(term.expression.evaluate(known) + whole).reshape(split) for term in terms]
 
     def count(self, source: Source, variables: dict[str, Array], sets: Mapping[Key, Scenarios]) -> Array:
-        """What every term counts as, (points, terms)."""
+        """What every term counts as, (points, terms).
+
+        Parameters
+        ----------
+        source : Source, of the quantities
+        variables : dict of str to ndarray, shape (points,), SI
+        sets : mapping of Key to Scenarios, those of every term
+        """
         counted: dict[int, Array] = {}
         for chosen in sets.values():
             found = self.values(source, variables, chosen, list(chosen.terms.values())) if chosen.terms else []
@@ -179,7 +200,14 @@ class Question:
         return np.stack([counted[place] for place in range(len(self.terms))], -1)
 
     def known(self, source: Source, factors: Factors, expressions: Sequence[Expression]) -> dict[str, Array]:
-        """Values of all names in some expressions, over (points, scenarios) or an axis of length one."""
+        """Values of all names in some expressions, over (points, scenarios) or an axis of length one.
+
+        Parameters
+        ----------
+        source : Source, of the quantities
+        factors : dict of str to ndarray, over (points, scenarios), SI
+        expressions : sequence of Expression
+        """
         names = list(dict.fromkeys(name for expression in expressions for name in expression.names()))
         learned = [name for name in names if name in ALL_QUANTITIES]
         known = source.values(factors, learned) if learned else {}
@@ -198,6 +226,14 @@ class Question:
 
 def ask(study: Study, name: str, target: Target, source: Source, chosen: dict[str, float] | None = None) -> Question:
     """A question that makes sense on a source.
+
+    Parameters
+    ----------
+    study : Study
+    name : str, the target's
+    target : Target
+    source : Source, of the pilot's quantities
+    chosen : dict, the values of the variables with a list and the names of the categories; None: none
 
     Raises
     ------

@@ -60,12 +60,25 @@ class Scenarios:
 
 
 def corners(target: Target, nodes: Mapping[int, int]) -> Scenarios:
-    """Tensor of Chebyshev-Lobatto nodes over every range: worst cases, tolerances, supports of distributions."""
+    """Tensor of Chebyshev-Lobatto nodes over every range: worst cases, tolerances, supports of distributions.
+
+    Parameters
+    ----------
+    target : Target
+    nodes : mapping of int to int, nodes a factor by the number of factors: `SEARCHED` or `JUDGED`
+    """
     return _parted(target, _tensor(_levels(target, nodes)), 1)
 
 
 def along(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Scenarios:
-    """The same, in groups: the draws of each are the nodes of some names, all others stand still."""
+    """The same, in groups: the draws of each are the nodes of some names, all others stand still.
+
+    Parameters
+    ----------
+    target : Target
+    names : tuple of str, its uncertain or tolerated factors
+    nodes : mapping of int to int, nodes a factor by the number of factors: `SEARCHED` or `JUDGED`
+    """
     levels = _levels(target, nodes)
     rest = _tensor({name: values for name, values in levels.items() if name not in names})
     own = _tensor({name: levels[name] for name in names})
@@ -81,6 +94,12 @@ def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) ->
     An uncertain factor has its own distribution, one of ``worst_case`` and a tolerance the uniform one. The weights
     are those by which a polynomial through the nodes is integrated: for the uniform one C. W. Clenshaw and A. R.
     Curtis, Numer. Math. 2 (1960) 197.
+
+    Parameters
+    ----------
+    target : Target
+    names : tuple of str, its uncertain or tolerated factors
+    nodes : mapping of int to int, nodes a factor by the number of factors: `SEARCHED` or `JUDGED`
     """
     every, parts = _levels(target, nodes), list[Array]()
     for name in names:
@@ -100,7 +119,13 @@ def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) ->
 
 
 def draws(target: Target, count: int) -> Scenarios:
-    """Sobol' draws of the distributions, uniform within tolerances, at a few nodes of every worst-case range."""
+    """Sobol' draws of the distributions, uniform within tolerances, at a few nodes of every worst-case range.
+
+    Parameters
+    ----------
+    target : Target
+    count : int, number of draws, a power of two
+    """
     ranges = _ranges(target)
     groups = _tensor({name: _nodes(*ends, GROUPS.get(len(ranges), 3)) for name, ends in ranges.items()})
     size = len(next(iter(groups.values()))) if groups else 1

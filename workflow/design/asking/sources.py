@@ -36,10 +36,23 @@ class Source(Protocol):
     edge: Edge | None
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Quantities by name, (points, scenarios) each."""
+        """Quantities by name, (points, scenarios) each.
+
+        Parameters
+        ----------
+        factors : dict of str to ndarray, over (points, scenarios), SI
+        names : sequence of str, the quantities
+        """
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
-        """Derivatives at one point by the factors ``over``, (scenarios, variables) each, in physical units."""
+        """Derivatives at one point, (scenarios, variables) each, in physical units.
+
+        Parameters
+        ----------
+        factors : dict of str to ndarray, over (1, scenarios), SI
+        names : sequence of str, the quantities
+        over : sequence of str, the factors by which they are differentiated
+        """
 
 
 class Exact:
@@ -66,7 +79,13 @@ class Exact:
         return self._study.quantities
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Quantities by name; factors that share a dimension are evaluated together."""
+        """Quantities by name; factors that share a dimension are evaluated together.
+
+        Parameters
+        ----------
+        factors : dict of str to ndarray, over (points, scenarios), SI
+        names : sequence of str, the quantities
+        """
         axes = {name: _labelled(values) for name, values in factors.items()}
         peaks = [name for name in names if name in ALL_PEAKS]
         if self._beyond is None:
@@ -101,7 +120,12 @@ class Exact:
         return float(np.hypot(*(found[part].values for part in parts)).max())
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
-        """Not given: the question differentiates by difference quotients."""
+        """Not given: the question differentiates by difference quotients.
+
+        Parameters
+        ----------
+        factors, names, over : as of `Source.slopes`
+        """
         raise NotImplementedError("the exact solver gives no derivatives")
 
 
@@ -118,7 +142,13 @@ class Predicted:
         self._parts: dict[tuple[str, ...], GaussianProcess] = {}
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Means by name."""
+        """Means by name.
+
+        Parameters
+        ----------
+        factors : dict of str to ndarray, over (points, scenarios), SI
+        names : sequence of str, the quantities
+        """
         X, whole = self._points(factors)
         model = self._of(names)
         mean = model.predict_array(X)
@@ -151,7 +181,12 @@ class Predicted:
         return float(np.ptp(deviation)) / 2, float(np.abs(ends).max())
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
-        """Derivatives of the means."""
+        """Derivatives of the means.
+
+        Parameters
+        ----------
+        factors, names, over : as of `Source.slopes`
+        """
         X, _ = self._points(factors)
         inputs = list(self._model.box)
         model = self._of(names)

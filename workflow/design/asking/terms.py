@@ -123,7 +123,13 @@ class Term:
         return kept
 
     def oriented(self, rows: Array | float, safety: float = 0.0) -> Array:
-        """Rows that are maximised, or those of a limit as relative excess plus a safety margin."""
+        """Rows that are maximised, or those of a limit as relative excess.
+
+        Parameters
+        ----------
+        rows : ndarray of any shape, values in the expression's unit
+        safety : float, margin that is added to the excess
+        """
         if not self.limited:
             return np.asarray(self.sign * rows)
         return np.asarray(self.sign * (rows - self.bound) / self.scale + safety)
@@ -148,10 +154,15 @@ def wanted(objective: Objective, statistic: Statistic, over: Deviation | None = 
 
 
 def limited(limit: Limit, scale: float, bound: float, over: Deviation | None = None, *, drawn: bool = True) -> Term:
-    """The term of a limit at a bound in SI.
+    """The term of a limit.
 
-    ``scale`` stands for a bound of zero; ``over`` says what a deviation is taken over; where nothing is drawn, a
-    probability is that of every case.
+    Parameters
+    ----------
+    limit : Limit
+    scale : float, SI, stands for a bound of zero
+    bound : float, SI
+    over : Deviation, what a deviation is taken over; None: it has none
+    drawn : bool, whether there are draws; where nothing is drawn, a probability is that of every case
     """
     measure: risk.RiskMeasure = risk.WorstCase()
     promised = limit.probability if drawn else None

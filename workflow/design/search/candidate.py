@@ -67,7 +67,13 @@ class Candidate:
         )
 
     def problem(self, source: Source, safety: Array | None = None) -> Problem:
-        """The question for the optimiser; several objectives as the compromise that the fronts normalise."""
+        """The question for the optimiser; several objectives as the compromise that the fronts normalise.
+
+        Parameters
+        ----------
+        source : Source, of the quantities
+        safety : ndarray, shape (limits,), margins that are added to the relative excesses; None: zero
+        """
         problem = program.problem(self.question, source, safety)
         if self.normalisation is None:
             return problem
@@ -78,12 +84,24 @@ class Candidate:
         return replace(self, best=maximise(self.problem(source), scan=program.scan(self.question)))
 
     def improved(self, source: Source, safety: Array) -> "Candidate":
-        """The best design near this one, with a safety margin to every limit."""
+        """The best design near this one, with a safety margin to every limit.
+
+        Parameters
+        ----------
+        source : Source, of the quantities
+        safety : ndarray, shape (limits,), relative margins
+        """
         best = self.best
         return replace(self, best=improve(self.problem(source, safety), best.x, self.size(best.objective)))
 
     def retreated(self, source: Source, safety: Array) -> "Candidate":
-        """The nearest design behind the limits with their safety margins."""
+        """The nearest design behind the limits with their safety margins.
+
+        Parameters
+        ----------
+        source : Source, of the quantities
+        safety : ndarray, shape (limits,), relative margins
+        """
         problem = self.problem(source, safety)
         return replace(self, best=replace(self.best, x=retreat(problem, self.best.x))).counted(source)
 

@@ -22,6 +22,11 @@ _X, _Y = np.linspace(-3.0, 3.0, 121), -np.linspace(0.03, 3.0, 61)
 def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
     """Exact fields of one case of a study.
 
+    Parameters
+    ----------
+    study : Study
+    case : mapping of str to float or str, SI, the factors that the study does not fix
+
     Returns
     -------
     xarray.Dataset

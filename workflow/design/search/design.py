@@ -35,6 +35,12 @@ class Design:
     def of(cls, study: Study, target: str, model: GaussianProcess) -> Self:
         """The design that answers a target of the study, searched for on the model and judged on the exact solver.
 
+        Parameters
+        ----------
+        study : Study
+        target : str, the name of one of its targets
+        model : GaussianProcess, its surrogate
+
         Raises
         ------
         InputError

@@ -17,7 +17,13 @@ _KEPT = 1e-9  # exact excess that counts as none: the optimiser's own accuracy
 
 
 def trace(asked: Designs, scan: int) -> Front | None:
-    """The front on the surrogate, with the safety margin that its uncertainty asks for; None: not feasible."""
+    """The front on the surrogate, with the safety margin that its uncertainty asks for; None: not feasible.
+
+    Parameters
+    ----------
+    asked : Designs, the question with its sources
+    scan : int, designs of the scan that precedes every search
+    """
     question, predicted = asked.question, asked.predicted
     problem = program.problem(question, predicted, _SAFETY * question.inequality)
     if not question.inputs:
@@ -47,7 +53,13 @@ def normalisation(traced: Sequence[Front]) -> tuple[Array, Array]:
 
 
 def best_of(traced: Front, problem: Problem) -> Optimum:
-    """The design of a front that a scalarised problem rates highest."""
+    """The design of a front that a scalarised problem rates highest.
+
+    Parameters
+    ----------
+    traced : Front
+    problem : Problem, with one objective of several rows
+    """
     objective, excess = problem.value(traced.x)
     best = int(objective.min(1).argmax())
     return Optimum(traced.x[best], float(objective[best].min()), excess[best], True)
@@ -56,8 +68,12 @@ def best_of(traced: Front, problem: Problem) -> Optimum:
 def verified(traced: Designs, share: float = 1.0) -> xr.Dataset:
     """The front of one choice solved again exactly; what breaks a limit is left out.
 
-    What is searched for, milliseconds a case, is solved in the scenarios that decide, for fewer designs if need be:
-    ``share`` says how much of what a question can afford is for this choice.
+    What is searched for, milliseconds a case, is solved in the scenarios that decide, for fewer designs if need be.
+
+    Parameters
+    ----------
+    traced : Designs, those of the front
+    share : float, how much of what a question can afford is for this choice, up to 1
 
     Returns
     -------

@@ -60,7 +60,13 @@ def _tightened(target: Target, name: str) -> str:
 
 
 def near(best: Candidate, other: Candidate) -> Candidate:
-    """The best design of another question near that of one with the same variables, on the surrogate."""
+    """The best design of another question near that of one with the same variables, on the surrogate.
+
+    Parameters
+    ----------
+    best : Candidate, from whose design the search starts
+    other : Candidate, with the other question
+    """
     physical = best.design.variables
     inputs = other.question.inputs
     start = np.array([float(axis.to_unit(physical[name])[0]) for name, axis in inputs.items()])

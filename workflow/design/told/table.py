@@ -28,7 +28,13 @@ _NUMBERS = ("predicted", "predicted_std", "exact", "limit", "margin")
 
 
 def as_text(answer: Answer, *, si: bool = False) -> str:
-    """All that an engineer asks of one design, in lines; in engineering units unless ``si``."""
+    """All that an engineer asks of one design, in lines.
+
+    Parameters
+    ----------
+    answer : Answer
+    si : bool, whether numbers are in SI instead of engineering units
+    """
     lines = [answer.goal, *_paragraph(str(verdict(answer)))]
     lines += [f"  {category.category:44s} {category.kind:25s} {category.kind_role}" for category in answer.categories]
     for variable in answer.variables:

@@ -17,7 +17,13 @@ _FIELDS = ("coercive_field", "breakdown_field")
 
 
 def bound(study: Study, limit: Limit) -> tuple[str, str]:
-    """Whose a limit's bound is, in words, and its source; empty where the study gives a number."""
+    """Whose a limit's bound is, in words, and its source; empty where the study gives a number.
+
+    Parameters
+    ----------
+    study : Study
+    limit : Limit, of one of its targets
+    """
     if not limit.borne:
         return "", ""
     found = study.bears(limit.borne)

@@ -45,7 +45,12 @@ def multipliers(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable
 
 
 def gains(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable]) -> dict[str, float]:
-    """What ends of the ranges, `moved`, would likely bring; of those of which it is known."""
+    """What ends of the ranges, `moved`, would likely bring, relative; of those of which it is known.
+
+    Parameters
+    ----------
+    answer, binding, ends : as of `multipliers`
+    """
     if len(answer.objectives) > 1:  # a compromise of several goals has no one gradient
         return {}
     changes = {end.name: abs(moved(end)) for end in ends}
@@ -53,7 +58,14 @@ def gains(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable]) -> 
 
 
 def lessened(answer: Answer, broken: Term, end: Variable) -> float:
-    """Relative change for the better of a limit's value, were the end moved."""
+    """Relative change for the better of a limit's value, were the end moved.
+
+    Parameters
+    ----------
+    answer : Answer
+    broken : Term, its limit that is not kept
+    end : Variable, one of its variables that stands at an end of its range
+    """
     place = answer.terms.index(broken)
     return float(-broken.statement.sign * np.sign(broken.exact) * end.sensitivity.elasticity[place]) * moved(end)
 

@@ -91,7 +91,13 @@ class Term:
         return titles.units(self.statement, self.units)
 
     def shown(self, value: float, digits: int = 3) -> str:
-        """One of its values with the unit."""
+        """One of its values with the unit.
+
+        Parameters
+        ----------
+        value : float, over the term's unit
+        digits : int, significant ones
+        """
         return shown(value, self.shown_units, digits)
 
     @property

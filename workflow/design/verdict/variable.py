@@ -27,7 +27,13 @@ class End(StrEnum):
 
     @classmethod
     def of(cls, *, upper: bool, studied: bool) -> "End":
-        """The end of that side and range."""
+        """The end of that side and range.
+
+        Parameters
+        ----------
+        upper : bool, whether it is the upper end
+        studied : bool, whether the range is the study's and not the part that was asked for
+        """
         if upper:
             return cls.UPPER if studied else cls.UPPER_ASKED
         return cls.LOWER if studied else cls.LOWER_ASKED

@@ -34,13 +34,25 @@ from workflow.study.target import Target
 
 
 def figures_of(answer: Answer, target: Target) -> dict[str, Figure]:
-    """Those that matplotlib draws, by kind; the contact where the answer has its fields."""
+    """Those that matplotlib draws, by kind; the contact where the answer has its fields.
+
+    Parameters
+    ----------
+    answer : Answer
+    target : Target, which it answers
+    """
     contact = ["contact"] if "position" in answer.pictures.dims else []
     return {kind: draw(kind, answer) for kind in (*kinds(target), *contact) if kind in _DRAWN}
 
 
 def draw(kind: str, answer: Answer) -> Figure:
-    """One figure of an answer of `design.answer`."""
+    """One figure of an answer of `design.answer`.
+
+    Parameters
+    ----------
+    kind : str, that of the figure
+    answer : Answer
+    """
     return _DRAWN[kind](answer)
 
 

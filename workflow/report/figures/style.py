@@ -70,7 +70,14 @@ _FIELDS = {
 
 
 def field_label(field: xr.DataArray, size: float, where: str = "") -> tuple[float, str]:
-    """What to divide a field by where values of some size are shown, and its label with the unit then."""
+    """What to divide a field by where values of some size are shown, and its label with the unit then.
+
+    Parameters
+    ----------
+    field : DataArray, with its units
+    size : float, of its values, in these units
+    where : str, where it is, for the label
+    """
     scale, units = numbers.prefixed(size, str(field.attrs["units"]), digits=2)
     own = str(field.name)
     name = titles.title(own) if own in TITLES and "position" in field.dims else _FIELDS.get(own, titles.title(own))
@@ -88,12 +95,25 @@ def by_ratio(values: Array) -> bool:
 
 
 def factor_scale(name: str, values: Array) -> tuple[float, str]:
-    """What to divide a factor by on its axis, and its unit there."""
+    """What to divide a factor by on its axis, and its unit there.
+
+    Parameters
+    ----------
+    name : str, the factor's
+    values : ndarray, SI, those that are drawn
+    """
     return numbers.prefixed(float(np.abs(values).max()), FACTORS[name].units)
 
 
 def logarithmic(ax: Axes, which: str, values: Array) -> None:
-    """A logarithmic axis of plain numbers, as many as have room beside each other."""
+    """Make an axis logarithmic, with plain numbers, as many as have room beside each other.
+
+    Parameters
+    ----------
+    ax : Axes
+    which : {"x", "y"}, the axis
+    values : ndarray, those along it, > 0
+    """
     (ax.set_xscale if which == "x" else ax.set_yscale)("log")
     axis = ax.xaxis if which == "x" else ax.yaxis
     decades = np.log10(values.max() / values.min())
@@ -104,7 +124,13 @@ def logarithmic(ax: Axes, which: str, values: Array) -> None:
 
 
 def save(figure: Figure | str, path: Path) -> None:
-    """Write a figure as SVG, with what a pointer over it can say, or one that is SVG; whole or not at all."""
+    """Write a figure as SVG, with what a pointer over it can say; whole or not at all.
+
+    Parameters
+    ----------
+    figure : Figure, or str that is SVG already
+    path : Path, the file
+    """
     if isinstance(figure, str):
         write_text(path, figure)
         return
