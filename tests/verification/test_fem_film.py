@@ -13,6 +13,7 @@ FIGURES = (2.103852975e-04, 6.959044108e-07, -5.393112137e02, 6.164540932e-04)
 FILM, PUNCH = Layer(BARIUM_TITANATE, 0.5e-3), Punch(0.05)
 
 
+@pytest.mark.soak
 def test_contact_under_a_load_is_the_published_one() -> None:
     found = under_load([FILM], None, PUNCH, 1e5, order=6)
     assert found.load == pytest.approx(1e5, rel=1e-6)

@@ -83,8 +83,8 @@ class Project:
         done = self.snakemake("-n", "--quiet", "host", "--", target)
         return set(plans.rules(done.stdout + done.stderr))
 
-    def planned_after(self, edits: Sequence[tuple[str, str, str]], target: str) -> list[set[str]]:
-        """The same after each of some edits alone, (file, old, new), from one process."""
+    def planned_after(self, edits: Sequence[Sequence[tuple[str, str, str]]], target: str) -> list[set[str]]:
+        """The same after edits that are made together, (file, old, new), and then others alone; from one process."""
         done = self.run("python", plans.__file__, target, said=json.dumps(edits))
         return [set(found) for found in json.loads(done.stdout)]
 
